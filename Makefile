@@ -6,7 +6,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations ste
 	hard_crossings) tests/models/impulses
 LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-python paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -20,20 +20,24 @@ install: .venv/bin/python  ## make .venv and install the package with everything
 run:  ## the main job on the shipped samples
 	$(PYTHON) -m rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite
 
-test:  ## the default tests (two minutes on two cores)
+test:  ## the default tests (a minute and a half on two cores)
 	$(PYTHON) -m pytest -n 2 --dist worksteal
 
 test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow
 
 test-sweeps:  ## what takes seconds a test, runs a page of the manual (extra docs) or needs a browser (extra browser)
-	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow"
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" --ignore tests/models
 
-test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes on two cores)
+# The sources of the kernels and of their tests, as git names them.
+KERNELS = $(shell git rev-parse HEAD:models/rocking HEAD:tests/models)
+
+test-kernels:  ## the sweeps of the kernels, and their tests with the kernels as plain Python (3 minutes on two cores)
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" tests/models
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.
 	NUMBA_DISABLE_JIT=1 $(PYTHON) -m pytest -q -n 2 --dist worksteal -W ignore::RuntimeWarning $(KERNEL_TESTS) -k "not ($(LONG_IN_PYTHON))"
 	@# .ci/run leaves them out for the sources that have passed.
-	if git diff --quiet HEAD -- models/rocking; then git rev-parse HEAD:models/rocking > .ci/plain-python; fi
+	if git diff --quiet HEAD -- models/rocking tests/models; then echo $(KERNELS) > .ci/kernels; fi
 
 # Studies of our own questions (benchmarks/laboratory): tables and pictures go to build/. Files for which RECORDS stands
 # may need OPTIONS="--units g --events TABLE".
@@ -84,9 +88,10 @@ LEAST ?= 0.90
 mutants:  ## COUNT=400 changes of operators and constants, drawn by SEED=1: the tests notice LEAST=0.90 of them (an hour)
 	$(PYTHON) tests/mutants/sample.py --count $(COUNT) --seed $(SEED) --least $(LEAST)
 
-lint:  ## ruff: format and rules
+lint:  ## ruff: format and rules; subjects of the branch's commits
 	$(PYTHON) -m ruff format --check .
 	$(PYTHON) -m ruff check .
+	$(PYTHON) tests/commit_subjects.py
 
 types:  ## mypy on both packages
 	$(PYTHON) -m mypy

@@ -17,9 +17,9 @@ from rockpulse.errors import RockpulseError
 from rockpulse.models import Block
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.studies.site.design import BEYOND, SiteSample, covered, design_sequence
-from rockpulse.studies.site.records import rotation_to_cover
+from rockpulse.studies.site.design import BEYOND, SiteSample, covered_rotations, design_sequence
 from rockpulse.studies.site.sequence_design import coverage_of, leave_one_event_out
+from rockpulse.studies.site.site_records import rotation_to_cover
 
 CONDITIONING = ConditioningSettings(baseline="mean", highpass_hz=0.1)
 QUANTILES = (0.5, 0.84)
@@ -76,7 +76,7 @@ def main() -> None:
     for quantile in QUANTILES:
         sequence = design_sequence(sample, quantile)
         marks = leave_one_event_out(sample, quantile).covered
-        stands = np.average(covered(sample, sequence)[~np.isnan(sample.peaks)] != BEYOND)
+        stands = np.average(covered_rotations(sample, sequence)[~np.isnan(sample.peaks)] != BEYOND)
         share, low, high = coverage_of(marks, sample, 0.9)
         of_all = coverage_of(marks, sample, 0.9, standing=False)[0]
         interval = f"{share:8.3f} ({low:.3f} to {high:.3f})"

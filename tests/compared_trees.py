@@ -2,8 +2,8 @@
 
 from contextlib import nullcontext
 
+from rockpulse.views.diff.difference_overview import difference_overview
 from rockpulse.views.diff.differences import compare_results
-from rockpulse.views.diff.overview import difference_overview
 
 
 class InMemory:

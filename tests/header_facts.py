@@ -7,13 +7,14 @@ a warning that the unchanged one does not give. Facts without a partner are list
 
 import re
 import sys
+import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
-from header_fact_table import TABLE
 from make_format_samples import format_samples, read_options
 
 from rockpulse.errors import RockpulseError
@@ -86,10 +87,11 @@ def said(sample: str, content: bytes) -> tuple[str, list[str]]:
 
 
 def facts() -> Iterator[HeaderFact]:
-    """Every fact of the table."""
-    for sample, rows in TABLE.items():
-        for row in rows:
-            yield HeaderFact(sample, *row)
+    """Every fact of the table header_facts.toml."""
+    table = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    for sample, rows in table.items():
+        for what, pattern, changed, *others in rows:
+            yield HeaderFact(sample, what, pattern.encode("latin-1"), changed.encode("latin-1"), *others)
 
 
 def main() -> int:

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 VOID = {"meta", "input", "img", "br"}
 
 #: Elements whose text is not the report's: code, and tables of what readers said of files.
-FOREIGN = {"script", "style", "pre", "warnings", "failures", "left-out", "inputs"}
+FOREIGN = {"script", "style", "pre", "record-warnings", "failures", "left-out", "inputs"}
 
 #: Fields, values of the configuration, settings and commands.
 QUOTED = re.compile(r"\{\w+\}|«[^»]*»|\[\w+\] \w+( = \S+)?|rockpulse \w+")
@@ -28,7 +28,7 @@ class PageTexts(HTMLParser):
             data = json.loads(own["data-motions"])
             self.texts += [*data["words"].values(), *(record["words"] for record in data["records"])]
             scenes = [scene for body in data["bodies"] for scene in body["scenes"]]
-            self.texts += [text for scene in scenes for text in (*scene["why"], scene.get("remark", ""))]
+            self.texts += [text for scene in scenes for text in (*scene["why"], scene.get("warning", ""))]
         if tag not in VOID:
             self.open.append((tag, bool(FOREIGN & {tag, own.get("id")})))
 

@@ -60,6 +60,7 @@ def test_no_reader_loads_anything_heavy():
     assert loaded(none_of(f"import {name}" for name in ["rockpulse.readers", *names])) == []
 
 
+@pytest.mark.sweep
 def test_small_verbs_the_faces_and_the_configuration_load_nothing_heavy():
     faces = ("rockpulse", "rockpulse.models", "rockpulse.config", "rockpulse.plots")
     assert loaded(none_of([*(command(*one) for one in SMALL), *(f"import {name}" for name in faces)])) == []

@@ -12,7 +12,7 @@ from make_schema import KINDS, TABLE, with_tables
 import rockpulse as rp
 from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings, UncertaintySettings
 from rockpulse.assessment.tree import EVENT
-from rockpulse.remark import WARNINGS
+from rockpulse.warning_text import WARNINGS
 from synthetic import synthetic_motion
 
 SCHEMA = (Path(__file__).parents[1] / "docs" / "schema.md").read_text(encoding="utf-8")

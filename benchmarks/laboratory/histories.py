@@ -26,9 +26,9 @@ from rockpulse.assessment.spectra import overturning_factors, overturning_spectr
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.studies.check.code_spectra import damping_factor, displacement_of
 from rockpulse.studies.check.codes import circolare_2009, circolare_2019
 from rockpulse.studies.check.mechanism import senses_of
-from rockpulse.studies.check.spectra import damping_factor, displacement_of
 from rockpulse.views.plots.picture import picture_bytes
 from rockpulse.views.plots.style import BLACK, BLUE, GREEN, PALE, RED, caption, panel_title, plain_ticks, several_axes
 

@@ -13,7 +13,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from rockpulse.cli import build_parser
-from rockpulse.commands.init_config import template
+from rockpulse.commands.init_config import config_template
 
 COLUMNS = "100"
 
@@ -53,7 +53,7 @@ class ConfigurationTemplate(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The text of the file."""
-        text = template()
+        text = config_template()
         return [nodes.literal_block(text, text, language="toml")]
 
 

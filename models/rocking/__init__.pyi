@@ -6,7 +6,7 @@ from .body.supports import FloorMotion as FloorMotion
 from .body.supports import floor_motion as floor_motion
 from .body.supports import with_pedestal as with_pedestal
 from .impulses.impulsive import impulsive_response as impulsive_response
-from .impulses.main_sequence import critical_impulse_at as critical_impulse_at
+from .impulses.main_sequence import critical_impulse as critical_impulse
 from .impulses.main_sequence import resonance as resonance
 from .impulses.main_sequence import resonance_safety as resonance_safety
 from .impulses.sequence import ImpulseSequence as ImpulseSequence

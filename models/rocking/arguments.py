@@ -1,18 +1,18 @@
-"""Arguments and answers of the models: numbers for one lane, a block under a scale factor, and arrays for several."""
+"""Checks of the arguments of the models, and the types of their results: numbers for one lane, arrays for several."""
 
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-#: A number for one lane, an array of them for several.
+#: A number for one lane (a block under a scale factor), an array for several lanes.
 Floats: TypeAlias = float | NDArray[np.float64]
 Integers: TypeAlias = int | NDArray[np.integer[Any]]
 Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """The value as a finite number, or a one-dimensional array of them if `lanes` allows it; else a ValueError."""
+    """Return a finite number or, if `lanes` allows it, a one-dimensional array of them; else raise ValueError."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)
@@ -26,19 +26,19 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
 
 
 def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
-    """As :func:`numbers`, each of them above zero, in `unit`."""
+    """Check the value as :func:`numbers` does, and that each number is above zero; `unit` is for the message."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
     return array
 
 
-#: A number of main impulses that is no limit.
+#: The number of main impulses that stands for "no limit".
 UNLIMITED = 2**62
 
 
 def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
-    """A whole number of at least `least`, or an array (q,) of them if `lanes` allows it; else a ValueError."""
+    """Return a whole number of at least `least` or, if `lanes` allows it, an array (q,); else raise ValueError."""
     array = np.asarray(value)
     if array.ndim > int(lanes) or not np.issubdtype(array.dtype, np.integer):
         shape = " or a (q,) array of them" if lanes else ""
@@ -48,8 +48,8 @@ def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
     return int(array) if array.ndim == 0 else array.astype(np.int64)
 
 
-def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Values of one shape: single ones repeated, arrays of one length as they are; a ValueError for several lengths."""
+def common_shape(**values: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Repeat single values to the common length of the arrays; raise ValueError if the arrays differ in length."""
     try:
         return tuple(np.broadcast_arrays(*values.values()))
     except ValueError:
@@ -58,28 +58,28 @@ def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def record_samples(name: str, values: ArrayLike) -> np.ndarray:
-    """Accelerations (n,) at the samples of a record [m/s2], finite, at least two; a ValueError otherwise."""
+    """Return the accelerations (n,) of a record [m/s2]; raise ValueError unless they are finite and at least two."""
     try:
         array = np.ascontiguousarray(_real(values), dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
     if array.ndim != 1 or array.size < 2:
         raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
-    if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # NaN is the smallest: no copy is made
+    if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # without a copy; NaN is kept
         first = int(np.flatnonzero(~np.isfinite(array))[0])
         raise ValueError(f"{name}: sample {first} is {array[first]}; NaN and infinite samples must be mended first")
     return read_only(array)
 
 
 def _real(values: ArrayLike) -> ArrayLike:
-    """The values; a TypeError for complex ones, of which numpy would drop a part, and for values that are masked."""
+    """Return the values; raise TypeError for complex values, whose imaginary part numpy would drop, and masked ones."""
     if np.ma.is_masked(values) or np.iscomplexobj(values):
         raise TypeError
     return values
 
 
 def read_only(array: np.ndarray) -> np.ndarray:
-    """The array, not to be written to: of one type whoever gives it, so that the kernel is compiled once for all."""
+    """Return a read-only view of the array, so that kernels see one array type and are compiled once."""
     view = array.view()
     view.flags.writeable = False
     return view

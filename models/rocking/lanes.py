@@ -1,4 +1,4 @@
-"""Lanes, each one block under one factor on the input: values with one entry a lane, and threads that share them."""
+"""Lanes, each one block under one factor on the input: arrays with one entry per lane, and threads for them."""
 
 import os
 import threading
@@ -11,39 +11,39 @@ from typing import Any, Self
 
 import numpy as np
 
-#: Slices per thread: lanes differ in cost, so a thread that is done early takes another one.
+#: Slices per thread: lanes differ in cost, so a thread that finishes early takes another slice.
 SLICES_PER_THREAD = 8
-#: The limits in force. A list, not one number: the blocks of several threads overlap and end in any order.
+#: The limits in force, a list because the `with` blocks of several threads overlap and end in any order.
 _limits: list[int] = []
 _changing = threading.Lock()
 
 
-#: What :func:`lane_field` declares of a field without a fill of its own.
+#: The default settings of :func:`lane_field`.
 OF_LANES = {"fill": np.nan, "axis": -1}
 
 
 def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
-    """A field with one value for each lane along an axis; `fill` is the value of a lane without an answer."""
+    """Declare a field with one value per lane along an axis; `fill` is the value of a lane without a result."""
     return field(metadata={"fill": fill, "axis": axis}, **options)
 
 
 class LaneValues:
-    """A dataclass whose fields made by :func:`lane_field` hold one value for each lane; the others are of them all."""
+    """A dataclass whose fields made by :func:`lane_field` hold one value per lane; other fields hold for all lanes."""
 
     @classmethod
     def lane_fields(cls) -> dict[str, tuple[Any, int]]:
-        """Fill and axis of each field of the lanes, by its name."""
+        """Return fill and axis of each field made by :func:`lane_field`, by name."""
         declared = {one.name: one.metadata for one in fields(cls)}  # type: ignore[arg-type]
         return {name: (own["fill"], own["axis"]) for name, own in declared.items() if "axis" in own}
 
     def changed(self, **values: Any) -> Self:
-        """A copy with other values of some fields, which are taken as they are."""
+        """Return a copy with new values of some fields, which are not checked."""
         other = object.__new__(type(self))
         vars(other).update(vars(self) | values)
         return other
 
     def take(self, places: Any) -> Self:
-        """Some lanes: by their places, a mask or a slice."""
+        """Select lanes by indices, a mask or a slice."""
         found: dict[str, Any] = {}
         for name, (_, axis) in self.lane_fields().items():
             value = getattr(self, name)
@@ -57,7 +57,7 @@ class LaneValues:
 
     @classmethod
     def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
-        """Join parts at their places (k,) among `count` lanes; lanes without a part have the fill of each field."""
+        """Join parts into `count` lanes, each part at its indices (k,); the other lanes get the fill of each field."""
         found: dict[str, Any] = {}
         for name, (fill, axis) in cls.lane_fields().items():
             values = [getattr(part, name) for part in parts]
@@ -76,7 +76,7 @@ class LaneValues:
         return parts[0].changed(**found)
 
     def squeezed(self, drop: tuple[bool, bool]) -> Self:
-        """The same of (q, m) lanes without those of the two axes that are to `drop`: the caller gave a scalar."""
+        """Return (q, m) lanes without the axes marked in `drop`, for which the caller gave a scalar."""
         found: dict[str, Any] = {}
         for name, (_, axis) in self.lane_fields().items():
             value = getattr(self, name)
@@ -88,13 +88,13 @@ class LaneValues:
 
 
 def squeezed(values: np.ndarray, drop: tuple[bool, bool], axis: int = -1) -> Any:
-    """Values of (q, m) lanes, m along an axis, without those of the two axes to `drop`; a number of one lane."""
+    """Return values of (q, m) lanes, m along `axis`, without the axes marked in `drop`; one lane gives a number."""
     values = values.squeeze(axis=tuple(axis - 1 + place for place, dropped in enumerate(drop) if dropped))
     return values.item() if values.ndim == 0 else values
 
 
 def available_cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -102,7 +102,7 @@ def available_cores() -> int:
 
 @contextmanager
 def thread_limit(threads: int) -> Iterator[None]:
-    """Limit ``threads=None`` to this number of threads in the whole process; of several limits the smallest holds."""
+    """Limit ``threads=None`` to this number of threads in the whole process; the smallest of several limits holds."""
     threads = _checked(threads, "a whole number of at least 1")
     with _changing:
         _limits.append(threads)

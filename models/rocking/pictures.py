@@ -1,4 +1,4 @@
-"""Small SVG pictures and cards of objects for a notebook, in the units of their data, x to the right, y upwards."""
+"""Small SVG pictures and summary cards of objects for notebooks, in data units, x to the right and y upwards."""
 
 import html
 from abc import ABC, abstractmethod
@@ -7,17 +7,17 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-#: The colour of the text around the picture; then those of Okabe & Ito (2008), and a grey.
+#: Colours: that of the surrounding text, those of Okabe & Ito (2008), and a grey.
 INK = "currentColor"
 BLUE, ORANGE, RED, GREY = "#0072B2", "#E69F00", "#D55E00", "#808080"
-#: Size of a picture [px], and the margin around what is drawn.
+#: Size of a picture and margin around the drawing [px].
 WIDTH, HEIGHT, MARGIN = 380.0, 120.0, 14.0
-#: Columns to which a long line is reduced: more cannot be distinguished.
+#: Number of columns to which a long line is thinned; more could not be distinguished.
 COLUMNS = 300
 
 
 class Picture:
-    """A small SVG of lines, polygons and words over a rectangle of data."""
+    """A small SVG drawing of lines, polygons and texts over a rectangle of data."""
 
     def __init__(
         self,
@@ -27,7 +27,7 @@ class Picture:
         height: float = HEIGHT,
         equal: bool = False,
     ) -> None:
-        """Take the limits of the data; `equal` gives both directions the smaller of their two scales."""
+        """Set the limits of the data; `equal` draws both axes at the smaller of their two scales."""
         self.width: float = width
         self.height: float = height
         low, high = np.array([x_limits[0], y_limits[0]]), np.array([x_limits[1], y_limits[1]])
@@ -51,14 +51,14 @@ class Picture:
         )
 
     def stems(self, x: ArrayLike, y: ArrayLike, colour: str = INK, width: float = 1.0) -> None:
-        """Draw an upright line from zero to every point, all of them as one element."""
+        """Draw a vertical line from zero to every point, all lines as one element."""
         x, y = np.atleast_1d(x), np.atleast_1d(y)
         (feet, base), (_, tips) = self._placed(x, np.zeros(x.size)), self._placed(x, y)
         path = "".join(f"M{at:.1f} {low:.1f}V{tip:.1f}" for at, low, tip in zip(feet, base, tips, strict=True))
         self._parts.append(f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width:g}"/>')
 
     def dot(self, x: float, y: float, colour: str = INK, radius: float = 3.0) -> None:
-        """Draw a point, its radius in pixels."""
+        """Draw a point with a radius in pixels."""
         (at,), (up,) = self._placed([x], [y])
         self._parts.append(f'<circle cx="{at:.1f}" cy="{up:.1f}" r="{radius:g}" fill="{colour}"/>')
 
@@ -70,7 +70,7 @@ class Picture:
         )
 
     def svg(self, label: str) -> str:
-        """The picture as an element `<svg>`, with a label for those who do not see it."""
+        """Return the picture as an `<svg>` element with a label for screen readers."""
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width:g} {self.height:g}" '
             f'width="{self.width:g}" height="{self.height:g}" role="img" aria-label="{html.escape(label)}" '
@@ -78,7 +78,7 @@ class Picture:
         )
 
     def _placed(self, x: ArrayLike, y: ArrayLike) -> tuple[list[float], list[float]]:
-        """Points of the data in pixels from the upper left corner."""
+        """Convert points of the data to pixels from the upper left corner."""
         right = 0.5 * self.width + (np.asarray(x, dtype=float) - self._centre[0]) * self._scale[0]
         down = 0.5 * self.height - (np.asarray(y, dtype=float) - self._centre[1]) * self._scale[1]
         return right.tolist(), down.tolist()
@@ -88,24 +88,24 @@ class Picture:
 
 
 class Shown(ABC):
-    """What a terminal and a notebook show of an object: a line of facts, and a card of them beside a picture."""
+    """Base class of objects that print as one line in a terminal and as a table with a picture in a notebook."""
 
     __slots__ = ()
 
     @abstractmethod
     def _facts(self) -> dict[str, str]:
-        """The facts of the object by short names; a name may be empty."""
+        """Return the main values of the object by short names; a name may be empty."""
 
     @abstractmethod
     def _picture(self) -> Picture | None:
-        """The picture of the object; None where there is nothing to draw."""
+        """Return the picture of the object, or None if there is nothing to draw."""
 
     def __repr__(self) -> str:
         facts = ", ".join(f"{name} {value}".strip() for name, value in self._facts().items())
         return f"<{type(self).__name__} {facts}>"
 
     def _repr_html_(self) -> str:
-        """The object as a notebook shows it: its facts as a table, and the picture beside them."""
+        """Return the HTML for notebooks: a table of the main values beside the picture."""
         title, picture = type(self).__name__, self._picture()
         rows = "".join(
             f'<tr><th style="text-align:left;font-weight:normal;opacity:0.7">{html.escape(name)}</th>'
@@ -118,7 +118,7 @@ class Shown(ABC):
 
 
 def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
-    """A number in a few digits with its unit, the range of several ones, or "unknown" if all are NaN."""
+    """Format a number in a few digits with its unit, several numbers as a range, or only NaN as "unknown"."""
     known = np.asarray(values, dtype=float).ravel()
     known = known[~np.isnan(known)]
     if known.size == 0:
@@ -128,7 +128,7 @@ def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n,) of a line, reduced to the smallest and the largest of each of some columns, in their order."""
+    """Thin the points (n,) of a line to the smallest and the largest in each of `columns` columns, in their order."""
     if y.size <= 2 * columns:
         return x, y
     kept: list[int] = []

@@ -1,4 +1,4 @@
-"""The answer of every model: one :class:`Response` per call, one entry per lane, and the codes of how a motion ends."""
+"""The result of every model: one :class:`Response` per call with one entry per lane, and the codes of its outcomes."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, thinne
 
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
-#: Lanes whose peaks are drawn, and the largest theta/alpha_c that is shown [-].
+#: Largest number of lanes whose peaks are drawn, and largest theta/alpha_c in the picture [-].
 DRAWN, TOP = 200, 1.2
 
 
@@ -21,13 +21,13 @@ class Outcome(IntEnum):
     """How a motion ends."""
 
     AT_REST = 0  #: never uplifted
-    ROCKS = 1  #: uplifted, and comes back to rest or to a bounded motion
+    ROCKS = 1  #: uplifted, then returns to rest or to a bounded motion
     OVERTURNS = 2
-    UNRESOLVED = 3  #: the model cannot say; see the reason
+    UNRESOLVED = 3  #: the model cannot decide; see the reason
 
     @property
     def word(self) -> str:
-        """The name as results hold it: "at_rest", "rocks", "overturns" or "unresolved"."""
+        """The name in result files: "at_rest", "rocks", "overturns" or "unresolved"."""
         return self.name.lower()
 
 
@@ -35,22 +35,22 @@ class Reason(IntEnum):
     """Why a lane is UNRESOLVED."""
 
     NONE = 0
-    IMPACT_LIMIT = 1  #: more impacts in a row than the solver follows (restitution of one or next to it)
+    IMPACT_LIMIT = 1  #: more impacts in a row than the solver computes (restitution of one or close to it)
     FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
-    HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
-    NO_SEQUENCE = 4  #: the record gave no impulse sequence to answer with
-    SHORT_INTERVAL = 5  #: secondary impulses too close for the march; the limit is spacing="continuous"
-    NOT_MODELLED = 6  #: the model does not know what the body has: unlike corners, a wall, ties, loads or thrusts
+    HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model computes
+    NO_SEQUENCE = 4  #: no impulse sequence was found in the record
+    SHORT_INTERVAL = 5  #: secondary impulses too close together for the march; use the limit, spacing="continuous"
+    NOT_MODELLED = 6  #: the model cannot treat a feature of the body: different corners, a wall, ties, loads or thrusts
 
 
-#: Words and colours of the outcomes, in their order.
+#: Names and colours of the outcomes, in their order.
 WORDS = np.array([outcome.word for outcome in Outcome])
 COLOURS = (GREY, BLUE, RED, INK)
 
 
 @dataclass(frozen=True, eq=False)
 class HalfCycles(LaneValues):
-    """The half-cycles of a response, first axis; NaN (or -1) after the last one.
+    """The half-cycles of a response along the first axis; NaN (or -1) after the last one.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class HalfCycles(LaneValues):
     duration, interval : (h, ...) ndarray
         Time to the next impact, inf if there is none, and corrected interval dT_i of the intermediate impulses [s].
     impulse_count : (h, ...) ndarray of int
-        Number n_i of intermediate impulses (0 without, -1 if n -> infinity or there is no half-cycle).
+        Number n_i of intermediate impulses (0 for none, -1 if n -> infinity or there is no half-cycle).
     """
 
     start_velocity: np.ndarray = lane_field()
@@ -78,27 +78,27 @@ class Response(LaneValues, Shown):
     Attributes
     ----------
     peak_rotation_ratio : float or ndarray
-        Largest abs(theta)/alpha_c [-], inside the samples too; inf if overturned, 0 at rest, NaN only if UNRESOLVED.
+        Largest abs(theta)/alpha_c [-], also between samples; inf if overturned, 0 at rest, NaN only if UNRESOLVED.
     outcome, reason : int or ndarray
         :class:`Outcome`, and :class:`Reason`, NONE unless UNRESOLVED.
     overturning_time : float or ndarray
-        Time at which overturning is certain [s]; NaN without.
+        Time at which overturning is certain [s]; NaN without overturning.
     overturning_half_cycle : int or ndarray
-        1 + impacts before overturning; -1 without. The sequence and impulsive models count every half-cycle, the
-        response to a record those that end with a counted impact.
+        1 + impacts before overturning; -1 without overturning. The sequence and impulsive models count every
+        half-cycle, the response to a record only those that end with a counted impact.
     impacts : int or ndarray
-        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 if they never end
+        Number of impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, also after the end of the input; -1 if endless
         (C = 1) or the lane is UNRESOLVED.
     time, rotation, velocity : ndarray or None
-        History [s], [rad], [rad/s], if asked for.
+        History [s], [rad], [rad/s], if requested.
     half_cycles : HalfCycles or None
         The table of the sequence models.
     ground_contact : bool or ndarray or None
         Sequence model only: True if a half-cycle of the corrected march passes through the ground before its end
-        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). The closed form, which knows the end only, is then no
-        motion of the block, and the impulse train gives another answer.
+        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). The closed form, which uses only the end, is then not a
+        possible motion, and the impulse train gives another result.
     active_samples : int or ndarray or None
-        Response to a record only: samples in which the block moved, neither at rest nor overturned.
+        Response to a record only: number of samples in which the block moved.
     """
 
     peak_rotation_ratio: Floats = lane_field()
@@ -116,23 +116,23 @@ class Response(LaneValues, Shown):
 
     @classmethod
     def unresolved(cls, lanes: tuple[int, ...], reason: Reason) -> Self:
-        """The answer of a model that has none for lanes of a shape."""
+        """Return a response whose lanes are all UNRESOLVED for one reason."""
         codes = np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8), np.full(lanes, int(reason), dtype=np.int8)
         return cls(np.full(lanes, np.nan), *codes, np.full(lanes, np.nan), np.full(lanes, -1), np.full(lanes, -1))
 
     def among(self, known: np.ndarray, reason: Reason) -> Self:
-        """A response of some of (m,) blocks, those that are `known` (m,), as one of all; the others UNRESOLVED."""
+        """Extend a response of the blocks marked in `known` (m,) to all (m,) blocks; the others are UNRESOLVED."""
         return self.join([self], [np.flatnonzero(known)], known.size, reason=int(reason))
 
     @property
     def overturned(self) -> Booleans:
-        """Whether the block overturned; False where the outcome is UNRESOLVED."""
+        """Whether the block overturned; False if the outcome is UNRESOLVED."""
         found = np.asarray(self.outcome) == Outcome.OVERTURNS
         return bool(found) if found.ndim == 0 else found
 
     @property
     def outcome_name(self) -> str | np.ndarray:
-        """The outcome in a word: "at_rest", "rocks", "overturns" or "unresolved"; an array of texts for several lanes.
+        """The outcome as text: "at_rest", "rocks", "overturns" or "unresolved"; an array of texts for several lanes.
 
         Examples
         --------
@@ -166,7 +166,7 @@ class Response(LaneValues, Shown):
         return self._history(self.time, self.rotation.reshape(-1, self.time.size)[0])
 
     def _history(self, time: np.ndarray, rotation: np.ndarray) -> Picture:
-        """The rotation in time; of several lanes that of the first."""
+        """Draw the rotation over time; of several lanes, the first."""
         known = np.isfinite(rotation)
         x, y = thinned(time[known], rotation[known])
         reach = max(float(np.max(np.abs(y), initial=0.0)), 1e-12)
@@ -178,9 +178,9 @@ class Response(LaneValues, Shown):
         return picture
 
     def _peaks(self) -> Picture:
-        """The peak of each lane as a bar, in the colour of its outcome; one that overturns reaches beyond alpha_c."""
+        """Draw the peak of each lane as a bar in the colour of its outcome; overturning bars extend beyond alpha_c."""
         peaks, codes = np.ravel(self.peak_rotation_ratio)[:DRAWN], np.ravel(self.outcome)[:DRAWN]
-        # A lane without a value has a stub, so that it is seen.
+        # A lane without a value gets a short bar, so that it is visible.
         heights = np.nan_to_num(np.minimum(peaks, TOP), nan=0.05)
         picture = Picture((-0.5, peaks.size - 0.5), (0.0, TOP), height=90.0)
         picture.line([-0.5, peaks.size - 0.5], [0.0, 0.0], GREY, 0.5)
@@ -194,7 +194,7 @@ class Response(LaneValues, Shown):
 
 
 class LaneResults(NamedTuple):
-    """The (lanes,) arrays that every kernel writes to, with the names and the meaning of a :class:`Response`."""
+    """The (lanes,) arrays to which every kernel writes, named and defined as in :class:`Response`."""
 
     peak_rotation_ratio: np.ndarray
     outcome: np.ndarray
@@ -205,7 +205,7 @@ class LaneResults(NamedTuple):
 
 
 def empty_results(lanes: int, codes: Any = np.int64) -> LaneResults:
-    """Arrays for a kernel to write to; outcome and reason are of the type `codes`."""
+    """Return arrays for a kernel to fill; outcome and reason have the type `codes`."""
     types = (np.float64, codes, codes, np.float64, np.int64, np.int64)
     return LaneResults(*(np.empty(lanes, dtype=kind) for kind in types))
 
@@ -218,7 +218,7 @@ def response_of(
     half_cycles: HalfCycles | None = None,
     **others: np.ndarray,
 ) -> Response:
-    """The (q, m) response that a kernel has written; `motion` (q m, n, 2) is theta and theta' at n samples."""
+    """Make the (q, m) response from the results of a kernel; `motion` (q m, n, 2) is theta and theta' at n samples."""
     lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
     if motion is not None:
         lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}

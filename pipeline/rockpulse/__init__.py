@@ -8,7 +8,7 @@ _of_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
-    """A public name, imported on first use; the AttributeError of another names the nearest public one."""
+    """Import a public name on first use; for an unknown name raise AttributeError with the nearest public name."""
     try:
         return _of_stub(name)
     except AttributeError:

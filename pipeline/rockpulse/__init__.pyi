@@ -68,12 +68,12 @@ from .sequences.rule import Rule as Rule
 from .sequences.rule import load_rule as load_rule
 from .storage.export.long_table import results_table as results_table
 from .storage.hdf5.results_file import save as save
-from .studies.check.bodies import check as check
+from .studies.check.check import check as check
 from .studies.check.codes import KinematicCheck as KinematicCheck
 from .studies.check.codes import kinematic_check as kinematic_check
-from .studies.fragility.analysis import fragility as fragility
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
+from .studies.fragility.fragility import fragility as fragility
 from .studies.risk.free_bodies import free_body_fragility as free_body_fragility
 from .studies.risk.frequency import risk as risk
 from .studies.risk.frequency import standing_test as standing_test

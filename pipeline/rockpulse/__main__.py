@@ -1,4 +1,4 @@
-"""``python -m rockpulse``: the command line where the console script is not on the path."""
+"""``python -m rockpulse``: the command line if the console script is not on the path."""
 
 import sys
 

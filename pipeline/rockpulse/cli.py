@@ -1,4 +1,4 @@
-"""The command line: one module per verb under :mod:`rockpulse.commands`."""
+"""The command line, with one module per verb under :mod:`rockpulse.commands`."""
 
 import argparse
 import io
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
 from rockpulse.commands.parser import Parser
-from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, forsake, kernels_told, tell
+from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, forsake, kernel_messages, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
@@ -33,14 +33,14 @@ something differs, 2 wrong usage, configuration or results file."""
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The parser with all verbs; building it imports neither numba nor xarray."""
+    """Return the parser with all verbs, without importing numba or xarray."""
     parser: argparse.ArgumentParser = Parser(
         prog="rockpulse",
         description="From recorded strong-motion files to the overturning safety of large slender rigid blocks.",
         epilog=EPILOG,
     )
     parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
-    parser.set_defaults(program=parser)  # for the verb that writes completions of all others
+    parser.set_defaults(program=parser)  # for the verb that writes shell completions
     subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     for verb in VERBS:
         verb.add_to(subparsers)
@@ -49,13 +49,13 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Parse the arguments (by default those of the process), run one verb, and return the exit code."""
-    # Warnings are stored and shown in the overview; Python's last-resort handler would tear the progress bar.
+    # Warnings are stored and shown in the overview; Python's last-resort handler would break the progress bar.
     logging.getLogger("rockpulse").addHandler(logging.NullHandler())
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed, as by `>&-`; the results file must not get its number
+        if getattr(sys, name) is None:  # closed, as by `>&-`; the results file must not get this descriptor
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal may lack the letters of a file or block name
+        sys.stdout.reconfigure(errors="replace")  # a terminal may not support the characters of a file or block name
     parser = build_parser()
     given = sys.argv[1:] if argv is None else argv
     if not given:
@@ -69,7 +69,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 raise ConfigError(
                     f"{option}: expected the name of a file, found nothing; is a variable of the shell unset?"
                 )
-        with kernels_told(getattr(args, "quiet", False)):
+        with kernel_messages(getattr(args, "quiet", False)):
             code = args.run(args)
         sys.stdout.flush()
         return code
@@ -97,9 +97,9 @@ def _ended(why: str, code: int) -> int:
 
 
 def _reader_has_left() -> bool:
-    """Whether standard output, and not a pipe of the work itself, has lost its reader; unwritten output is dropped."""
+    """Whether standard output, not a pipe of the run itself, has been closed; unwritten output is dropped."""
     try:
-        print(flush=True)  # what could not be written before may have been dropped already
+        print(flush=True)  # unwritten output may have been dropped before
     except BrokenPipeError:
         forsake(sys.stdout)
         return True

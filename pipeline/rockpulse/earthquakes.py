@@ -1,8 +1,8 @@
 """Statistics over earthquakes: resampling, intervals and weighted quantiles.
 
-.. note:: Records of one earthquake are not independent: resamples draw whole earthquakes, a jackknife leaves
-   out one after the other. Weights (n,) are not negative; `events` (n,) are numbers from 0; `draws` (b, g) count each
-   earthquake in each resample; `estimates` (1 + K, ...) are of all data, then without each of K earthquakes.
+.. note:: Records of one earthquake are not independent: resamples draw whole earthquakes, and a jackknife leaves out
+   each in turn. Weights (n,) are not negative; `events` (n,) are indices from 0; `draws` (b, g) count each earthquake
+   in each resample; `estimates` (1 + K, ...) are from all data, then with each of K earthquakes left out.
 """
 
 import math
@@ -12,35 +12,35 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: Confidence of the interval of a probability over earthquakes [-], and the fewest earthquakes that say something of
-#: others.
+#: Confidence of the interval of a probability over earthquakes [-], and smallest number of earthquakes for a statement
+#: on other earthquakes.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
-#: Sums of weights are rounded: a share of 0.84 may come out as a bit less.
+#: Rounding tolerance of sums of weights: a share of 0.84 may be computed as slightly less.
 ROUNDING = 1e-9
-#: Largest share of the draws of a bootstrap-t that may have no value.
+#: Largest share of the samples of a bootstrap-t that may have no value.
 LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Whether (g, n) each of n records is of each of the g earthquakes, which are in the order of their labels."""
+    """Mask (g, n) of the records of each of g earthquakes, in the order of their labels."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
 
 def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Weights (g, n) of n records in the mean of each of the g earthquakes."""
+    """Weights (g, n) of n records in the mean of each of g earthquakes."""
     own = members(events)
     return np.asarray(own / own.sum(axis=1, keepdims=True))
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Counts (b, g) of g earthquakes in b resamples; a seed of several numbers gives a stream of its own."""
+    """Counts (b, g) of g earthquakes in b resamples; a seed of several numbers gives an independent stream."""
     return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
 def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
-    """Smallest finite value of (n,) with at least a share `level` of the weight at or below it; NaN without any."""
+    """Smallest finite value of (n,) with at least a share `level` of the weight at or below it; NaN if none."""
     known = np.isfinite(values) & (weights > 0.0)
     if not np.any(known):
         return math.nan
@@ -50,7 +50,7 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Clopper and Pearson's interval (1934) of a mean probability over a number of earthquakes.
+    """Clopper and Pearson's interval (1934) of a mean probability over `events` earthquakes.
 
     >>> [round(float(end), 3) for end in probability_interval(0.0, 10)], round(1.0 - 0.05 ** (1 / 10), 3)
     ([0.0, 0.259], 0.259)
@@ -71,8 +71,9 @@ def share_interval(
     """A weighted share of hits (n,), from 0 to 1 each, with the ends of its interval; NaN for one earthquake.
 
     Korn and Graubard's interval (1998, Survey Methodology 24, 193-201): Clopper and Pearson's for the effective number
-    of independent trials, s(1 - s)/var s with the variance of the ratio over earthquakes, times (z/t_(g-1))^2. Where
-    all or nothing is hit the variance says nothing, and every earthquake counts as one trial: no certainty from few.
+    of independent trials, s(1 - s)/var s with the variance of the ratio over earthquakes, times (z/t_(g-1))^2. For s =
+    0 or 1 this variance is zero, and every earthquake counts as one trial, so that few earthquakes give a wide
+    interval.
     """
     from scipy.stats import beta, norm, t
 
@@ -98,11 +99,12 @@ def bootstrap_interval(
 ) -> tuple[float, float]:
     """Ends of the interval of an estimate from its values (b,) in resamples; `sizes` (g,) are weights.
 
-    Estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g earthquakes finds the
-    variance too small by (g - 1)/g and does not know that it is an estimate (Hesterberg 2015, sections 3.2 and 4.4,
-    doi:10.1080/00031305.2015.1089789). For earthquakes of shares s_g, each of one value, the mean of the resampled
-    variance of their mean is 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 of the true one, and f + 1 = 1/sum s^2 is their
-    effective number, at least 2. NaN where nothing is finite, inf where more resamples are than are left out above.
+    Estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g earthquakes gives a variance
+    that is too small by (g - 1)/g and ignores that it is an estimate (Hesterberg 2015, sections 3.2 and 4.4,
+    doi:10.1080/00031305.2015.1089789). For earthquakes with weights s_g and one value each, the mean of the resampled
+    variance of their mean is 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 times the true one, and f + 1 = 1/sum s^2 is their
+    effective number, at least 2. NaN without finite values, inf if the share of infinite resamples exceeds the upper
+    tail.
     """
     correction, student = _few_earthquakes(sizes, confidence)
     known = resampled[np.isfinite(resampled)]
@@ -114,7 +116,7 @@ def bootstrap_interval(
 
 
 def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float]:
-    """Factor on a bootstrap variance, and Student's t for the doubt about it; NaN for a single earthquake."""
+    """Factor on a bootstrap variance, and Student's t for its uncertainty; NaN for a single earthquake."""
     from scipy.stats import t
 
     shares = sizes[sizes > 0.0] / np.sum(sizes)
@@ -143,7 +145,7 @@ def record_quantiles(
     draws: np.ndarray,
     confidence: float,
 ) -> list[Quantiles]:
-    """Weighted quantiles of values (n, ...) over records, one a level; the interval of logarithms if `logarithmic`."""
+    """Weighted quantiles of values (n, ...) over records, one per level; intervals of logarithms if `logarithmic`."""
     flat = values.reshape(values.shape[0], -1)
     found = np.empty((len(levels), 3, flat.shape[1]))
     sizes = np.bincount(events, weights)
@@ -155,7 +157,7 @@ def record_quantiles(
         for row, level in enumerate(levels):
             share = level - ROUNDING
             value = ordered[np.searchsorted(below, share * below[-1])]
-            # As many records lie below the quantile as there are sums below the share.
+            # The number of cumulative weights below the share is the number of records below the quantile.
             resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
             if logarithmic:
                 ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, confidence))
@@ -166,7 +168,7 @@ def record_quantiles(
 
 
 class Limits(NamedTuple):
-    """Limits of a quantity by the bootstrap-t, NaN where too many draws are lost, and the share of the lost ones."""
+    """Limits of a quantity by the bootstrap-t, NaN if too many samples lack a value, and the share of these."""
 
     low: float
     high: float
@@ -174,7 +176,7 @@ class Limits(NamedTuple):
 
 
 def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """Limits exp(estimate - score error) by the scores (b,), (draw - estimate)/(standard error of the draw)."""
+    """Limits exp(estimate - score error) from the scores (b,) = (sample - estimate)/(standard error of the sample)."""
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):
@@ -197,10 +199,10 @@ def jackknife_half_width(estimates: np.ndarray, confidence: float) -> np.ndarray
 
 
 def lognormal_mean_half_width(values: np.ndarray, confidence: float) -> np.ndarray:
-    """Half the width (m,) of the interval of ln of the mean over k earthquakes of lognormal values (m, k).
+    """Half width (m,) of the interval of ln of the mean of lognormal values (m, k) over k earthquakes.
 
-    With s^2 the variance of their logarithms, that of ln of the mean is s^2/k + s^4/(2 (k - 1)) (Cox, in Land 1972,
-    Technometrics 14(1), 145-158); times Student's t with k - 1 degrees of freedom.
+    With s^2 the variance of the logarithms, the variance of ln of the mean is s^2/k + s^4/(2 (k - 1)) (Cox, in Land
+    1972, Technometrics 14(1), 145-158); its root is multiplied by Student's t with k - 1 degrees of freedom.
     """
     from scipy.special import stdtrit
 
@@ -223,13 +225,13 @@ class Lognormal:
 def fit_lognormal(
     logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray, confidence: float
 ) -> Lognormal:
-    """Median and dispersion of lognormal parameters, whose logarithms (n, p) are NaN where a record has none.
+    """Fit median and dispersion of lognormal parameters, given by logarithms (n, p) with NaN for missing values.
 
-    The dispersion is that of records of different earthquakes, half the weighted mean of (x_i - x_j)^2 over pairs from
-    different ones: free of bias however the variance is split into that between and that within earthquakes, where the
-    usual estimator is not. With one earthquake it is that within it. The interval of the median is
-    :func:`bootstrap_interval` of the logarithm, that of the dispersion chi-square with degrees of freedom taken from
-    the resamples.
+    The dispersion is for records of different earthquakes, half the weighted mean of (x_i - x_j)^2 over pairs from
+    different ones: unlike the usual estimator it is unbiased for any split of the variance between and within
+    earthquakes. With a single earthquake it is the dispersion within it. The interval of the median is
+    :func:`bootstrap_interval` of the logarithm, that of the dispersion chi-square with degrees of freedom from the
+    resamples.
     """
     once = np.ones((1, draws.shape[1]), dtype=int)
     mean, spread = (values[0] for values in log_moments(logarithms, weights, events, once))
@@ -255,7 +257,7 @@ def log_moments(
     known = np.isfinite(logarithms)
     values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
     sums = np.stack([share, share * values, share * values**2], axis=1)
-    alone = draws.shape[1] == 1  # then the pairs are those of different records
+    alone = draws.shape[1] == 1  # then pairs of different records are used
     groups = np.arange(weights.size) if alone else events
     by_group = np.zeros((weights.size if alone else draws.shape[1], *sums.shape[1:]))
     np.add.at(by_group, groups, sums)
@@ -266,7 +268,7 @@ def log_moments(
         mean = first / weight
         pairs = weight**2 - times @ size**2
         square = (weight * second - first**2) - times @ (size * two - one**2)
-        # Rounding makes neither a variance of equal values nor a number of no pairs.
+        # Rounding must not give equal values a variance, nor zero pairs a number.
         variance = np.where(square > 1e-13 * weight * second, square, 0.0) / np.where(
             pairs > 1e-12 * weight**2, pairs, np.nan
         )
@@ -278,8 +280,9 @@ def _dispersion_interval(
 ) -> tuple[float, float]:
     """Chi-square interval of a dispersion, its degrees of freedom from the resamples.
 
-    The variance of the mean gives the effective number of records, s^2/var m, times (z/t)^2, at least 1; that of the
-    dispersion 2 s^4/var s^2, less where tails are heavy. The smaller counts, and the number of records less one.
+    The variance of the mean gives the effective number of records, s^2/var m, times (z/t)^2, at least 1; the variance
+    of the dispersion gives 2 s^4/var s^2, which is less for heavy tails. The smaller is used, at most the number of
+    records minus one.
     """
     from scipy.stats import chi2, norm
 

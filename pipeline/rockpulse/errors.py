@@ -1,4 +1,4 @@
-"""The errors of rockpulse, each made of its message alone, so that it survives pickling, and the rows of failures."""
+"""The errors of rockpulse, which can be pickled as each consists of its message, and the rows of failures."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -11,15 +11,15 @@ class RockpulseError(ValueError):
 
 
 class RecordFormatError(RockpulseError):
-    """A file that claims a format but breaks its rules, or that no reader recognises."""
+    """A file that violates the rules of its format, or that no reader recognises."""
 
 
 class RecordRefused(RockpulseError):
-    """A well-formed file that holds no usable ground acceleration (velocity, spectra, counts without a gain)."""
+    """A well-formed file without usable ground acceleration (velocity, spectra, counts without a gain)."""
 
 
 class TooWeak(RecordRefused):
-    """A record that moves too few bodies to tell anything: "skipped", for nothing is wrong with its file."""
+    """A record that moves too few bodies to be used; it is "skipped", as its file is not faulty."""
 
 
 class UnitError(RockpulseError):
@@ -31,12 +31,12 @@ class ConfigError(RockpulseError):
 
 
 class ResultsError(RockpulseError):
-    """A results file that cannot be written, or is not one that this version reads.
+    """A results file that cannot be written, or that this version cannot read.
 
     Attributes
     ----------
     tells_resume : bool
-        Whether the message says what becomes of a run that was stopped, and how to go on with it.
+        Whether the message says what happens to a stopped run, and how to continue it.
     """
 
     def __init__(self, message: str, tells_resume: bool = False) -> None:
@@ -45,17 +45,17 @@ class ResultsError(RockpulseError):
 
 
 class StoppedAtFailure(RockpulseError):
-    """A batch that was to stop at the first file or record that fails, and did."""
+    """A batch with ``strict`` has stopped at the first file or record that failed."""
 
 
-#: Why a text, a table or a picture that lies beside records was passed over.
+#: Reason for skipping a text, a table or a picture among the records.
 NO_RECORD = "no record"
 FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
-#: What a reason may begin with behind the name of its file: the line in it.
+#: Pattern of a line number after the file name in a reason.
 _LINE = re.compile(r":\d+(?=: )")
-#: The id of a record in front of a reason; an id has a point and no blank.
+#: Pattern of the id of a record before a reason; an id contains a point and no blank.
 _ID = re.compile(r"\S+\.\S*(?=: )")
-#: Examples of a reason that several files have.
+#: Number of files named as examples for a reason that several files share.
 _EXAMPLES = 2
 
 
@@ -64,15 +64,15 @@ class Failure:
     """One row of the failures table."""
 
     file: str  # ``archive.zip!member``
-    stage: str  # that left it out
+    stage: str  # step that left it out
     reason: str
     # "failed": needs attention; "skipped": no record, or too weak; "duplicate", "depth": another record of the same
-    # shaking is assessed in its place; "vertical", "structural": no horizontal ground motion
+    # ground motion is assessed instead; "vertical", "structural": no horizontal ground motion
     kind: FailureKind
 
     @property
     def place(self) -> str:
-        """The file, with the line or the record in it where the reason begins with one."""
+        """The file, with the line or the record if the reason begins with one."""
         if self.reason.startswith(f"{self.file}:"):
             line = _LINE.match(self.reason, len(self.file))
             return self.reason[: line.end()] if line else self.file
@@ -81,22 +81,22 @@ class Failure:
 
     @property
     def bare(self) -> str:
-        """The reason without the file, the line or the record that it is about."""
+        """The reason without file, line and record."""
         return self.reason.removeprefix(f"{self.place}: ").replace(f": '{self.file}'", "")
 
 
 def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
-    """The rows in groups of one reason, each group where its first row stands."""
+    """Group rows by reason, in the order of the first row of each group."""
     groups: dict[str, list[Failure]] = {}
     for row in rows:
         groups.setdefault(row.bare, []).append(row)
     return list(groups.values())
 
 
-def told(group: Sequence[Failure]) -> str:
-    """The reason of rows that are alike: of one with its place, of several with their number and two places."""
+def reasons_in_words(group: Sequence[Failure]) -> str:
+    """Format the reason of a group of rows: with the place of a single row, or the number of rows and two places."""
     first = group[0]
-    if len(group) == 1:  # most reasons begin with the file and a line in it
+    if len(group) == 1:  # most reasons begin with the file and a line number
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
     whole = len({row.file for row in group}) == len(group) and all(row.place.startswith(row.file) for row in group)
     counted = "files" if whole else "channels"
@@ -104,16 +104,16 @@ def told(group: Sequence[Failure]) -> str:
 
 
 def some(names: Sequence[str], most: int) -> str:
-    """The first names, and how many more there are."""
+    """List the first names and the number of further names."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return (", ".join(names[:most]) or "none") + more
 
 
 def unread(rows: Iterable[Failure]) -> bool:
-    """Whether a file could not be read, so that a name or a pattern that fits no record may be meant for it."""
+    """Whether a file could not be read, so that a name or pattern without a match may refer to it."""
     return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
 
 
 def last_part(file: str) -> str:
-    """The last part of the name of a file, or of a member of an archive."""
+    """Return the last part of the name of a file or of a member of an archive."""
     return file.replace("\\", "/").rpartition("!")[2].rpartition("/")[2] or file

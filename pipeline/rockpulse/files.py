@@ -1,4 +1,4 @@
-"""Files that the user names, tables in them, and several files that are written together, whole or not at all."""
+"""Reading of files that the user names and of tables, and atomic writing of several files."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-#: Largest table and largest configuration that are read [bytes].
+#: Largest table and largest configuration that can be read [bytes].
 TABLE_LIMIT, TOML_LIMIT = 64 * 1024**2, 1024**2
-#: How deep the sections and arrays of a TOML file may be nested, and how large its integers may be.
+#: Deepest nesting and largest integer of a TOML file.
 DEEPEST, LARGEST = 8, 2**63
 _KINDS = {stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
 
 
 def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = ConfigError) -> None:
-    """Raise `error` for a pipe, a socket or a device, whose reading may never end; a missing file passes."""
+    """Raise `error` for a pipe, a socket or a device, which may never end; a missing file is accepted."""
     if not os.path.exists(path):  # noqa: PTH110 - Path.exists raises for a name that is too long
         return
     mode = os.stat(path).st_mode  # noqa: PTH116 - as above
@@ -42,7 +42,7 @@ def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = Co
 
 
 def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
-    """The text of a file in UTF-8; a ConfigError, which calls it `what`, for a pipe, too many bytes or other bytes."""
+    """Read a file in UTF-8; raise ConfigError, which names it `what`, for a pipe, a large file or another encoding."""
     check_regular(path)
     with path.open("rb") as file:
         content = file.read(limit + 1)
@@ -55,7 +55,7 @@ def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -
 
 
 def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
-    """The content of a TOML text called `name`; `error` for invalid TOML, deep nesting and very large integers."""
+    """Parse a TOML text called `name`; raise `error` for invalid TOML, deep nesting and very large integers."""
     deep = f"{name}: sections and arrays are nested deeper than {DEEPEST} times, the limit"
     large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
     try:
@@ -77,18 +77,18 @@ def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) 
     return document
 
 
-#: A number with a decimal comma, as it may stand between semicolons or tabs.
+#: Pattern of a number with a decimal comma, allowed between semicolons or tabs.
 DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
 
 
 def separator(text: str) -> str:
-    """The delimiter of the first row of a table."""
+    """Return the delimiter of the first row of a table."""
     head = text.lstrip("\n").partition("\n")[0]
     return next((mark for mark in (";", "\t") if mark in head), ",")
 
 
 def table_of(path: str, text: str) -> pd.DataFrame:
-    """The cells of a table as texts; lines that are empty or begin with # are skipped, decimal commas become points."""
+    """Return the cells of a table as texts; empty lines and comments (#) are skipped, decimal commas become points."""
     import pandas as pd
 
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
@@ -100,7 +100,7 @@ def table_of(path: str, text: str) -> pd.DataFrame:
         ]
     except csv.Error as error:
         raise ConfigError(f"{path}: cannot be read as a table: {first_line(error)}") from None
-    for row in rows:  # spreadsheets write empty cells behind the last one
+    for row in rows:  # spreadsheets write empty cells after the last one
         while row and not row[-1]:
             row.pop()
     heads, *cells = rows or [[]]
@@ -119,8 +119,8 @@ def table_of(path: str, text: str) -> pd.DataFrame:
     return pd.DataFrame([row + [""] * (len(heads) - len(row)) for row in cells], columns=heads, dtype=str)
 
 
-def numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
-    """A column (n,) of finite numbers; ConfigError where a cell is none."""
+def column_numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
+    """Return a column (n,) of finite numbers; ConfigError for a cell that is not a number."""
     import pandas as pd
 
     found = pd.to_numeric(table[column], errors="coerce").to_numpy(dtype=float)
@@ -134,12 +134,12 @@ def numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
 
 
 def _hidden(target: Path) -> Path:
-    """A new name in the folder of a file."""
+    """Return a new temporary name in the folder of a file."""
     return target.with_name(f".rockpulse.{os.getpid()}.{secrets.token_hex(4)}.part")
 
 
 def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
-    """The path; a ResultsError where no file can be written there, or one exists that must not be overwritten."""
+    """Return the path; raise ResultsError if it cannot be written, or exists and must not be overwritten."""
     target = Path(path)
     if not target.name.lower().endswith(suffixes):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")
@@ -167,7 +167,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Give errors of the operating system the name of the file that was asked for."""
+    """Context manager that puts the requested file name into errors of the operating system."""
     try:
         yield
     except OSError as fault:
@@ -175,7 +175,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 class FileSet:
-    """Contents written beside their places, links followed, and moved there by `commit`; else removed at the end."""
+    """Files written under temporary names beside their targets, moved by `commit`, and otherwise removed at the end."""
 
     def __init__(self) -> None:
         self._parts = ExitStack()
@@ -188,7 +188,7 @@ class FileSet:
         self._parts.close()
 
     def part(self, target: Path) -> Path:
-        """The path at which to write the content of a file, not yet in its place."""
+        """Return the temporary path at which to write the content of a file."""
         place = Path(os.path.realpath(target))
         part = _hidden(place)
         self._parts.callback(part.unlink, missing_ok=True)
@@ -196,12 +196,12 @@ class FileSet:
         return part
 
     def add(self, target: Path, content: bytes) -> None:
-        """Write the content of a file, not yet in its place; an OSError carries the name of `target`."""
+        """Write the content of a file at its temporary path; an OSError carries the name of `target`."""
         with _named(target):
             self.part(target).write_bytes(content)
 
     def commit(self) -> None:
-        """Put every file in its place; if one fails, all that was there before comes back and the OSError is raised."""
+        """Move every file to its target; if one fails, restore all previous files and raise the OSError."""
         with ExitStack() as copies, ExitStack() as undo:
             for target, part, place in self._moves:
                 with _named(target):

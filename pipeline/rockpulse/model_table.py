@@ -1,6 +1,6 @@
-"""Table of models, from the cheapest to the full equation of motion: one row a model, with all that is known of it.
+"""Table of models, one row per model, from the simplest to the full equation of motion.
 
-A model is added here and nowhere else. The solvers are loaded when a function is called.
+A new model is added only here. The solvers are imported when a function is called.
 """
 
 from collections.abc import Iterable
@@ -13,7 +13,7 @@ from rocking.response import Response
 from rockpulse.model_row import Equation, Model, Scene, loaded_rule
 from rockpulse.option import Section, boolean, choice, choices, count, number
 
-#: What a model with an upper bound for its input is called, wherever it is shown.
+#: Label of a model whose input is an upper bound.
 UPPER_BOUND = "upper-bound type input"
 
 
@@ -99,7 +99,7 @@ def _search_recorded(block: rocking.Block, scene: Scene, *, equation: Equation) 
     )
 
 
-#: The order is that of results, and the rank: of the models that results hold, the verdict counts the last one.
+#: Models in the order of results and of rank: the verdict uses the last one that results contain.
 _ROWS = (
     Model(
         name="resonance",
@@ -197,25 +197,25 @@ _ROWS = (
     ),
 )
 
-#: Every model by its name, and their names.
+#: Every model by name, and the names.
 MODELS = {row.name: row for row in _ROWS}
 NAMES = tuple(MODELS)
-#: The models that answer unless others are asked for, and those that stand side by side where all are.
+#: Models used by default, and models used for "all".
 DEFAULT_MODELS = tuple(row.name for row in _ROWS if row.default)
 ALL_MODELS = tuple(row.name for row in _ROWS if not row.fitted)
-#: The working point of the rule by which the paired models answer with `[sequence] method = "rule"`.
+#: Working point of the rule that paired models use with `[sequence] method = "rule"`.
 RULE_POINT = "conservative"
-#: The models whose input is a sequence; the others need the accelerogram or its half-waves.
+#: Models whose input is a sequence; the others need the accelerogram or its half-waves.
 SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.takes == "sequence")
-#: The fullest first: those with a motion in time, those that follow the record to a factor on it, and those that are an
-#: equation of motion under the accelerogram.
+#: The most complete models first: those with a history, those that accept a factor on the record, and those that are
+#: equations of motion under the accelerogram.
 DRAWN = tuple(row.name for row in reversed(_ROWS) if row.follows or row.cycles)
 FOLLOWING = tuple(row.name for row in reversed(_ROWS) if row.follows)
 EQUATIONS = tuple(row.name for row in reversed(_ROWS) if row.equation)
 
 
 def is_upper_bound(name: str) -> bool:
-    """Whether the overturning by a model says no more than that a body may be unsafe."""
+    """Whether overturning by a model only means that a body may be unsafe, as its input is an upper bound."""
     return name in MODELS and MODELS[name].upper_bound != ""
 
 
@@ -225,13 +225,13 @@ def is_full(name: str) -> bool:
 
 
 def fullest(names: Iterable[str]) -> str:
-    """The model nearest to the full equation of motion; names that are not in the table come before all others."""
+    """Return the model closest to the full equation of motion; unknown names rank lowest."""
     return max(names, key=lambda name: NAMES.index(name) if name in MODELS else -1)
 
 
 @dataclass(frozen=True)
 class ModelSettings(Section):
-    """The models that answer, and their options."""
+    """The models in use, and their options."""
 
     heading = "[models]"
     use: tuple[str, ...] = choices(DEFAULT_MODELS, NAMES)
@@ -241,7 +241,7 @@ class ModelSettings(Section):
 
 @dataclass(frozen=True)
 class SearchSettings(Section):
-    """The models whose factors of overturning are told, and the grid of factors on which they are searched."""
+    """The models whose overturning factors are computed, and the grid of factors of the search."""
 
     heading = "[search]"
     models: tuple[str, ...] = choices(NAMES, NAMES, empty=True)
@@ -251,5 +251,5 @@ class SearchSettings(Section):
     step: float = number(Scene.step, low=1.0001)
 
     def asks_for(self, model: str) -> bool:
-        """Whether the factors of a model are wanted: of those that take hundreds of runs where `intervals` says so."""
+        """Whether the factors of a model are requested; `intervals` decides for models that need hundreds of runs."""
         return model in self.models and (self.intervals or not MODELS[model].searched)

@@ -1,4 +1,4 @@
-"""The keys of a section of the configuration: dataclass fields that check their values in the same words everywhere."""
+"""Keys of a section of the configuration: dataclass fields that check their values with uniform messages."""
 
 import dataclasses
 import difflib
@@ -12,22 +12,22 @@ from rockpulse.errors import ConfigError
 
 @dataclass(frozen=True)
 class KeyType:
-    """The values that a key takes."""
+    """The values that a key accepts."""
 
-    expected: str  # their wording for a message
+    expected: str  # description of the values in a message
     accepts: Callable[[Any], bool]
-    convert: Callable[[Any], Any]  # to the stored value, of a list to a tuple, so that a section is immutable
-    words: tuple[str, ...] = ()  # known ones, for "did you mean"
+    convert: Callable[[Any], Any]  # to the stored value, such as a list to a tuple, as sections are immutable
+    words: tuple[str, ...] = ()  # known values, for "did you mean"
     finite: bool = False  # whether the value is a number, so that the error can name inf or nan
 
 
-#: Numbers of a configuration are no larger, and no smaller than one over it unless they are 0.
+#: Largest number of a configuration; the smallest besides 0 is one over it.
 LARGEST = 1e15
 
 
 @dataclass(frozen=True)
 class Section:
-    """Base of the sections: checks every field against the values that it takes, and unpacks as keyword arguments.
+    """Base of the sections: checks the value of every field, and can be unpacked as keyword arguments.
 
     >>> from rockpulse import HalfWaveSettings
     >>> dict(**HalfWaveSettings(threshold=0.05))
@@ -38,7 +38,7 @@ class Section:
 
     @property
     def where(self) -> str:
-        """The name of this section in messages."""
+        """Name of this section in messages."""
         return self.heading
 
     def __post_init__(self) -> None:
@@ -48,8 +48,8 @@ class Section:
                 continue
             if not allowed.accepts(value):
                 wrong = next((word for word in _strings(value) if word not in allowed.words), "")
-                remark = (_of_no_size(value) if allowed.finite else "") or hint(wrong, allowed.words)
-                raise ConfigError(f"{self.where} {item.name}: expected {allowed.expected}, found {value!r}{remark}")
+                advice = (_of_no_size(value) if allowed.finite else "") or hint(wrong, allowed.words)
+                raise ConfigError(f"{self.where} {item.name}: expected {allowed.expected}, found {value!r}{advice}")
             object.__setattr__(self, item.name, allowed.convert(value))
 
     def keys(self) -> list[str]:
@@ -61,7 +61,7 @@ class Section:
 
 
 def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
-    """``; did you mean "x"?`` where a known word is close to the wrong one, else nothing; then `told`, what there is.
+    """Return ``; did you mean "x"?`` if a known word is close to the wrong one, then `told`, the list of known words.
 
     >>> hint("wdth", ["width"], "known are width"), hint("x", ["width"], "known are width")
     ('; did you mean "width"? Known are width', '; known are width')
@@ -73,15 +73,15 @@ def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
 
 
 def is_number(value: Any) -> bool:
-    """True for an int or a finite float; a bool is no number."""
+    """True for an int or a finite float; False for a bool."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
-    # TOML has integers of any length; a float holds them up to 2**1024.
+    # TOML allows integers of any length; a float only up to 2**1024.
     return abs(value) < 2**1024 if isinstance(value, int) else math.isfinite(value)
 
 
 def _of_no_size(value: Any) -> str:
-    """The remark on a number that is too large or too small for any formula; empty for others."""
+    """The advice on a number that is too large or too small for any formula; empty for others."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     if isinstance(value, float) and not math.isfinite(value):
@@ -92,22 +92,22 @@ def _of_no_size(value: Any) -> str:
 
 
 def text(default: str | None = "") -> Any:
-    """A key that takes any text."""
+    """Declare a key that accepts any text."""
     return key(default, KeyType("a text", lambda value: isinstance(value, str), str))
 
 
 def texts(default: tuple[str, ...] = ()) -> Any:
-    """A key that takes a list of texts."""
+    """Declare a key that accepts a list of texts."""
     return key(default, KeyType("a list of texts", _is_texts, tuple))
 
 
 def boolean(default: bool) -> Any:
-    """A key that takes true or false."""
+    """Declare a key that accepts true or false."""
     return key(default, KeyType("true or false", lambda value: isinstance(value, bool), bool))
 
 
 def choice(default: str | None, words: tuple[str, ...], most: int = 0) -> Any:
-    """A key that takes one of some words, or an integer from 1 to `most`."""
+    """Declare a key that accepts one of `words`, or an integer from 1 to `most`."""
     expected = f"one of {_listed(words)}" + (f" or an integer from 1 to {most}" if most else "")
 
     def accepts(value: Any) -> bool:
@@ -117,7 +117,7 @@ def choice(default: str | None, words: tuple[str, ...], most: int = 0) -> Any:
 
 
 def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = False) -> Any:
-    """A key that takes a list of different words out of some; it is stored in the order of `words`."""
+    """Declare a key that accepts a list of different `words`; it is stored in their order."""
 
     def accepts(value: Any) -> bool:
         return (
@@ -132,7 +132,7 @@ def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = Fals
 
 
 def number(default: Any, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = "") -> Any:
-    """A key that takes a finite number within limits in `unit`; `above` excludes `low` itself."""
+    """Declare a key that accepts a finite number within limits in `unit`; `above` excludes `low` itself."""
     expected = f"a number in {unit}" if unit else "a number"
     if math.isfinite(low):
         expected += f" {'>' if above else '>='} {low:g}"
@@ -147,13 +147,13 @@ def number(default: Any, low: float = -math.inf, high: float = math.inf, above: 
 
 
 def count(default: int, low: int, high: int | None = None) -> Any:
-    """A key that takes an integer from `low` to `high`."""
+    """Declare a key that accepts an integer from `low` to `high`."""
     expected = f"an integer >= {low}" + ("" if high is None else f" and <= {high}")
     return key(default, KeyType(expected, lambda value: _is_count(value, low) and (high is None or value <= high), int))
 
 
 def entries(cls: type[Section]) -> Any:
-    """A key that holds any number of sections; in TOML each of them stands under the heading of their class."""
+    """Declare a key that contains any number of sections; in TOML each has the heading of its class."""
 
     def accepts(value: Any) -> bool:
         return isinstance(value, (list, tuple)) and all(isinstance(item, cls) for item in value)
@@ -163,7 +163,7 @@ def entries(cls: type[Section]) -> Any:
 
 
 def key(default: Any, values: KeyType) -> Any:
-    """A dataclass field that carries its check; with ``dataclasses.MISSING`` for a default it must be given."""
+    """Make a dataclass field with its check; with the default ``dataclasses.MISSING`` it must be given."""
     return dataclasses.field(default=default, metadata={"values": values})
 
 

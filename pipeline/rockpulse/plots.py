@@ -1,4 +1,4 @@
-"""Pictures of results: each takes Axes or makes its own, and returns them; loaded on first use."""
+"""Public functions that draw results on given or new Axes and return the Axes; loaded on first use."""
 
 from rockpulse.views import plots
 

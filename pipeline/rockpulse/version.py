@@ -1,3 +1,3 @@
-"""The version of rockpulse: read by the build, told by the command line, stored in every file."""
+"""The version of rockpulse, used by the build and the command line and stored in every file."""
 
 __version__ = "0.2.0"

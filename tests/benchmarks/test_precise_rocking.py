@@ -9,7 +9,7 @@ from body_reference import reference
 from recorded_cases import EQUATIONS, G, block_of, synthetic
 
 #: The nonlinear equation takes four times as long.
-LINEAR_FIRST = pytest.mark.parametrize("equation", ["linear", pytest.param("nonlinear", marks=pytest.mark.sweep)])
+LINEAR_FIRST = pytest.mark.parametrize("equation", ["linear", pytest.param("nonlinear", marks=pytest.mark.slow)])
 
 CONTEXT = mpmath.MPContext()
 CONTEXT.dps = 45
@@ -32,7 +32,7 @@ def peak_from_velocity(equation, alpha, ratio):
     return 1 - 2 * CONTEXT.asin(CONTEXT.sqrt(CONTEXT.sin(alpha / 2) ** 2 - (ratio * alpha) ** 2 / 4)) / alpha
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.25, 0.75, 0.96875])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_free_motion_has_its_closed_form_peak_to_30_digits(precise, equation, ratio):
@@ -53,7 +53,7 @@ def test_rectangular_pulse_of_validation_v13(precise, pt, threshold):
         assert precise.respond(2.0, alpha, 0.9, pulse, pt / 2.0 / count, "linear", gravity=G).outcome == outcome
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_free_decay_of_validation_v12_ends_in_the_record_as_after_it(precise):
     """C = .90625 from x = .5: 68 impacts faster than the cut-off, followed hop by hop or by the closed form."""
     alpha, p = 0.25, 2.0
@@ -77,7 +77,7 @@ def respond(module, scene, equation):
     return module.respond(block.p, block.alpha_c, block.restitution, ground, dt, equation, gravity=block.gravity)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_answer_does_not_depend_on_the_step(precise, scene, equation, monkeypatch):
     """A fifth of the step moves nothing before digit 33; the whole-sample map gives way to the series."""
@@ -97,7 +97,7 @@ def test_answer_does_not_depend_on_the_library_of_numbers(precise, precise_with_
     assert abs(digits(one.peak) - digits(other.peak)) < 1e-33
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @LINEAR_FIRST
 def test_answer_agrees_with_the_solver_of_double_precision(precise, scene, equation):
     block, ground, dt = scene
@@ -125,7 +125,7 @@ def test_hops_without_loss_are_given_up_at_the_bound(precise, monkeypatch):
     assert math.isnan(float(answer.peak))
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_overturning_time_after_the_record_is_the_time_of_the_fall(precise):
     """The fall is followed on the ground at rest as it is in a record of zeros."""
     state = {"initial_rotation": 0.3, "initial_velocity": 0.1}

@@ -25,7 +25,7 @@ def test_the_truth_of_one_edge_is_the_distribution_of_the_shift(probability_cove
     assert np.all(np.isfinite(list(found.factors.values())))
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_truth_is_that_of_the_whole_definition(probability_coverage, case, monkeypatch):
     """P of 1024 draws of factor, C and alpha at each level: four standard errors of both at most."""
     monkeypatch.setattr(probability_coverage, "FACTOR_MAX", 100.0)

@@ -27,7 +27,7 @@ def test_lanes_of_a_seed_never_change():
     assert lanes.pga.tolist() == [3.143548, 3.228142]
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @SOME
 @given(SEEDS, st.floats(5.0, 80.0), st.sampled_from([0.005, 0.01, 0.02]), st.floats(0.5, 10.0))
 def test_motion_has_its_length_and_peak_and_ends_at_rest(seed, duration, dt, pga):

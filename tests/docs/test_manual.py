@@ -75,10 +75,10 @@ def test_no_block_hides_from_the_test():
 
 def options_of_the_template():
     """Every (section, key) of the configuration."""
-    from rockpulse.commands.init_config import template
+    from rockpulse.commands.init_config import config_template
 
     keys, heading = set(), ""
-    for line in template().splitlines():
+    for line in config_template().splitlines():
         if found := re.match(r"(?:# )?\[+(\w+)\]+", line):
             heading = found[1]
         elif found := re.match(r"(?:# )?(\w+) = ", line):

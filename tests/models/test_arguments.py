@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rocking.arguments import numbers, positive, record_samples, together
+from rocking.arguments import common_shape, numbers, positive, record_samples
 
 
 @pytest.mark.parametrize(
@@ -54,10 +54,10 @@ def test_positive_numbers_are_above_zero_each_of_them():
 
 
 def test_values_together_have_one_shape():
-    first, second = together(a=np.array(2.0), b=np.array([3.0, 4.0]))
+    first, second = common_shape(a=np.array(2.0), b=np.array([3.0, 4.0]))
     assert (first.tolist(), second.tolist()) == ([2.0, 2.0], [3.0, 4.0])
     with pytest.raises(ValueError, match=r"^a, b: expected .* arrays of one length, got a \(2,\), b \(3,\)$"):
-        together(a=np.zeros(2), b=np.zeros(3))
+        common_shape(a=np.zeros(2), b=np.zeros(3))
 
 
 def test_a_record_has_two_finite_samples_at_least_and_cannot_be_written_to():

@@ -36,7 +36,7 @@ def parent(tmp_path, monkeypatch):
     with monkeypatch.context() as during:
         during.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
         folder.cache_clear()
-        kernel_cache.said.clear()
+        kernel_cache.logged.clear()
         yield tmp_path / "cache"
     folder.cache_clear()
 
@@ -69,7 +69,7 @@ def lines(caplog):
     """What was logged since the last call, at most a line of each text."""
     found = [record.getMessage() for record in caplog.records if record.levelno >= logging.WARNING]
     caplog.clear()
-    kernel_cache.said.clear()
+    kernel_cache.logged.clear()
     return found
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rockpulse.errors import Failure, alike, told
+from rockpulse.errors import Failure, alike, reasons_in_words
 
 
 def failed(file, reason, stage="read"):
@@ -28,14 +28,14 @@ def test_a_reason_is_bare_without_what_it_is_about(file, reason, place, bare):
 def test_rows_of_one_reason_are_one_group_where_the_first_of_them_stands():
     rows = [failed("a", "a:3: cut"), failed("b", "b: no unit"), failed("c", "c:9: cut")]
     assert alike(rows) == [[rows[0], rows[2]], [rows[1]]]
-    assert [told(group) for group in alike(rows)] == ["2 files (a:3, c:9): cut", "b: no unit"]
+    assert [reasons_in_words(group) for group in alike(rows)] == ["2 files (a:3, c:9): cut", "b: no unit"]
 
 
 def test_channels_of_one_file_are_counted_as_channels():
     rows = [failed("a.v1", f"a.{number}: too short", "assess") for number in range(3)]
-    assert told(rows) == "3 channels (a.0, a.1 and 1 more): too short"
+    assert reasons_in_words(rows) == "3 channels (a.0, a.1 and 1 more): too short"
 
 
 def test_a_single_reason_that_does_not_name_its_file_gets_it():
-    assert told([failed("a.AT2", "out of memory")]) == "a.AT2: out of memory"
-    assert told([failed("a.AT2", "cannot open 'a.AT2'")]) == "cannot open 'a.AT2'"
+    assert reasons_in_words([failed("a.AT2", "out of memory")]) == "a.AT2: out of memory"
+    assert reasons_in_words([failed("a.AT2", "cannot open 'a.AT2'")]) == "cannot open 'a.AT2'"

@@ -3,13 +3,13 @@
 import pytest
 
 from rockpulse.errors import ConfigError
-from rockpulse.files import numbers, table_of
+from rockpulse.files import column_numbers, table_of
 
 
 @pytest.mark.parametrize(
     "text",
     [
-        "name,a [m],b\nx,1.5,\n\n# a remark\ny,-2e-1,3\n",
+        "name,a [m],b\nx,1.5,\n\n# a warning\ny,-2e-1,3\n",
         "name;a [m];b\nx;1,5;\ny;-2e-1;3\n",
         "name\ta [m]\tb\n x \t1.5\ny\t-,2\t3\n",
         '"name", "a [m]", b,,\nx,1.5,,,\ny,-0.2,3,,\n',
@@ -20,7 +20,7 @@ def test_cells_are_texts_whatever_stands_between_them(text):
     assert table.columns.tolist() == ["name", "a [m]", "b"]
     assert table["name"].tolist() == ["x", "y"]
     assert table["b"].tolist() == ["", "3"]
-    assert numbers("t.csv", table, "a [m]").tolist() == [1.5, -0.2]
+    assert column_numbers("t.csv", table, "a [m]").tolist() == [1.5, -0.2]
 
 
 def test_a_name_with_commas_stays_as_it_is():
@@ -44,7 +44,7 @@ def test_what_is_no_table_is_refused(text, told):
 @pytest.mark.parametrize("cell", ["", "x", "nan", "inf"])
 def test_what_is_no_number_is_refused(cell):
     with pytest.raises(ConfigError, match=f"t.csv: row 2 of column 'a': expected a number, found '{cell}'"):
-        numbers("t.csv", table_of("t.csv", f"a,b\n1,1\n{cell},1\n"), "a")
+        column_numbers("t.csv", table_of("t.csv", f"a,b\n1,1\n{cell},1\n"), "a")
 
 
 def test_nothing_is_a_table_without_columns():

@@ -87,6 +87,7 @@ def test_a_wrong_command_is_answered_in_words(said):
     assert [case for case in found if not case[2].startswith(case[1])] == []
 
 
+@pytest.mark.sweep
 def test_a_wrong_configuration_is_answered_in_words(said, place):
     found = []
     for text, message in [*cases("wrong_configurations.txt"), *LONG.items()]:

@@ -26,11 +26,11 @@ from laboratory.paper.finding import Finding, Statement, examine, interval_range
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.impulses.main_sequence import critical_impulse_at
+from rocking.impulses.main_sequence import critical_impulse
 from rocking.impulses.sequence import sequence_response
 from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import HalfCycles, Response
-from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
+from rockpulse.views.plots.motion_history import HalfCycle, motion_samples
 
 __all__ = ["figure5", "half_cycle_tables"]
 
@@ -101,7 +101,7 @@ def half_cycle_tables(
     columns = {}
     blocks = {(name, c): paper_block(name, c) for name in names for c in restitutions}
     for (name, c), block in blocks.items():
-        impulse = float(critical_impulse_at(block, 2))
+        impulse = float(critical_impulse(block, 2))
         for spacing in spacings:
             sequence = ImpulseSequence(impulse, ratio * impulse, interval, duration, spacing=spacing)
             response = sequence_response(block, sequence, table_rows=HALF_CYCLE_LIMIT)
@@ -159,7 +159,7 @@ def _block_variables(
     """Properties of each block, and its critical and main impulses."""
     alone = [paper_block(name, "housner") for name in names]
     double = np.array([critical_double_impulse(block) for block in alone])
-    main = np.array([[critical_impulse_at(blocks[name, c], 2) for c in restitutions] for name in names])
+    main = np.array([[critical_impulse(blocks[name, c], 2) for c in restitutions] for name in names])
     critical = np.array([block.critical_impulse for block in alone])
     p = np.array([block.p for block in alone])
     second = np.array([[hop(ratio)[1] for ratio in row] for row in main / critical[:, None]]) / p[:, None]
@@ -198,7 +198,7 @@ def _with_histories(figure: xr.Dataset, duration: float, step: float) -> xr.Data
             cycles.append(cycles[-1])
             elapsed += cycles[-1].duration
         p, name = float(figure["p"][block]), str(figure["spacing"].values[spacing])
-        rotation[place] = rotation_history(cycles, p, secondary, name, times)
+        rotation[place] = motion_samples(cycles, p, secondary, name, times)
     history = xr.Dataset({"rotation_ratio": ((*dims, "time"), rotation)}, {"time": times})
     return figure.merge(history).assign_attrs(duration=duration)
 

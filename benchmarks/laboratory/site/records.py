@@ -24,7 +24,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.selection.directions import Motion
 from rockpulse.storage.variables.probability import RESTITUTIONS
-from rockpulse.studies.site.records import parameters_of, rotation_to_cover
+from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.spectrum_design import site_spectrum_record
 
 __all__ = ["BODIES", "known_of"]

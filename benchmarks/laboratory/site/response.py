@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from laboratory.site import response_posterior as posterior
-from laboratory.site.response_result import ResponseCalibration, remarks
+from laboratory.site.response_result import ResponseCalibration, warnings
 from laboratory.site.response_search import explore, search_space, start_point
 from laboratory.site.response_targets import SMALL, ResponseTargets, describe_family, recorded_family, recorded_targets
 from rocking.arguments import ArrayLike
@@ -50,7 +50,7 @@ def calibrate_response(
     rng = np.random.default_rng(np.random.SeedSequence([seed, *record.id.encode()]))
     fit = fit_sequence(targets, start, spacing, confidence, rng, threads, record.id)
     if blocks is None:
-        fit = replace(fit, remarks=(describe_family(family), *fit.remarks))
+        fit = replace(fit, warnings=(describe_family(family), *fit.warnings))
     return fit
 
 
@@ -102,6 +102,6 @@ def fit_sequence(
         candidates=len(explored.likelihood),
         independent_share=independent,
         neighbour_correlation=correlation,
-        remarks=(),
+        warnings=(),
     )
-    return replace(calibration, remarks=remarks(calibration, space, ends))
+    return replace(calibration, warnings=warnings(calibration, space, ends))

@@ -1,4 +1,4 @@
-"""The result of calibrating a sequence on responses, and the remarks on it."""
+"""The result of calibrating a sequence on responses, and the warnings on it."""
 
 from dataclasses import dataclass
 
@@ -48,7 +48,7 @@ class ResponseCalibration:
     independent_share, neighbour_correlation : float
         Share of the peaks taken as independent observations [-], from the correlation of the residuals of neighbouring
         blocks [-].
-    remarks : tuple of str
+    warnings : tuple of str
         In words: what was censored, what the targets cannot tell, how good the fit is.
     """
 
@@ -73,7 +73,7 @@ class ResponseCalibration:
     candidates: int
     independent_share: float
     neighbour_correlation: float
-    remarks: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 #: Correlation from which two parameters are said not to be told apart, spread from which the sequence is said to stand
@@ -81,10 +81,10 @@ class ResponseCalibration:
 INSEPARABLE, WIDE, FEW_SAMPLES = 0.9, 0.3, 100.0
 
 
-def remarks(
+def warnings(
     calibration: ResponseCalibration, space: SearchSpace, ends: dict[str, tuple[bool, bool]]
 ) -> tuple[str, ...]:
-    """Remarks on a fit; `ends` says which limits of the search the likely values of each parameter reach."""
+    """Warnings on a fit; `ends` says which limits of the search the likely values of each parameter reach."""
     targets = calibration.targets
     number, small, overturned, silent = (
         int(np.count_nonzero(kind)) for kind in (targets.number, targets.small, targets.overturned, targets.silent)

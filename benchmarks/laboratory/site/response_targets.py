@@ -180,7 +180,7 @@ def recorded_family(record: Record, threads: int | None = None, vertical: Any = 
 
 
 def describe_family(blocks: Block) -> str:
-    """A remark that names the ranges of the chosen blocks."""
+    """A warning that names the ranges of the chosen blocks."""
     columns = (
         ("I_1c", blocks.critical_impulse, " m/s"),
         ("p", blocks.p, " 1/s"),

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.arguments import ArrayLike, common_shape, numbers, positive
 from rocking.body import limits
 from rocking.body.block_lanes import SLENDERNESS_RANGE, STANDARD_GRAVITY, BlockLanes
 from rocking.body.restraint import Load, Restraints, Thrust, Tie, carried
@@ -16,7 +16,7 @@ logger = logging.getLogger("rockpulse")
 
 
 class Block(BlockLanes):
-    """A rigid block, or an array of them, by its full sizes or by its half ones; the fields broadcast to (m,), or ().
+    """A rigid block, or an array of blocks, given by full sizes or half sizes; the fields broadcast to (m,), or ().
 
     Parameters
     ----------
@@ -31,26 +31,26 @@ class Block(BlockLanes):
         Distance of the centre of mass from the middle of the base, positive towards the right-hand corner [m]; tilt of
         the body on a base that is cut horizontal, positive to the same side [rad].
     half_width, half_height : float or (m,) array_like
-        b and a, half the base and half the height [m], in place of the full sizes; by keyword only.
+        b and a, half the base and half the height [m], instead of the full sizes; by keyword only.
     one_sided : bool
         Whether the body leans on a wall and turns towards theta > 0 only, away from it.
     rebound : "sorrentino", float or (m,) array_like, optional
-        Of a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-];
+        For a one-sided body, instead of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-];
         by default :func:`rocking.body.limits.sorrentino`.
     ties, loads, thrusts : sequence of Tie, Load, Thrust
         Restraints, the same for all lanes.
     mass, density, length : float or (m,) array_like, optional
         Mass [kg], or density [kg/m3] and length across the plane of rocking [m]; needed with restraints.
     log : bool
-        Whether the warnings are logged too, by the logger "rockpulse".
+        Whether the warnings are also logged, by the logger "rockpulse".
 
     Attributes
     ----------
     alpha_c, p, radius : float or (m,) ndarray
-        Of the right-hand corner (theta > 0): angle of the line to the centre of mass with the vertical [rad], frequency
-        parameter [1/s], distance R from the centre of mass [m] (of the rectangle with the same p if it is not known).
+        For the right-hand corner (theta > 0): angle of the line to the centre of mass with the vertical [rad],
+        frequency parameter [1/s], distance R from the centre of mass [m] (if unknown, for a rectangle).
     alpha_2, p_2, radius_2, restitution_2 : float or (m,) ndarray
-        The same for the left-hand corner (theta < 0), and C of the impact that ends the rotation about it; e before a
+        The same for the left-hand corner (theta < 0), and C of the impact that ends the rotation about it; e against a
         wall.
     slenderness : float or (m,) ndarray
         a/b = 1/tan(alpha_c) [-].
@@ -59,19 +59,19 @@ class Block(BlockLanes):
     side : int or (m,) ndarray
         1 for a body that turns towards theta > 0 only, -1 for its mirror image, 0 for one that turns both ways.
     mass : float or (m,) ndarray
-        With the loads that it carries along [kg]; NaN if it was not given.
+        Mass including the loads that move with the body [kg]; NaN if it was not given.
     restraints : Restraints, (m,) ndarray of them, or None
         Ties, loads and thrusts.
     warnings : tuple of str
-        A restitution above what angular momentum allows, a slenderness below the paper's range, a doubtful size.
+        For a restitution above what angular momentum allows, a slenderness below the paper's range, an unusual size.
 
     Raises
     ------
     ValueError
         For sizes or gravity that are not positive and finite, one size alone or a half size beside a full one, a
         restitution outside [0, 1], or "housner" below a slenderness of 0.707, where it is negative; for a centre of
-        mass outside the base, a rebound without `one_sided` or a restitution with it, restraints without a mass, above
-        the body or so strong that they turn it over at rest.
+        mass outside the base, a rebound without `one_sided` or a restitution with it, and for restraints without a
+        mass, above the body or so strong that they overturn it at rest.
 
     References
     ----------
@@ -114,7 +114,7 @@ class Block(BlockLanes):
         if set(given) not in ({"half_width", "half_height"}, {"width", "height"}):
             found = " and ".join(given) or "no size"
             raise ValueError(f"block: expected width and height, or half_width and half_height, in m; got {found}")
-        base, rise = together(**given)
+        base, rise = common_shape(**given)
         if "width" in given:
             base, rise = base / 2.0, rise / 2.0
         if (density is None) != (length is None) or (density is not None and mass is not None):
@@ -152,7 +152,7 @@ class Block(BlockLanes):
         rebound: ArrayLike | None = None,
         log: bool = True,
     ) -> Self:
-        """A symmetric body that is no rectangle, by its frequency parameter and critical angle; its sizes are NaN.
+        """Make a symmetric body of any shape from its frequency parameter and critical angle; its sizes are NaN.
 
         Parameters
         ----------
@@ -164,7 +164,7 @@ class Block(BlockLanes):
             As for :class:`Block`. "housner" is the bound of angular momentum: 1 - 2 (p^2 R/g) sin^2(alpha) with a
             `radius`, else 1 - 1.5 sin^2(alpha), that of the rectangle with the same alpha.
         radius : float or (m,) array_like, optional
-            R, from the corner to the centre of mass [m]; it matters for the bound of the restitution only.
+            R, from the corner to the centre of mass [m]; used only for the bound of the restitution.
         gravity, one_sided, rebound, log
             As for :class:`Block`; the rebound is a number.
 
@@ -172,12 +172,12 @@ class Block(BlockLanes):
         ------
         ValueError
             For p, alpha, radius or gravity that are not positive and finite, an alpha of pi/2 or more, a restitution
-            outside [0, 1], "housner" if the bound is negative, or a radius that no body of this p has: p^2 R/g = M
+            outside [0, 1], "housner" if the bound is negative, or a radius that no body of this p can have: p^2 R/g = M
             R^2/I_0 < 1.
 
         Examples
         --------
-        A solid cylinder 0.5 m thick and 2 m high, on a line across its base: I_0 = M (r^2/4 + H^2/12 + R^2).
+        A solid cylinder of diameter 0.5 m and height 2 m, rocking in one plane: I_0 = M (r^2/4 + H^2/12 + R^2).
 
         >>> radius, inertia = np.hypot(0.25, 1.0), 0.25**2 / 4 + 2.0**2 / 12 + 0.25**2 + 1.0**2
         >>> p = np.sqrt(STANDARD_GRAVITY * radius / inertia)
@@ -188,7 +188,7 @@ class Block(BlockLanes):
         given = {"p": positive("p", p, "1/s"), "alpha": positive("alpha", alpha, "rad")}
         if radius is not None:
             given["radius"] = positive("radius", radius, "m")
-        p_, alpha_, *own = together(**given)
+        p_, alpha_, *own = common_shape(**given)
         if np.any(alpha_ >= np.pi / 2):
             raise ValueError(
                 f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
@@ -219,7 +219,7 @@ class Block(BlockLanes):
         mass: ArrayLike | None = None,
         log: bool = True,
     ) -> Self:
-        """A body without symmetry, by its corners and its centre of mass; the base is its width, its height is NaN.
+        """Make an asymmetric body from its corners and its centre of mass; `width` is its base, `height` is NaN.
 
         Parameters
         ----------
@@ -228,8 +228,8 @@ class Block(BlockLanes):
         height, gyration : float or (m,) array_like
             Height of the centre of mass above the corners, and radius of gyration sqrt(I_G/M) about it [m].
         restitution : "housner", float or (m,) array_like
-            C of both impacts; "housner" is the bound of angular momentum, (rho^2 + h^2 - b_1 b_2)/(rho^2 + R^2), R that
-            of the corner that is met.
+            C of both impacts; "housner" is the bound of angular momentum, (rho^2 + h^2 - b_1 b_2)/(rho^2 + R^2), R the
+            distance from the corner that hits the ground to the centre of mass.
         gravity, one_sided, rebound, ties, loads, thrusts, mass, log
             As for :class:`Block`; the rebound is a number.
 
@@ -240,7 +240,7 @@ class Block(BlockLanes):
         0.0
         """
         sizes = {"b_1": b_1, "b_2": b_2, "height": height, "gyration": gyration}
-        near, far, rise, rho = together(**{name: positive(name, value, "m") for name, value in sizes.items()})
+        near, far, rise, rho = common_shape(**{name: positive(name, value, "m") for name, value in sizes.items()})
         weight = float(positive("gravity", gravity, "m/s2", lanes=False))
         first, second, mass = limits.both_corners(near, far, rise, rho, mass, loads, weight)
         acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
@@ -266,7 +266,7 @@ class Block(BlockLanes):
         restraints, mass = held
         alone = {"size": first.alpha, "restitution": ratios[0]}
         known = np.asarray(np.nan) if mass is None else positive("mass", mass, "kg")
-        lanes = together(**alone, mass=known)[0].shape
+        lanes = common_shape(**alone, mass=known)[0].shape
         values = {
             "half_width": half[0],
             "half_height": half[1],
@@ -293,13 +293,13 @@ class Block(BlockLanes):
             whole = np.empty(lanes, dtype=object)
             whole[...] = restraints
             vars(self)["restraints"] = whole if lanes else restraints
-        remarks = limits.remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
+        warnings = limits.block_warnings(half, (first, second), ratios, shape, one_sided=wall[0])
         if not np.all(self.slender):
-            remarks.append(
+            warnings.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "
                 "the models with linear motion (resonance, sequence, impulsive, linear) are outside their range"
             )
-        vars(self)["warnings"] = tuple(remarks)
+        vars(self)["warnings"] = tuple(warnings)
         if log:
             for warning in self.warnings:
                 logger.warning("block: %s", warning)

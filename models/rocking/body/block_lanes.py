@@ -1,4 +1,4 @@
-"""The fields of blocks, scalars for one body and arrays (m,) for several, and the operations on their lanes."""
+"""The fields of a block, scalars for one body and arrays (m,) for several, and the operations on these lanes."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
@@ -13,17 +13,17 @@ from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import Picture, Shown, brief
 
 STANDARD_GRAVITY = 9.80665
-#: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
+#: Smallest slenderness for which the linear, resonance and sequence models are stated (section 3).
 SLENDERNESS_RANGE = 3.0
-#: Bodies of an array that are drawn, side by side.
+#: Largest number of bodies of an array that are drawn side by side.
 DRAWN = 8
-#: The quantities of the right-hand corner that have a partner at the left-hand one.
+#: The quantities that are given for both corners, named here for the right-hand one.
 OPPOSITE = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution": "restitution_2"}
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class BlockLanes(LaneValues, Shown):
-    """The fields of :class:`rocking.Block`, and what it can do with its lanes."""
+    """The fields of :class:`rocking.Block`, and the operations that select, stack or change its lanes."""
 
     half_width: Floats = lane_field()
     half_height: Floats = lane_field()
@@ -59,23 +59,23 @@ class BlockLanes(LaneValues, Shown):
         return np.shape(self.p)
 
     def lane(self, index: int) -> Self:
-        """One lane of an array of blocks as a block of its own."""
+        """Return one lane of an array of blocks as a single block."""
         return self._each(lambda values: values[index])
 
     def lanes(self, count: int | None = None) -> Self:
-        """A block of shape (count,): a single block repeated; without a count an array of blocks or of this one."""
+        """Return an array (count,) of blocks, repeating a single block; without `count` a single block gives (1,)."""
         if count is None:
             return self if self.shape else self.lanes(1)
         return self._each(lambda values: np.broadcast_to(values, (count,)))
 
     def take(self, places: Any) -> Self:
-        """Some lanes of an array of blocks: by their places, a mask or a slice."""
+        """Select lanes of an array of blocks by indices, a mask or a slice."""
         some = super().take(places)
         return some if some.restraints is None or np.asarray(some.restraints).any() else some.changed(restraints=None)
 
     @classmethod
     def stack(cls, blocks: Sequence[Self]) -> Self:
-        """Several blocks in the same gravity as the lanes of one, in their order."""
+        """Join several blocks under the same gravity, in their order, into one array of blocks."""
         gravities = {block.gravity for block in blocks}
         if len(gravities) != 1:
             raise ValueError(f"blocks: expected one gravity for all blocks of a stack, found {sorted(gravities)}")
@@ -92,18 +92,18 @@ class BlockLanes(LaneValues, Shown):
 
     @classmethod
     def restored(cls, gravity: float, restraints: Any = None, **values: float) -> Self:
-        """One body from its lane fields, but for those that follow from the others."""
+        """Rebuild one body from its stored lane fields; the derived ones are computed."""
         block = object.__new__(cls)
         vars(block).update(values | {"gravity": gravity, "restraints": restraints, "warnings": ()})
         return block._with_angle()
 
     def ratio(self, rotation: np.ndarray) -> np.ndarray:
-        """theta/alpha [-] of rotations [rad] of one body, alpha that of the corner that it turns about."""
+        """Return theta/alpha [-] for rotations [rad] of one body, with alpha of the corner that it turns about."""
         other = (rotation < 0.0) & (self.side == 0)
         return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
 
     def mirrored(self) -> Self:
-        """The same body seen from behind: its corners are exchanged, and a wall is on its other side."""
+        """Return the mirror image of the body: corners are exchanged, and a wall is on the other side."""
         pairs = OPPOSITE | {other: name for name, other in OPPOSITE.items()}
         other = self.changed(side=-self.side, **{name: getattr(self, opposite) for name, opposite in pairs.items()})
         if self.restraints is None:
@@ -116,7 +116,7 @@ class BlockLanes(LaneValues, Shown):
         return other.changed(restraints=seen if self.shape else seen[()])
 
     def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
-        """Bodies (m,) of the same R and p with angles times exp(-loss) and another right-hand `restitution`."""
+        """Return bodies (m,) with the same R and p, angles times exp(-loss) and another right-hand `restitution`."""
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
         ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
         alike = self.restitution_2 == self.restitution
@@ -132,7 +132,7 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def weaker(self) -> Self:
-        """The bodies with both corners as the one of the smaller angle, of those that they turn about."""
+        """Return symmetric bodies that have at both corners the smaller angle of those that the body turns about."""
         second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
         if not np.any(second):
             return self
@@ -141,27 +141,27 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def symmetric(self) -> Booleans:
-        """True where both corners are alike, whatever holds the body."""
+        """True for bodies with equal corners, with or without restraints."""
         return (self.alpha_c == self.alpha_2) & (self.p == self.p_2) & (self.restitution == self.restitution_2)
 
     @property
     def restrained(self) -> np.ndarray:
-        """True where something acts on the body beside its weight."""
+        """True for bodies with restraints: ties, loads or thrusts."""
         if self.restraints is None:
             return np.zeros(self.shape, dtype=bool)
         return np.array([own is not None for own in self.acting()]).reshape(self.shape)
 
     def acting(self) -> list[Restraints | None]:
-        """What acts on each of the lanes beside its weight."""
+        """The restraints of each lane."""
         return list(np.ravel(np.array(self.restraints, dtype=object)))
 
     @property
     def free(self) -> Booleans:
-        """True for a free-standing symmetric body, which every model knows."""
+        """True for free-standing symmetric bodies, which every model can treat."""
         return self.known_to(())
 
     def known_to(self, features: Collection[str]) -> Booleans:
-        """True where a body has none of :data:`FEATURES` but those that a model knows."""
+        """True for bodies that have no feature of :data:`FEATURES` besides the given ones, which a model can treat."""
         known = np.ones(self.shape, dtype=bool)
         for name, has in FEATURES.items():
             if name not in features:
@@ -170,8 +170,8 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def slender(self) -> Booleans:
-        """True where the slenderness is within the range of the models with linear natural motion."""
-        # A block of exactly 3 comes back from its angle as 3 less a bit.
+        """True for bodies whose slenderness is in the range of the models with linear natural motion."""
+        # A slenderness of exactly 3 is rounded to just below 3 when it is computed from the angle.
         return self.slenderness >= SLENDERNESS_RANGE * (1.0 - 1e-12)
 
     def _each(self, choose: Callable[[np.ndarray], Any]) -> Self:
@@ -181,7 +181,7 @@ class BlockLanes(LaneValues, Shown):
         return self.changed(**chosen | numbers)
 
     def _with_angle(self) -> Self:
-        """The same with what follows from the angle of the right-hand corner."""
+        """Set the fields that follow from the angle of the right-hand corner."""
         impulse = self.gravity * self.alpha_c / (self.p * np.cos(self.alpha_c))
         return self.changed(slenderness=1.0 / np.tan(self.alpha_c), critical_impulse=impulse)
 
@@ -204,7 +204,7 @@ class BlockLanes(LaneValues, Shown):
         return side_by_side([Outline.of(one) for one in shown])
 
 
-#: What a body may have beside being free-standing and symmetric, and where it has it: a model names what it knows.
+#: Features by which a body differs from a free-standing symmetric one, with a test of each.
 FEATURES: dict[str, Callable[[BlockLanes], Booleans]] = {
     "corners": lambda block: ~np.asarray(block.symmetric),
     "wall": lambda block: np.asarray(block.side) != 0,

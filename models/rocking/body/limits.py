@@ -1,4 +1,4 @@
-"""The corners of a rigid body, the restitution that angular momentum allows, and sizes that are doubtful.
+"""The corners of a rigid body, the restitution that angular momentum allows, and warnings of unusual sizes.
 
 .. note:: The centre of mass lies b_1 and b_2 from the right-hand and left-hand corner and h above them. About corner i
    R_i^2 = b_i^2 + h^2, tan(alpha_i) = b_i/h and p_i^2 = g R_i/(rho^2 + R_i^2), rho the radius of gyration. An impact on
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.arguments import ArrayLike, common_shape, numbers, positive
 from rocking.body.restraint import Load, Restraints, carried
 
 #: Slenderness above which the convention of the rebound from a wall holds: 1 - 1.5 cos^2 alpha is negative there.
@@ -25,11 +25,11 @@ class Corner(NamedTuple):
     radius: np.ndarray  #: R, from the corner to the centre of mass [m]
     alpha: np.ndarray  #: angle of R with the vertical [rad]
     p: np.ndarray  #: frequency parameter about it [1/s]
-    most: np.ndarray  #: C at most, of the impact that ends the rotation about it [-]
+    most: np.ndarray  #: upper bound of C of the impact that ends the rotation about it [-]
 
 
 def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.ndarray, gravity: float) -> Corner:
-    """The corner `near` [m] beside the centre of mass, which is at `height` [m]; the other corner is `far` [m] off."""
+    """Return the corner at the horizontal distance `near` from the centre of mass; the other corner is at `far` [m]."""
     square = near**2 + height**2
     most = (gyration**2 + height**2 - near * far) / (gyration**2 + height**2 + far**2)
     p = np.sqrt(gravity * np.sqrt(square) / (gyration**2 + square))
@@ -37,7 +37,7 @@ def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.n
 
 
 def sorrentino(alpha: Any) -> Any:
-    """Rebound e of a rectangle from a wall: abs((1 - 1.5 sin^2 alpha)^2 (1 - 1.5 cos^2 alpha)), a convention.
+    """Rebound e of a rectangle from a wall, by convention abs((1 - 1.5 sin^2 alpha)^2 (1 - 1.5 cos^2 alpha)).
 
     Sorrentino, L., Kunnath, S., Monti, G., Scalora, G. (2008), Eng. Struct. 30(8), 2140-2153.
     """
@@ -46,7 +46,7 @@ def sorrentino(alpha: Any) -> Any:
 
 
 def rebound_of(given: ArrayLike, alpha: np.ndarray, rectangle: bool) -> np.ndarray:
-    """Rebounds e [-] from a wall; "sorrentino", for a rectangle with the angles `alpha`, or numbers in [0, 1]."""
+    """Return rebounds e [-] from a wall, given as numbers in [0, 1] or as "sorrentino" for a rectangle with `alpha`."""
     expected = "the share e in [0, 1] of the speed that a return to the wall leaves, or 'sorrentino'"
     if isinstance(given, str):
         if given != "sorrentino":
@@ -74,7 +74,7 @@ def both_corners(
     loads: Sequence[Load],
     gravity: float,
 ) -> tuple[Corner, Corner, Any]:
-    """Both corners and the mass of a body with the loads that it carries along, as point masses."""
+    """Return both corners and the mass of a body, including the loads that move with it as point masses."""
     along = carried(loads)[0]
     if np.any(near <= 0.0) or np.any(far <= 0.0):
         raise ValueError("offset, lean: expected a centre of mass above the base, between its two corners")
@@ -91,13 +91,13 @@ def both_corners(
         for m, x, one in zip(weights, places, along, strict=True):
             inertia = inertia + m * ((x - shift) ** 2 + (one.height - centre) ** 2)
         near, far, height, gyration = near - shift, far + shift, centre, np.sqrt(inertia / mass)
-    near, far, height, gyration = together(near=near, far=far, height=height, gyration=gyration)
+    near, far, height, gyration = common_shape(near=near, far=far, height=height, gyration=gyration)
     return corner(near, far, height, gyration, gravity), corner(far, near, height, gyration, gravity), mass
 
 
-#: Full sizes [m] outside which a body is doubted: a number in another unit is likelier than such a body.
+#: Full sizes [m] outside which a size is taken for a number in a wrong unit and gets a warning.
 LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001
-#: Frequency parameters of bodies that an overturning spectrum is for [1/s], 24 from 0.5 to 8 at a ratio of 1.128:
+#: Frequency parameters of an overturning spectrum [1/s]: 24 from 0.5 to 8, each 1.128 times the one before, for
 #: rectangles with R from 29 m down to 0.11 m.
 RATES = np.geomspace(0.5, 8.0, 24)
 
@@ -108,7 +108,7 @@ def radius_of_rectangle(p: float | np.ndarray, gravity: float) -> Any:
 
 
 def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None, gravity: float) -> np.ndarray:
-    """The largest C that angular momentum allows; without a radius that of the rectangle of the same alpha."""
+    """Largest C that angular momentum allows; without a radius, the value for the rectangle with the same alpha."""
     if radius is None:
         return 1.0 - 1.5 * np.sin(alpha) ** 2
     share = p**2 * radius / gravity
@@ -123,7 +123,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
 
 
 def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
-    """Velocity ratios of an impact; "housner" is the largest one, which is from the radius of the body if `own`."""
+    """Return velocity ratios of an impact; "housner" is the largest one, computed from the body's radius if `own`."""
     if isinstance(given, str):
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
@@ -142,7 +142,7 @@ def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
 def restitutions_of(
     given: ArrayLike, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The velocity ratios of the impacts on both corners, or the rebound if `wall` (one_sided, rebound) says so."""
+    """Return the velocity ratios of the impacts on both corners, or the rebound for a `wall` (one_sided, rebound)."""
     one_sided, rebound = wall
     if not isinstance(one_sided, bool | np.bool_):
         raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")
@@ -160,7 +160,7 @@ def restitutions_of(
 
 
 def check_restraints(restraints: Restraints, first: Corner, second: Corner, block: Any) -> None:
-    """Raise ValueError for restraints of a body without mass, above it, beside it or too strong for it at rest."""
+    """Raise ValueError for restraints of a body without mass, outside the body, or that overturn it at rest."""
     if np.any(np.isnan(block.mass)):
         raise ValueError("mass: expected it in kg, or density and length, for a body with ties, loads or thrusts")
     top = 2.0 * np.min(block.half_height) if not np.any(np.isnan(block.half_height)) else np.inf
@@ -176,27 +176,27 @@ def check_restraints(restraints: Restraints, first: Corner, second: Corner, bloc
             raise ValueError("loads, thrusts: expected a body that stands at rest, got ones that turn it over")
 
 
-def remarks_on(
+def block_warnings(
     half: tuple[np.ndarray, np.ndarray],
     corners: tuple[Corner, Corner],
     ratios: tuple[np.ndarray, np.ndarray],
     shape: str,
     one_sided: bool,
 ) -> list[str]:
-    """Remarks on the size of a body with half sizes [m], and on the restitutions of the impacts on its corners."""
+    """Return warnings on the size of a body, given by half sizes [m], and on the restitutions of its impacts."""
     first = corners[0]
     across, along = 2.0 * first.radius * np.sin(first.alpha), 2.0 * first.radius * np.cos(first.alpha)
     if shape in ("rectangle", "general"):
         across = 2.0 * half[0]
         along = 2.0 * half[1] if shape == "rectangle" else along
-    remarks = [size_remark(across, along, shape)]
+    warnings = [size_warning(across, along, shape)]
     if not one_sided:
-        remarks += [restitution_remark(ratio, one.most, shape) for ratio, one in zip(ratios, corners, strict=True)]
-    return list(dict.fromkeys(remark for remark in remarks if remark))
+        warnings += [restitution_warning(ratio, one.most, shape) for ratio, one in zip(ratios, corners, strict=True)]
+    return list(dict.fromkeys(warning for warning in warnings if warning))
 
 
-def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
-    """A restitution above what angular momentum allows, for a `shape` "rectangle", "own" (radius) or "unknown"."""
+def restitution_warning(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
+    """Warn of a restitution above what angular momentum allows; `shape` is "rectangle", "own" (radius) or "unknown"."""
     above = restitution - most
     if not np.any(above > 1e-12):
         return ""
@@ -217,23 +217,23 @@ def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) ->
     )
 
 
-def doubt_of_size(width: float, height: float) -> str:
-    """What is doubtful about the full sizes [m] of a body, such as "wider than high"; an empty text if nothing is."""
+def size_problem(width: float, height: float) -> str:
+    """Say why the full sizes [m] of a body look wrong, such as "wider than high"; empty if they do not."""
     if max(width, height) > LARGEST_SIZE:
         return f"larger than {LARGEST_SIZE:g} m"
     if height < LEAST_HEIGHT:
         return f"less than {100.0 * LEAST_HEIGHT:g} cm high"
     if width < LEAST_WIDTH:
         return f"less than {1000.0 * LEAST_WIDTH:g} mm wide"
-    # A square by p and alpha = pi/4 may come back as wider than high by a bit.
+    # Rounding may make a square given by p and alpha = pi/4 slightly wider than high.
     return "wider than high" if width > height * (1.0 + 1e-12) else ""
 
 
-def size_remark(width: np.ndarray, height: np.ndarray, shape: str) -> str:
-    """The doubt about the first doubtful size; for another shape that of the rectangle with its R and alpha."""
+def size_warning(width: np.ndarray, height: np.ndarray, shape: str) -> str:
+    """Warn of the first unusual size; bodies of other shapes are judged by the rectangle with their R and alpha."""
     sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
     for base, rise in zip(*sizes, strict=True):
-        if doubt := doubt_of_size(base, rise):
+        if doubt := size_problem(base, rise):
             subject = "" if shape in ("rectangle", "general") else "a rectangle with its R and alpha would be "
             return f"{subject}{base:.4g} m wide and {rise:.4g} m high, {doubt}: check the numbers and their units"
     return ""

@@ -1,4 +1,4 @@
-"""The outline of a body and its restraints, for drawings [m]: x right of the centre of mass, y above the base."""
+"""Outline of a body and its restraints for drawings [m]: x from the centre of mass to the right, y up from the base."""
 
 import math
 from collections.abc import Sequence
@@ -15,10 +15,10 @@ HEIGHT = 170.0
 
 
 class TieLine(NamedTuple):
-    """A tie from its attachment to the body past the far edge of it, where it is anchored."""
+    """A tie, drawn from its attachment to its anchor beyond the edge of the body."""
 
     attached: float  # x of the attachment [m]
-    edge: float  # x of the edge of the body that it leaves by [m]
+    edge: float  # x of the edge of the body that the tie crosses [m]
     outward: float  # -1 to the left, +1 to the right
     height: float  # y [m]
 
@@ -30,15 +30,15 @@ class Outline:
     left: float  #: distances of the corners from the centre of mass, both positive
     right: float
     centre: float  #: height of the centre of mass
-    height: float = math.nan  #: of the body; NaN if unknown: a triangle of corners and centre of mass is drawn instead
+    height: float = math.nan  #: height of the body; if NaN, the triangle of corners and centre of mass is drawn
     side: int = 0  #: 1 or -1 for a wall on its left or right
-    ties: tuple[TieLine, ...] = ()  #: one for each rotation that a tie acts against
+    ties: tuple[TieLine, ...] = ()  #: one line for each direction of rotation that a tie resists
     loads: tuple[tuple[float, float], ...] = ()  #: x and y of each bearing
     thrusts: tuple[tuple[float, float, float], ...] = ()  #: x and y of each point, and the force [N]
 
     @classmethod
     def of(cls, block: Any) -> Self:
-        """The outline of a block of one lane."""
+        """Return the outline of a single block."""
         right = float(block.radius * math.sin(block.alpha_c))
         left = float(block.radius_2 * math.sin(block.alpha_2))
         held = block.restraints or Restraints()
@@ -63,19 +63,19 @@ class Outline:
 
     @property
     def top(self) -> float:
-        """Height of what is drawn [m]."""
+        """Height of the drawing [m]."""
         return self.height if math.isfinite(self.height) else self.centre
 
     @property
     def corners(self) -> list[tuple[float, float]]:
-        """The corners of what is drawn, from the left-hand one at the base to the right."""
+        """Corners of the drawn shape, from the left-hand one at the base to the right."""
         base = [(-self.left, 0.0), (self.right, 0.0)]
         if math.isfinite(self.height):
             return [*base, (self.right, self.height), (-self.left, self.height)]
         return [*base, (0.0, self.centre)]
 
     def draw(self, picture: Picture, x: float, gap: float) -> None:
-        """Draw the body with its centre of mass above x, a wall and what holds it within a gap on both sides."""
+        """Draw the body with its centre of mass above x, and its wall and restraints within `gap` on both sides."""
         across, up = np.transpose(self.corners)
         picture.polygon(x + across, up)
         picture.dot(x, self.centre, INK, 2.0)
@@ -94,7 +94,7 @@ class Outline:
 
 
 def side_by_side(bodies: Sequence[Outline]) -> Picture:
-    """Bodies next to each other, to one scale; a single one with its sizes."""
+    """Draw bodies side by side at one scale; a single body is drawn with its sizes."""
     tallest = max(body.top for body in bodies)
     gap = 0.3 * tallest
     total = sum(body.width + gap for body in bodies) + gap

@@ -14,12 +14,12 @@ import numpy as np
 
 from rocking.arguments import numbers
 
-#: Displacement at which the friction of a load is fully there [m]: before it is as that of a spring.
+#: Displacement at which the friction of a load is fully mobilised [m]; below it the load acts as a spring.
 SLIP = 1e-3
 
 
 def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]]) -> None:
-    """Raise ValueError for a field of `values` below its least value, or equal to it where that is not allowed."""
+    """Raise ValueError for a field of `values` below its least value, or equal to it if the limit is exclusive."""
     for name, (least, equal, unit) in limits.items():
         given = getattr(values, name)
         expected = f"a number {'of at least' if equal else 'above'} {least:g} {unit}".rstrip()
@@ -37,16 +37,16 @@ class Tie:
     Attributes
     ----------
     height, distance : float
-        z of its attachment above the base, and xi of it behind the corner of the rotation [m]: 0 for a plate on the
+        z of its attachment above the base, and distance xi behind the corner of rotation [m]: 0 for a plate on the
         outer face, the width of the body for one on the inner face.
     stiffness : float
         K, force over elongation [N/m].
     gap : float
-        Outward displacement of the attachment that it leaves free [m].
+        Outward displacement of the attachment before the tie acts [m].
     yield_force, ultimate : float
-        Largest force [N], at which it yields and keeps its elongation, and elongation at which it breaks [m]; or inf.
+        Largest force [N], at which it elongates permanently, and elongation at which it breaks [m]; inf for none.
     side : {"positive", "negative", "both"}
-        Rotations that it acts against: theta > 0, theta < 0, or one such tie for each.
+        Rotations that it resists: theta > 0, theta < 0, or both, by one tie each.
 
     Examples
     --------
@@ -86,8 +86,8 @@ class Load:
         z of its bearing above the base and distance behind the corner of theta > 0 [m]; None for the middle of the
         base.
     friction : float or None
-        Coefficient between it and the body [-]: it stays with the building and holds the body back, in both
-        directions, by at most friction times weight. None: its mass is carried along by the body.
+        Friction coefficient between load and body [-]: the load stays with the building and restrains the body, in both
+        directions, by at most friction times weight. None: the mass of the load moves with the body.
     """
 
     weight: float
@@ -104,7 +104,7 @@ class Load:
 
 @dataclass(frozen=True)
 class Thrust:
-    """A constant horizontal force on a body, as of an arch or a rafter.
+    """A constant horizontal force on a body, such as the thrust of an arch or a rafter.
 
     Attributes
     ----------
@@ -125,10 +125,10 @@ class Thrust:
 
 # Columns of the table of elements that the kernel reads.
 (
-    KIND,  # FRICTION for that of a load, else a tie
-    SIDE,  # of a tie, the sign of theta that it acts against
+    KIND,  # FRICTION for the friction of a load, else a tie
+    SIDE,  # for a tie, the sign of theta that it resists
     HEIGHT,
-    NEAR,  # distance behind the corner of theta > 0; of a tie behind its own corner
+    NEAR,  # distance behind the corner of theta > 0; for a tie, behind its own corner
     FAR,  # behind the corner of theta < 0
     STIFFNESS,
     GAP,
@@ -141,7 +141,7 @@ TIE, FRICTION = 0.0, 1.0
 
 @dataclass(frozen=True)
 class Restraints:
-    """All restraints of one body; a load that is carried along is part of the body and not among them."""
+    """All restraints of one body; a load that moves with the body counts as part of it and is not listed here."""
 
     ties: tuple[Tie, ...] = ()
     loads: tuple[Load, ...] = ()
@@ -152,23 +152,23 @@ class Restraints:
 
     @property
     def highest(self) -> float:
-        """Height of the highest of them [m]."""
+        """Height of the highest restraint [m]."""
         return max(one.height for part in (self.ties, self.loads, self.thrusts) for one in part)
 
     def as_text(self) -> str:
-        """The same as a text of JSON."""
+        """Return the restraints as JSON text."""
         return json.dumps({one.name: [vars(part) for part in getattr(self, one.name)] for one in fields(self)})
 
     @classmethod
     def from_text(cls, text: str) -> Self | None:
-        """Restraints from :meth:`as_text`; None from an empty text."""
+        """Read restraints from the text of :meth:`as_text`; return None for an empty text."""
         if not text:
             return None
         parts, makers = json.loads(text), {"ties": Tie, "loads": Load, "thrusts": Thrust}
         return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
 
     def mirrored(self, base: float) -> Self:
-        """The same seen from behind, on a body with a base [m]: theta > 0 has become theta < 0."""
+        """Return the mirror image on a body with this `base` [m]: theta > 0 becomes theta < 0."""
         other = {"positive": "negative", "negative": "positive", "both": "both"}
         return type(self)(
             tuple(Tie(**{**vars(tie), "side": other[tie.side]}) for tie in self.ties),
@@ -177,7 +177,7 @@ class Restraints:
         )
 
     def elements(self, base: float) -> np.ndarray:
-        """Table (e, 9) of the ties and of the friction of loads, see KIND and the following, on a base [m]."""
+        """Table (e, 9) of the ties and the friction of loads on a `base` [m]; the columns are named from KIND on."""
         rows = []
         for tie in self.ties:
             for name, side in (("positive", 1.0), ("negative", -1.0)):
@@ -209,5 +209,5 @@ def _bearing(load: Load, base: float) -> float:
 
 
 def carried(loads: Sequence[Load]) -> tuple[list[Load], list[Load]]:
-    """The loads that a body carries along, and those that stay with the building."""
+    """Split loads into those that move with the body and those that stay with the building."""
     return [one for one in loads if one.friction is None], [one for one in loads if one.friction is not None]

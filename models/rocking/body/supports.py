@@ -1,4 +1,4 @@
-"""A body on a pedestal as one rigid body, and the motion of a floor by oscillators in parallel."""
+"""A body and its pedestal as one rigid body, and the motion of a floor by oscillators in parallel."""
 
 import math
 from typing import NamedTuple
@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from rocking.arguments import ArrayLike, numbers, positive, record_samples, together
+from rocking.arguments import ArrayLike, common_shape, numbers, positive, record_samples
 from rocking.body.block import Block
 
 
 def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: ArrayLike = "housner") -> Block:
-    """One body made of a block centred on the top of a homogeneous rectangular pedestal.
+    """Combine a block and the homogeneous rectangular pedestal under its centre into one rigid body.
 
     Parameters
     ----------
@@ -20,18 +20,18 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     width, height, mass : float
         Full size of the pedestal in the plane of rocking [m], and its mass [kg].
     restitution : float, list of float or "housner"
-        Velocity ratio of an impact of the whole.
+        Velocity ratio of an impact of the combined body.
 
     Returns
     -------
     Block
-        It turns about the corners of the pedestal. The block alone on top of the pedestal is another case to check.
+        A body that turns about the corners of the pedestal. Check the block alone on the pedestal as a second body.
 
     Raises
     ------
     ValueError
         For a block without a mass, with a wall or restraints, or wider at its base than the pedestal; for sizes or a
-        mass that are no positive numbers; or if the whole has its centre of mass outside its base.
+        mass that are not positive; or if the centre of mass of the combined body is outside its base.
 
     Examples
     --------
@@ -66,9 +66,9 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     return Block.from_corners(*body, mass=whole, log=False)
 
 
-#: Samples of the floor's motion in the shortest period.
+#: Samples of the floor's motion per shortest period.
 SAMPLES = 40
-#: Most of the time for which the floor is followed after the ground has come to rest, in periods of each mode.
+#: Upper bound of the time that is computed after the end of the ground motion, in periods of each mode.
 MOST_PERIODS = 1000.0
 
 
@@ -78,8 +78,8 @@ class FloorMotion(NamedTuple):
     Attributes
     ----------
     acceleration, dt : (n,) ndarray, float
-        Horizontal acceleration of the floor [m/s2], linear between samples, and its interval [s], that of the ground
-        divided by a whole number.
+        Horizontal acceleration of the floor [m/s2], linear between samples, and its sampling interval [s], the ground's
+        interval divided by a whole number.
     amplification : float
         Peak of the floor over that of the ground [-].
     """
@@ -100,7 +100,7 @@ def floor_motion(
     """The motion of a floor under a ground motion, by modes in parallel.
 
     Each mode is y'' + 2 zeta omega y' + omega^2 y = -a_g, and a_f = a_g + sum of Gamma phi y'' (Chopra 2012, sections
-    5.2 and 13.1), by the recurrence that is exact for a ground linear between samples.
+    5.2 and 13.1), computed by the recurrence that is exact for a ground motion linear between samples.
 
     Parameters
     ----------
@@ -109,22 +109,22 @@ def floor_motion(
     dt : float
         Sampling interval [s].
     period, damping, participation : float or (k,) array_like
-        Of each mode: period [s], share of critical damping [-] in (0, 1), and Gamma phi at the level of the floor [-],
-        which is 1 for a single mode that is the whole building and may be negative.
+        For each mode: period [s], ratio of critical damping [-] in (0, 1), and Gamma phi at the level of the floor [-],
+        which may be negative and is 1 for a building with a single mode.
     quiet : float
-        Acceleration [m/s2] below which the oscillations after the record are left out; a thousandth of g tan(alpha) of
-        a body loses nothing that could move it.
+        Acceleration [m/s2] below which the oscillations after the record are left out; with a thousandth of g
+        tan(alpha) of a body no motion that could lift it is lost.
 
     Returns
     -------
     FloorMotion
-        From the first sample of the ground on, at a fortieth of the shortest period or less.
+        The motion from the first sample of the ground on, sampled at a fortieth of the shortest period or less.
 
     Raises
     ------
     ValueError
-        For periods that are not positive, a damping outside (0, 1), several lengths, and what
-        :func:`~rocking.recorded_response` refuses of a record.
+        For periods that are not positive, a damping outside (0, 1), arguments of different lengths, and a record that
+        :func:`~rocking.recorded_response` refuses.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def floor_motion(
     given = {"period": positive("period", period, "s")}
     given["damping"] = numbers("damping", damping, "a share of critical damping")
     given["participation"] = numbers("participation", participation, "Gamma phi of each mode")
-    periods, dampings, shares = (np.atleast_1d(values) for values in together(**given))
+    periods, dampings, shares = (np.atleast_1d(values) for values in common_shape(**given))
     if not np.all((dampings > 0.0) & (dampings < 1.0)):
         raise ValueError(f"damping: expected shares of critical damping above 0 and below 1, got {damping!r}")
     quiet = float(positive("quiet", quiet, "m/s2", lanes=False))
@@ -146,7 +146,7 @@ def floor_motion(
     fine = step / parts
     times = step * np.arange(ground.size)
     rates = 2.0 * np.pi / periods
-    # Each mode is bounded by omega^2 times its largest displacement, which a_g/omega^2 dt bounds with room to spare.
+    # Each mode is bounded by omega^2 times its largest displacement, and that in turn, generously, by a_g/omega^2 dt.
     strongest = np.abs(shares) * (1.0 + rates * times[-1]) * np.max(np.abs(ground))
     decay = np.log(np.maximum(periods.size * strongest / quiet, 1.0)) / (dampings * rates)
     after = float(np.max(np.minimum(decay, MOST_PERIODS * periods)))

@@ -1,1 +1,1 @@
-"""Responses to impulses: sequences in closed form, and the half-waves of a record one by one."""
+"""Responses to impulses: sequences in closed form, and trains of single impulses such as the half-waves of a record."""

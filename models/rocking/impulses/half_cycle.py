@@ -25,17 +25,17 @@ import numpy as np
 
 from rocking.kernel_cache import njit
 
-#: A velocity within this of the critical one counts as critical [-]: some hundred rounding errors, far below any datum.
+#: A velocity this close to the critical one counts as critical [-]; it is some hundred rounding errors.
 CRITICAL_TOLERANCE = 1e-13
 #: exp of more than this overflows.
 _LARGEST_EXPONENT = 700.0
-#: Hops that `free_decay_time` adds one by one before it gives up.
+#: Largest number of hops that `free_decay_time` adds one by one.
 _HOP_LIMIT = 100_000
 
 
 @njit()
 def state(rotation, velocity, time):
-    """x and x' after a time (times p) of natural motion (Eq. 2), which is cut off at 700 against overflow."""
+    """Return x and x' after a time (times p) of natural motion (Eq. 2); the time is limited to 700 against overflow."""
     if time < 1.0:
         half = math.sinh(0.5 * time)
         sinh, cosh_less_one = math.sinh(time), 2.0 * half * half
@@ -50,13 +50,13 @@ def state(rotation, velocity, time):
 
 @njit()
 def impact_speed(rotation, velocity):
-    """Speed w = sqrt(x (2 - x) + x'^2) with which a motion that comes back meets the ground [-], by its energy."""
+    """Speed w = sqrt(x (2 - x) + x'^2) at which a returning motion hits the ground [-], by conservation of energy."""
     return math.sqrt(max(rotation * (2.0 - rotation) + velocity * velocity, 0.0))
 
 
 @njit()
 def return_growth(rotation, velocity, speed):
-    """e^tau - 1 of the return time tau, without exp and log, from the speed of the impact; inf without a return."""
+    """Return e^tau - 1 of the return time tau from the impact speed, without exp and log; inf for no return."""
     growing = rotation - 1.0 + velocity
     if growing >= 0.0:
         return np.inf
@@ -75,7 +75,7 @@ def return_time(rotation, velocity):
 
 @njit()
 def rise_time(rotation, velocity):
-    """Time to the top of the motion times p [-], atanh(x'/(1 - x)); inf where there is none ahead."""
+    """Time to the top of the motion times p [-], atanh(x'/(1 - x)); inf if no top lies ahead."""
     if velocity < 0.0 or rotation - 1.0 + velocity >= 0.0:
         return np.inf
     return 0.5 * math.log1p(2.0 * velocity / (1.0 - rotation - velocity))
@@ -100,7 +100,7 @@ def hop(velocity):
 def free_decay_time(velocity, restitution):
     """Time (times p) until rest after infinitely many hops, sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
 
-    Below u = 0.8 it is the series 2 sum over odd j of u^j/(j (1 - C^j)). More than 100 000 hops above that count as
+    Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used. More than 100 000 hops above u = 0.8 give
     inf.
     """
     if velocity >= 1.0 or restitution >= 1.0:
@@ -126,7 +126,7 @@ def free_decay_time(velocity, restitution):
 
 @njit()
 def impacts_above(speed, restitution, cutoff):
-    """Number of impacts of a free decay above a positive cut-off: of k >= 0 with C^k speed > cutoff; -1 for C = 1."""
+    """Number of impacts of a free decay above a positive cut-off, C^k speed > cutoff with k >= 0; -1 for C = 1."""
     if speed <= cutoff:
         return 0
     if restitution >= 1.0:
@@ -134,7 +134,7 @@ def impacts_above(speed, restitution, cutoff):
     if restitution <= 0.0:
         return 1
     count = math.ceil(math.log(cutoff / speed) / math.log(restitution))
-    # The logarithms may round across a whole number: the powers decide.
+    # Rounding of the logarithms may shift the result by one: the powers correct it.
     if speed * restitution ** (count - 1) <= cutoff:
         return count - 1
     return count + 1 if speed * restitution**count > cutoff else count
@@ -146,7 +146,7 @@ _NEWTON_LIMIT = 200
 
 @njit()
 def _condition(half, count, spacing, s):
-    """F(t) of the table above, and its derivative."""
+    """Return F(t) of the table in the module docstring, and its derivative."""
     tanh = math.tanh(half)
     slope = (1.0 - tanh) * (1.0 + tanh)
     divisor = count + 1 if spacing == OPEN else count
@@ -167,7 +167,7 @@ def corrected_duration(velocity, secondary, count, spacing):
     """The smallest T (times p) with x(T) = 0, for 0 <= a <= u and n impulses; inf if the block overturns.
 
     The root atanh(v) of the continuous limit is a lower bound of the roots for "end", "middle" and "open"; if it does
-    not exist, they have no root. Their F is concave with one maximum: Newton's iteration from the lower bound increases
+    not exist, they have no root. Their F is concave with one maximum: Newton's iteration from the lower bound rises
     up to the smaller root, or passes the maximum (F' <= 0) if there is no root. F of "start" increases to 1 + s: its
     root is bracketed.
     """
@@ -197,7 +197,7 @@ def corrected_duration(velocity, secondary, count, spacing):
 
 @njit()
 def _bracketed(target, count, s):
-    """Half the duration for "start": Newton's iteration inside a bracket that each step tightens."""
+    """Half the duration for spacing "start", by Newton's iteration inside a bracket that shrinks with each step."""
     if target >= 1.0 + s - CRITICAL_TOLERANCE:
         return np.inf
     low = 0.0
@@ -206,7 +206,7 @@ def _bracketed(target, count, s):
     else:
         high = 1.0
         while _condition(high, count, START, s)[0] < target:
-            # tanh has reached one in floating point for every factor: the root lies beyond representable velocities.
+            # tanh rounds to one for every factor: no representable velocity reaches the root.
             if high > 40.0 * count:
                 return np.inf
             low, high = high, 2.0 * high
@@ -239,10 +239,10 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
 
 @njit()
 def stays_bounded(main, ratio, restitution):
-    """Whether an endless main sequence u_1 with a continuous secondary one (`ratio` I_s/I) never overturns the block.
+    """Whether a block survives an endless main sequence u_1 with a continuous secondary one (`ratio` I_s/I).
 
-    v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality is bounded, as the limit is never reached; rounding
-    of u_1 and of C, which changes 1 - C, must not decide it.
+    v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality counts as bounded, as the limit is never reached; a
+    tolerance keeps the rounding of u_1 and 1 - C from changing the answer.
     """
     if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
         return False
@@ -252,13 +252,13 @@ def stays_bounded(main, ratio, restitution):
     return limit * (1.0 - CRITICAL_TOLERANCE) <= 1.0 - restitution + 2.3e-16
 
 
-#: Steps of the trial march: p dT >= 1e-4 is demanded of a sequence and no half-cycle lasts longer than about 40/p.
+#: Limit of the steps of the trial march: a sequence has p dT >= 1e-4, and no half-cycle lasts longer than about 40/p.
 _TRIAL_LIMIT = 1_000_000
 
 
 @njit()
 def _first_wait(spacing, interval):
-    """Time from the main impulse to the first secondary one."""
+    """Return the time from the main impulse to the first secondary one."""
     if spacing == START:
         return 0.0
     return 0.5 * interval if spacing == MIDDLE else interval
@@ -266,7 +266,7 @@ def _first_wait(spacing, interval):
 
 @njit()
 def first_return(velocity, secondary, interval, spacing):
-    """First return T* (times p) of the march with the trial `interval` dT (times p), steps 3 and 4, or inf.
+    """First return T* (times p) of the march with the trial `interval` dT (times p), steps 3 and 4; inf for no return.
 
     If y >= 0 after an impulse towards the ground, the next one away from it makes y at least a, and y exp(delta) - a
     stays non-negative from then on: there is no return.
@@ -288,7 +288,7 @@ def first_return(velocity, secondary, interval, spacing):
 
 @njit()
 def peak_and_lowest(velocity, secondary, time, count, spacing):
-    """Largest x of the corrected march (step 6), and smallest x at its impulses: below 0 it is in the ground."""
+    """Largest x of the corrected march (step 6), and smallest x at its impulses, which is below 0 inside the ground."""
     interval = time / (count + 1 if spacing == OPEN else count)
     wait, rotation, push, peak, lowest = _first_wait(spacing, interval), 0.0, -secondary, 0.0, np.inf
     for impulse in range(count + 1):

@@ -11,11 +11,11 @@ from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
 from rocking.impulses.main_sequence import effective_amplification
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 
-#: Number of intermediate impulses in a half-cycle of the picture, and the most of them.
+#: Default and largest number of intermediate impulses drawn in a half-cycle.
 SHOWN, MOST = 4, 12
-#: Place of the first intermediate impulse after the main one, in intervals.
+#: Time of the first intermediate impulse after the main one, in intervals.
 FIRST = {"end": 1.0, "middle": 0.5, "start": 0.0, "open": 1.0}
-#: Where the intermediate impulses stand in the half-cycle: t_k = (k - phi) dT with T = n dT for "end" (phi = 0),
+#: Times of the intermediate impulses in the half-cycle: t_k = (k - phi) dT with T = n dT for "end" (phi = 0),
 #: "middle" (1/2) and "start" (1); "open": t_k = k dT with T = (n + 1) dT; "continuous": the limit of infinitely many.
 #: The numbers are the kernels' codes.
 SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continuous": CONTINUOUS}
@@ -23,17 +23,17 @@ SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continu
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImpulseSequence(Shown):
-    """A main and a secondary sequence of impulses, or an array of them: the fields broadcast to one shape (q,), or ().
+    """A main and a secondary sequence of impulses, or an array of such pairs; the fields broadcast to (q,), or ().
 
     Parameters
     ----------
     main, secondary : float or (q,) array_like
         Sizes I of a main impulse, not negative, and I_s of a secondary impulse, 0 <= I_s <= I [m/s].
     interval : float or (q,) array_like
-        Trial interval dT of the secondary impulses [s], positive; NaN is allowed if it has no meaning (spacing
-        "continuous", or `intermediate_count` given).
+        Trial interval dT of the secondary impulses [s], positive; may be NaN if it is not used (spacing "continuous",
+        or `intermediate_count` given).
     duration : float or (q,) array_like
-        Main impulses act in half-cycles that start before this time [s], positive; inf for ever.
+        Main impulses act in half-cycles that start before this time [s], positive; inf for no end.
     main_count : int or (q,) array_like of int, optional
         Largest number of main impulses [-], at least 1; None for no limit.
     intermediate_count : int, optional
@@ -103,24 +103,24 @@ class ImpulseSequence(Shown):
         return np.shape(self.main)
 
     def scaled(self, factor: ArrayLike) -> Self:
-        """The same sequence with both impulses times a factor, or (q,) of them; I_s/I, times and counts are kept."""
+        """Return the sequence with both impulses times a factor, or (q,) factors; I_s/I, times and counts are kept."""
         factor = _numbers("factor", factor)
         _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)
 
     def effective_impulse(self, restitution: ArrayLike) -> Floats:
-        """I_eff, the one number by which the sequence acts on blocks of a restitution: it overturns iff I_eff >= I_1c.
+        """Effective impulse I_eff of the sequence for blocks of one restitution: a block overturns iff I_eff >= I_1c.
 
         Parameters
         ----------
         restitution : float or (q,) array_like
-            C of the block [-], 0 to 1; with several sequences one number, or one a sequence.
+            C of the block [-], 0 to 1; one number, or one for each sequence.
 
         Returns
         -------
         float or (q,) ndarray
             I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C); without a `main_count`
-            the supremum over N, which itself does not overturn. The last main impulse decides (VALIDATION F4, V27).
+            the supremum over N, at which the block just survives. The last main impulse decides (VALIDATION F4, V27).
 
         Raises
         ------
@@ -158,9 +158,9 @@ class ImpulseSequence(Shown):
         return facts | {"spacing": self.spacing}
 
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Main and secondary impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
+        """Main and secondary impulses of two half-cycles of the first sequence, as (k, 2) times and sizes.
 
-        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the change of velocity.
+        Times are in intervals after the first main impulse [-], sizes in m/s with the sign of the change of velocity.
         """
         main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
         number = np.arange(min(self.intermediate_count or SHOWN, MOST))
@@ -168,12 +168,12 @@ class ImpulseSequence(Shown):
         mains = np.array([[0.0, main], [length, -main]])
         if secondary == 0.0 or self.spacing not in FIRST:
             return mains, np.empty((0, 2))
-        # The first of them opposes the main impulse, then they alternate.
+        # The first secondary impulse opposes the main impulse; the next ones alternate.
         own = np.column_stack([FIRST[self.spacing] + number, np.where(number % 2 == 0, -secondary, secondary)])
         return mains, np.concatenate([own, own * [1.0, -1.0] + [length, 0.0]])
 
     def _picture(self) -> Picture:
-        """Two half-cycles of the sequence, the first of several."""
+        """Draw two half-cycles of the sequence, of several sequences the first."""
         mains, others = self.two_half_cycles()
         main, secondary = float(mains[0, 1]), float(np.ravel(self.secondary)[0])
         end, reach = 2.0 * float(mains[1, 0]), main or 1.0

@@ -1,4 +1,4 @@
-"""Response to given impulses, such as the half-waves of a record (Casapulla & Maione 2017, section 2, Eqs. 1-3).
+"""Response to a train of impulses, such as the half-waves of a record (Casapulla & Maione 2017, section 2, Eqs. 1-3).
 
 .. note:: An impulse I of the ground is positive to the right and changes theta' by -gain I, since theta'' contains
    -a_g; theta > 0 is a rotation about the right-hand corner.
@@ -10,7 +10,16 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, numbers
 from rocking.body.block import Block
-from rocking.impulses.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
+from rocking.impulses.impulsive_kernel import (
+    EXACT,
+    LINEAR,
+    PAPER,
+    TANGENT,
+    History,
+    ImpulsiveLanes,
+    Train,
+    impulsive_lanes,
+)
 from rocking.lanes import split_lanes
 from rocking.response import Response, empty_results, response_of
 
@@ -40,8 +49,8 @@ def impulsive_response(
     times, impulses : (k,) array_like
         Times [s], not decreasing, and signed impulses [m/s]. Impulses at one time act in the order given.
     duration : float, optional
-        Time at which the history ends [s], by default that of the last impulse; every impulse acts, and the motion is
-        followed until rest or overturning is certain.
+        Time at which the history ends [s], by default the time of the last impulse; every impulse acts in any case, and
+        the motion is computed until rest or overturning is certain.
     gain : {"paper", "linear", "exact", "tangent"}
         See :data:`GAINS`.
     scale : float or (q,) array_like
@@ -58,13 +67,13 @@ def impulsive_response(
     Response
         Lanes (q, m), a scalar axis dropped; with a history `time` (h,), `rotation` and `velocity` (q, m, h), NaN once
         the block lies on the ground. UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two impulses. With
-        `gain="exact"` the block may be lifted again in flight; passing alpha_c alone is not overturning.
+        `gain="exact"` an impulse in flight may lift the block again; passing alpha_c is not overturning.
 
     Raises
     ------
     ValueError
-        For arrays that are not finite, not of one length or not in order, an unknown gain, or a step or duration out
-        of range.
+        For arrays that are not finite, of equal length and in order, an unknown gain, or a step or duration out of
+        range.
 
     Notes
     -----
@@ -99,7 +108,7 @@ def impulsive_response(
     factors = np.multiply.outer(scale.reshape(-1), np.broadcast_to(own, alpha.shape))
     sizes = np.abs(impulses)
     train = Train(times, impulses, sizes, np.cumsum(sizes[::-1])[::-1].copy())
-    lanes = Lanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
+    lanes = ImpulsiveLanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
     results = empty_results(factors.size)
     history = History(grid, np.zeros((factors.size, grid.size, 2)))
 
@@ -140,5 +149,5 @@ def _grid(times: np.ndarray, duration: float | None, step: float | None) -> np.n
         raise ValueError(f"history_dt: expected a positive, finite step [s], got {step!r}")
     first = min(0.0, times[0]) if times.size else 0.0
     end = (max(times[-1], 0.0) if times.size else 0.0) if duration is None else duration
-    # A whole number of steps must not lose its last sample to rounding.
+    # Rounding must not drop the last sample if the duration is a whole number of steps.
     return first + step * np.arange(int((end - first) / step * (1.0 + 1e-12)) + 1)

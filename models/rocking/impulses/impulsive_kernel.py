@@ -1,4 +1,4 @@
-"""Kernel of the natural motion between impulses of the ground, in the units of half_cycle.py.
+"""Compiled kernel of the natural motion between impulses of the ground, in the units of half_cycle.py.
 
 .. note:: `side` is +1 for theta > 0 and -1 for theta < 0; an impulse I of the ground changes x' by -side gain I/(p
    alpha_c).
@@ -16,15 +16,15 @@ from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 PAPER, LINEAR, EXACT, TANGENT = range(4)
 #: Impacts followed between two impulses before a lane is UNRESOLVED.
 IMPACT_LIMIT = 100_000
-#: An impulse this close to an impact, as time times p, acts together with it. Times of some hundred seconds are
-#: rounded by 1e-13 s and the instability of the motion multiplies that by up to 1e3; moving an impact by 1e-9/p moves
-#: the motion by no more than 1e-9.
+#: An impulse this close to an impact, as time times p, acts together with it. Times of some hundred seconds carry
+#: rounding errors of 1e-13 s, which the instability of the motion multiplies by up to 1e3; moving an impact by 1e-9/p
+#: changes the motion by no more than 1e-9.
 COINCIDENCE = 1e-9
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
-#: Longest time counted in the growth factor of a wait, times p [-]; exp of more than about 709 overflows.
+#: Longest part of a wait in its growth factor, times p [-]; exp of more than about 709 overflows.
 _LONGEST_GROWTH = 700.0
-#: A wait whose counted part has shrunk below this is filled up again from what is left of it.
+#: If the counted part of a wait falls below this, it is refilled from the rest of the wait.
 _SHORTEST_GROWTH = 100.0
 
 
@@ -37,7 +37,7 @@ class Train(NamedTuple):
     left: np.ndarray  #: (k,) sum of the sizes from each impulse on [m/s]
 
 
-class Lanes(NamedTuple):
+class ImpulsiveLanes(NamedTuple):
     """The (q m,) lanes: q factors on the impulses by m blocks."""
 
     scale: np.ndarray  #: (q, m) factor on the impulses [-]
@@ -57,11 +57,11 @@ class History(NamedTuple):
 
 @njit(_nrt=False)
 def _cannot_come_back(growing, time, first, train, gain, p):
-    """Whether no return is possible: y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
+    """Whether the block cannot return: y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
     total = 0.0
     for i in range(first, train.times.size):
         weight = gain * math.exp(-p * (train.times[i] - time))
-        if growing > total + weight * train.left[i]:  # more than all the rest can add
+        if growing > total + weight * train.left[i]:  # greater than the sum of all later impulses
             return True
         total += weight * train.sizes[i]
         if total >= growing:
@@ -71,7 +71,7 @@ def _cannot_come_back(growing, time, first, train, gain, p):
 
 @njit(_nrt=False)
 def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
-    """History of one arc at the times in [begin, end) from the index `first` on; returns the first index left."""
+    """Write the history of one arc at the times in [begin, end) from index `first` on; return the next free index."""
     times, motion = history.times, history.motion[lane]
     while first < times.size and times[first] < begin:
         first += 1
@@ -96,7 +96,7 @@ def _arc(rotation, velocity, sinh, cosh_less_one):
 
 @njit()
 def _decays(velocity, restitution, remaining):
-    """Whether all hops end in the time that remains; 2 u/(1 - C) <= their sum <= 2 atanh(u)/(1 - C)."""
+    """Whether all hops end in the remaining time; the sum of hops is between 2 u/(1 - C) and 2 atanh(u)/(1 - C)."""
     loss = 1.0 - restitution
     if 2.0 * velocity > loss * remaining:
         return False
@@ -117,7 +117,7 @@ def _tabulate(waits, times, p):
 
 @njit(_nrt=False)
 def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
-    """Write the results of the lanes first_lane:last_lane; `waits` (3, k) is work space.
+    """Compute the lanes first_lane:last_lane and write their results; `waits` (3, k) is work space.
 
     Lane l is block l // q under the factor l % q, so that neighbouring lanes share p and the growth of the modes over
     every wait. Between events only square roots are computed: exp(p t) of a return is algebraic.
@@ -140,7 +140,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
         elif lanes.gain == TANGENT:
             lane_gain *= angle / math.tan(angle)
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
-        # The highest top is kept as its energy x (2 - x) + x'^2 and what that leaves of one, without cancellation.
+        # The highest top is kept as its energy E = x (2 - x) + x'^2 and as 1 - E, without cancellation.
         peak, energy, left, overturning_time = 0.0, 0.0, 1.0, np.nan
         rotation, velocity, side, moving, contact = 0.0, 0.0, 1.0, False, False
         bounces, sampled = 0, 0
@@ -165,7 +165,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
             ahead = growth[i]
             reserve = 0.0 if last else max(rate * (times[i + 1] - times[i]) - _LONGEST_GROWTH, 0.0)
             begin, bounce = times[i], 0
-            # Never less than what remains of the wait: it spares most logarithms of the test for rest.
+            # An upper bound of the remaining wait, which saves most logarithms of the test for rest.
             longest = np.inf if last else rate * (times[i + 1] - times[i])
             while moving:
                 if samples == 0 and not last and reserve == 0.0 and bounce > 0:
@@ -196,7 +196,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                 if bounce == IMPACT_LIMIT:
                     outcome, reason = _UNRESOLVED, _IMPACT_LIMIT_REASON
                     break
-                # A free decay that ends before the next impulse ends in rest; its hops matter to a samples only.
+                # A free decay that ends before the next impulse ends in rest; its hops only matter for the history.
                 on_ground = rotation == 0.0 and 0.0 <= velocity < 1.0
                 unseen = sampled >= samples or velocity <= IMPACT_CUTOFF or bounce >= IMPACT_LIMIT - 1
                 if (bounce > 0 or not last) and on_ground and unseen and outcome != _OVERTURNS:
@@ -254,8 +254,8 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                 rotation, velocity = end_rotation, end_velocity
                 if back <= ahead + window:
                     # The impact is moved to the impulse by less than the tolerance, keeping the decaying mode
-                    # (z = x - 1 - x'): that drops the rounding errors which the growing mode has multiplied and which
-                    # would drive a resonant train off its impacts.
+                    # (z = x - 1 - x'): this removes the rounding errors that the growing mode has multiplied and that
+                    # would shift a resonant train away from its impacts.
                     rotation, velocity, contact = 0.0, -max(rotation - velocity, 0.0), True
                 else:
                     rotation = max(rotation, 0.0)

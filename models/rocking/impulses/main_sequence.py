@@ -17,16 +17,16 @@ from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes, squeezed
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
-#: Halvings of the bracket of the upper edge of a band of factors.
+#: Bisections of the bracket around the upper edge of a band of factors.
 HALVINGS = 60
-#: Half-cycles whose durations are added up before a lane is UNRESOLVED.
+#: Largest number of half-cycles whose durations are added up; then a lane is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
-class Lanes(NamedTuple):
-    """The lanes: each a block under a main sequence."""
+class MainSequenceLanes(NamedTuple):
+    """The lanes, each one block under one main sequence."""
 
     impulse: np.ndarray  #: (lanes,) I [m/s]
     duration: np.ndarray  #: (lanes,) end of the main sequence [s]
@@ -38,7 +38,7 @@ class Lanes(NamedTuple):
 
 @njit()
 def amplification(restitution, half_cycle):
-    """u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
+    """Ratio Ratio u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
     if restitution == 1.0:
         return float(half_cycle)
     if restitution == 0.0:
@@ -62,7 +62,7 @@ def overturning_half_cycle(main, restitution):
         half_cycle = math.ceil(min(needed, 9e18))
     else:
         half_cycle = math.ceil(min(math.log1p(-(1.0 - restitution) * needed) / math.log(restitution), 9e18))
-    # The logarithms may round across a whole number: the velocities decide.
+    # Rounding of the logarithms may shift the result by one: the velocities correct it.
     if amplification(restitution, half_cycle - 1) >= needed:
         return half_cycle - 1
     return half_cycle if amplification(restitution, half_cycle) >= needed else half_cycle + 1
@@ -70,7 +70,7 @@ def overturning_half_cycle(main, restitution):
 
 @njit(_nrt=False)
 def resonance_lanes(first_lane, last_lane, lanes, results, table):
-    """Write what the lanes first_lane:last_lane answer, and their :class:`rocking.impulses.sequence_kernel.Table`."""
+    """Write the results of the lanes first_lane:last_lane and their `HalfCycleTable`."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -90,7 +90,7 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
             if overturns:
                 peak, time = np.inf, np.inf
             else:
-                # The critical velocity is the limit of the sequence at most, and rounding must not let it arrive.
+                # The velocity approaches the critical one from below; rounding must not make it equal.
                 peak, time = hop(min(velocity, 1.0 - 2.0**-53))
             if used < rows:
                 columns[0, used, lane], columns[1, used, lane], columns[2, used, lane] = velocity, peak, time / rate
@@ -104,7 +104,7 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
             counted = 1 if velocity > IMPACT_CUTOFF else 0
             impacts += counted
             if velocity == previous and critical < 0:
-                # The velocity has reached its limit: the half-cycles that are left are counted, not followed.
+                # The velocity has reached its limit: the remaining half-cycles are only counted.
                 impacts += repetitions(start, time / rate, end, most - used) * counted
                 break
         if outcome == _ROCKS:
@@ -118,13 +118,13 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
 
 @njit()
 def effective_amplification(restitution, ratio, half_cycle):
-    """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-], which decides half-cycle i in the limit n -> infinity (F4)."""
+    """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]; in the limit n -> infinity half-cycle i overturns iff v_i >= 1 (F4)."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 
 @njit()
 def start_of_half_cycle(needed, restitution, ratio, half_cycle):
-    """Start of half-cycle N times p, needed = 1/u_1: sum over j < N of 2 atanh(v_j); inf where one overturns."""
+    """Start of half-cycle N times p, sum over j < N of 2 atanh(v_j); inf if one overturns; needed = 1/u_1."""
     start = 0.0
     for earlier in range(1, half_cycle):
         start += hop(effective_amplification(restitution, ratio, earlier) / needed)[1]
@@ -149,14 +149,14 @@ def last_half_cycle(restitution, ratio, end, main_count):
 
 @njit()
 def _start_at_edge(restitution, ratio, half_cycle):
-    """Start of half-cycle N times p, at the factor that makes v_N = 1."""
+    """Start of half-cycle N times p, at the scale factor for which v_N = 1."""
     needed = effective_amplification(restitution, ratio, half_cycle)
     return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
 
 @njit(_nrt=False)
 def safety_lanes(first_lane, last_lane, lanes, factors):
-    """Write into `factors` the smallest scale factor that overturns: I_Nc/I of the last half-cycle that is reached."""
+    """Write the smallest scale factor that overturns each lane, I_Nc/I of its last half-cycle, into `factors`."""
     for lane in range(first_lane, last_lane):
         c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
         if end != np.inf:
@@ -168,9 +168,9 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
 
 @njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
-    """Lower and upper scale factors (2, k) of the bands of one lane, for u_1, sigma and the `end` times p."""
+    """Return lower and upper scale factors (2, k) of the overturning bands of one lane; `end` is in units of 1/p."""
     if end == np.inf:
-        # Every half-cycle up to the last one is reached: one interval. Without a last one its edge is the infimum.
+        # Every half-cycle up to the last one is reached: one interval; for endless sequences its edge is the infimum.
         edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
         if main_count == UNLIMITED and restitution == 1.0 and ratio < 1.0:
             edge = 0.0 if main > 0.0 else np.inf
@@ -227,9 +227,9 @@ def resonance(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse is in `impacts`, not in the
-        table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the start of the
-        half-cycle that overturns. u = 1 overturns.
+        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse counts in `impacts`, but is not
+        in the table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the start
+        of the half-cycle that overturns. u = 1 overturns.
 
     Examples
     --------
@@ -242,8 +242,36 @@ def resonance(
     return tabulated_response(resonance_lanes, lanes, shape, drop, table_rows, threads)
 
 
-def critical_impulse_at(block: Block, half_cycle: int) -> Floats:
-    """The impulse I_1c (1 - C)/(1 - C^i) [m/s], (m,), that overturns in `half_cycle` i >= 1 (Eq. 9, erratum)."""
+def critical_impulse(block: Block, half_cycle: int = 1) -> Floats:
+    """Return the critical impulse I_ic, the size of equal impulses at resonance that overturn in half-cycle i (Eq. 9).
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,), with its restitution C.
+    half_cycle : int
+        i >= 1; 1 is a single impulse, 2 the critical double impulse.
+
+    Returns
+    -------
+    impulse : float or (m,) ndarray
+        I_ic = I_1c (1 - C)/(1 - C^i) [m/s], with I_1c = g alpha_c/(p cos alpha_c) and the erratum of Eq. 9.
+
+    Raises
+    ------
+    ValueError
+        For a half-cycle that is not a whole number of at least 1.
+
+    References
+    ----------
+    Casapulla, C., Maione, A. (2017), COMPDYN 2017, Eqs. (3), (5), (9).
+
+    Examples
+    --------
+    >>> block = Block(width=1.0, height=3.872983, restitution=0.9, gravity=9.81)
+    >>> [round(float(critical_impulse(block, half_cycle=i)), 3) for i in (1, 2, 3)]
+    [1.335, 0.703, 0.493]
+    """
     half_cycle = counts("half_cycle", half_cycle, least=1, lanes=False)
     return critical_impulse_ratio(block.restitution, half_cycle) * block.critical_impulse
 
@@ -252,7 +280,7 @@ def critical_impulse_ratio(restitution: ArrayLike, half_cycle: int) -> Any:
     """I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
     ratios = np.array(restitution, dtype=float, ndmin=1)
     ones, factors = np.ones(ratios.size), np.empty(ratios.size)
-    lanes = Lanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
+    lanes = MainSequenceLanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
     safety_lanes(0, ratios.size, lanes, factors)
     return factors.item() if np.ndim(restitution) == 0 else factors
 
@@ -276,15 +304,15 @@ def resonance_safety(
     Returns
     -------
     factor : float or (q, m) ndarray
-        I_Nc/I [-]; inf for no impulse. Without `half_cycles` and `duration` it is the infimum (1 - C) I_1c/I, which
-        itself is safe.
+        I_Nc/I [-]; inf for no impulse. Without `half_cycles` and `duration` it is the infimum (1 - C) I_1c/I, at which
+        the block just survives.
 
     Notes
     -----
-    Overturning in half-cycle N takes a factor from I_Nc/I to below I_(N-1)c/I, a band in which its start grows with
+    Factors from I_Nc/I to below I_(N-1)c/I overturn the block in half-cycle N. The start of this half-cycle grows with
     the factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1 - C^j)/(1
-    - C). t_N grows with N, so the answer is the edge of the largest N that the input reaches, t_N < duration. As
-    S_j/S_N >= j/N and sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
+    - C). t_N grows with N, so the result is the lower edge for the largest N with t_N < duration. As S_j/S_N >= j/N and
+    the sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
     """
     count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
     shape, drop, lanes = _lanes(block, impulse, count, duration)
@@ -296,8 +324,8 @@ def resonance_safety(
 
 def _lanes(
     block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
-) -> tuple[tuple[int, int], tuple[bool, bool], Lanes]:
-    """The lanes of a kernel, with their shape and the axes to drop."""
+) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
+    """Return the lanes of a kernel, their shape and the axes to drop."""
     sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
     if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
         raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")
@@ -305,7 +333,7 @@ def _lanes(
         raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {duration!r}")
     blocks = (block.p, block.restitution, block.critical_impulse)
     shape, drop, (impulses, until, most, *rest) = combined((sizes, ends, count), blocks)
-    return shape, drop, Lanes(impulses, until, most.astype(np.int64), *rest)
+    return shape, drop, MainSequenceLanes(impulses, until, most.astype(np.int64), *rest)
 
 
 def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:

@@ -1,4 +1,4 @@
-"""Response to a main and a secondary sequence of impulses, its train and its limit (Casapulla & Maione 2017).
+"""Response to a main and a secondary sequence of impulses, its impulse train and its limit (Casapulla & Maione 2017).
 
 .. note:: The first main impulse of :func:`impulse_train` is positive: the ground is pushed to the right and the block
    starts to rock about its left-hand corner (theta < 0); the main impulses alternate.
@@ -16,7 +16,7 @@ from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
 from rocking.impulses.sequence_kernel import (
     HALF_CYCLE_LIMIT,
     TABLE_ROWS,
-    Lanes,
+    SequenceLanes,
     combined,
     empty_table,
     sequence_lanes,
@@ -60,15 +60,15 @@ def sequence_response(
     -------
     Response
         Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table holds the half-cycles that a main impulse starts,
-        up to where the motion repeats itself; the later ones and the free decay are counted in `impacts`, which is -1
-        for a motion without end. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
+        until the motion repeats itself; later half-cycles and the free decay only count in `impacts`, which is -1 for a
+        motion without end. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
         (HALF_CYCLE_LIMIT) after 50 000 half-cycles without overturning or repetition, (SHORT_INTERVAL) below 1e-4/p.
 
     Raises
     ------
     ValueError
-        For pairs of different numbers, or more than a million intermediate impulses in a half-cycle: use spacing
-        "continuous".
+        For unequal numbers of blocks and sequences in pairs, or more than a million intermediate impulses in a
+        half-cycle (use spacing "continuous").
 
     Notes
     -----
@@ -76,8 +76,8 @@ def sequence_response(
     section 3.2: march with the trial dT to the first return T*, or T* of the limit n -> infinity if it does not return;
     n = max(2, 2 round(T*/(2 dT))); solve x(T) = 0 for the smallest T with the corrected interval dT = T/n (T/(n + 1)
     for "open"); no root: overturned. The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above 2/3
-    and "middle" above 6/7 the corrected march may pass through the ground inside a half-cycle, of which the closed form
-    knows the end only: this is logged as a warning.
+    and "middle" above 6/7 the corrected march may pass through the ground inside a half-cycle, which the closed form
+    does not see: this is logged as a warning.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Outcomes (q, n) of one sequence under `factors` (q, n), a column for each of the `chosen` blocks (n,)."""
+    """Outcomes (q, n) of one sequence under `factors` (q, n), one column for each of the `chosen` blocks (n,)."""
     if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(
             "expected one sequence and factors with a column for each chosen block, "
@@ -131,8 +131,8 @@ def _combined(
     return combined(inputs, (block.p, block.restitution, block.critical_impulse), paired)
 
 
-def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np.ndarray]:
-    """The lanes of the kernel, and which of them have secondary impulses too close together for it."""
+def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[SequenceLanes, np.ndarray]:
+    """Return the lanes of the kernel, and a mask of those whose secondary impulses are too close together for it."""
     main, secondary, interval, duration, main_count, p, restitution, critical = flat
     count = sequence.intermediate_count or 0
     if count > _LARGEST_COUNT:
@@ -142,11 +142,11 @@ def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np
     short = (secondary > 0.0) & (sequence.spacing != "continuous") & (count == 0) & (p * interval < _SHORTEST_INTERVAL)
     scaled, most = np.where(short, 0.0, main / critical), main_count.astype(np.int64)
     spacing = SPACINGS[sequence.spacing]
-    return Lanes(scaled, secondary / critical, p, restitution, interval, duration, most, count, spacing), short
+    return SequenceLanes(scaled, secondary / critical, p, restitution, interval, duration, most, count, spacing), short
 
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:
-    """The response with the lanes marked whose secondary impulses are too close together."""
+    """Mark the lanes whose secondary impulses are too close together as UNRESOLVED."""
     short = short.reshape(np.shape(response.outcome))
     marks = {"peak_rotation_ratio": np.nan, "outcome": int(Outcome.UNRESOLVED), "impacts": -1}
     found = {
@@ -163,14 +163,14 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
     Parameters
     ----------
     block, sequence : Block, ImpulseSequence
-        One block, and one sequence that ends (finite duration, a main count, or a motion that overturns).
+        One block, and one sequence with an end (a finite duration, a main count, or a motion that overturns).
 
     Returns
     -------
     times, impulses : (k,) ndarray
         Times [s], not decreasing, the first main impulse at 0, and impulses of the ground [m/s], the first one
         positive. Simultaneous impulses are listed in their order of action: the last secondary impulse of "end" before
-        the impact, the main impulse after it, the first secondary impulse of "start" after that one.
+        the impact, then the main impulse, then the first secondary impulse of "start".
 
     Raises
     ------
@@ -181,8 +181,8 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
     -----
     With this train and the paper's gain :func:`~rocking.impulses.impulsive.impulsive_response` gives the response of
     :func:`sequence_response`. An overturning half-cycle ends the train with its main impulse. The limit of infinitely
-    many secondary impulses is a jump of I_s/2 against the main impulse at the start of the half-cycle and of I_s/2 with
-    it at the end.
+    many secondary impulses is a jump of I_s/2 against the main impulse at the start of the half-cycle and a jump of
+    I_s/2 along it at the end.
     """
     if block.shape or sequence.shape:
         raise ValueError(f"expected one block and one sequence, got shapes {block.shape} and {sequence.shape}")
@@ -214,20 +214,20 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
 
 
 def main_impulses_given(response: Response, sequence: ImpulseSequence) -> float:
-    """The number of main impulses up to the end of a sequence or to overturning; inf for one without end."""
+    """Number of main impulses until the sequence ends or the block overturns; inf for an endless sequence."""
     assert response.half_cycles is not None
     durations = response.half_cycles.duration
     if durations.size == 0:
         return 0.0
     if response.outcome == Outcome.OVERTURNS:
         return float(response.overturning_half_cycle)
-    # A table that ends early ends with the half-cycle that repeats itself.
+    # The last half-cycle of a table that ends early repeats itself.
     left = max(np.ceil((sequence.duration - float(np.sum(durations))) / durations[-1]), 0.0)
     return float(min(durations.size + left, np.inf if sequence.main_count is None else sequence.main_count))
 
 
 def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
-    """Start of every half-cycle that a main impulse starts, then the end of the last one; and the table row of each."""
+    """Start times of the half-cycles after a main impulse, and the end of the last one; and the table row of each."""
     assert response.half_cycles is not None
     durations, count = response.half_cycles.duration, main_impulses_given(response, sequence)
     if (count - durations.size) * (1 + response.half_cycles.impulse_count[-1]) > _TRAIN_LIMIT:
@@ -255,8 +255,8 @@ class SteadyState(LaneValues):
     Attributes
     ----------
     start_velocity, effective_velocity : float or ndarray
-        u* = u_1 (1 - C I_s/I)/(1 - C), theta'/(p alpha_c) right after the main impulse [-], inf if the motion only
-        grows; v* = u* - u_1 I_s/(2 I).
+        u* = u_1 (1 - C I_s/I)/(1 - C), theta'/(p alpha_c) right after the main impulse [-], inf if the motion grows
+        without limit; v* = u* - u_1 I_s/(2 I).
     peak, half_period : float or ndarray
         x* = 1 - sqrt(1 - v*^2), largest theta/alpha_c [-], and 2 atanh(v*)/p [s]; inf if the motion does not stabilise.
     stable : bool or ndarray
@@ -271,7 +271,7 @@ class SteadyState(LaneValues):
 
 
 def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
-    """Steady state under a main sequence without end, with a continuous secondary sequence or none.
+    """Steady state under an endless main sequence, without secondary impulses or with a continuous secondary sequence.
 
     Parameters
     ----------
@@ -306,7 +306,7 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
     u1, a = main / critical, secondary / critical
     ratio = np.divide(a, u1, out=np.zeros_like(a), where=u1 > 0.0)
     growth, loss = u1 - restitution * a, 1.0 - restitution
-    # Without losses and without gain every velocity is a fixed point: the motion keeps its first one.
+    # Without losses and without gain every velocity is a fixed point: the motion keeps its first velocity.
     limit = np.divide(growth, loss, out=np.where(growth > 0.0, np.inf, u1), where=loss > 0.0)
     effective = limit - 0.5 * a
     stable = np.array([stays_bounded(*lane) for lane in zip(u1, ratio, restitution, strict=True)], dtype=bool)

@@ -1,4 +1,4 @@
-"""Kernel of the half-cycles of a main and a secondary sequence, and its results as a response with a table."""
+"""Compiled kernel of the half-cycles under a main and a secondary sequence, and the response made of its results."""
 
 import math
 from collections.abc import Callable
@@ -12,9 +12,9 @@ from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes
 from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response, empty_results, response_of
 
-#: Half-cycles followed in one lane before it is UNRESOLVED.
+#: Largest number of half-cycles computed in one lane; then it is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
-#: A half-cycle that starts with the velocity of an earlier one, to this share of it, closes a cycle.
+#: The motion repeats itself if a start velocity equals an earlier one to this relative tolerance.
 CYCLE_TOLERANCE = 1e-13
 #: Columns of the table, in the order of :class:`rocking.response.HalfCycles`: u_i, peak, duration, n_i, dT_i, u_r.
 COLUMNS = 6
@@ -22,8 +22,8 @@ _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
-class Lanes(NamedTuple):
-    """The lanes: each a block under a sequence, all with one spacing."""
+class SequenceLanes(NamedTuple):
+    """The lanes, each one block under one sequence, all with one spacing."""
 
     main: np.ndarray  #: (lanes,) u_1 [-]
     secondary: np.ndarray  #: (lanes,) a = u_1 I_s/I [-]
@@ -32,26 +32,26 @@ class Lanes(NamedTuple):
     interval: np.ndarray  #: (lanes,) trial dT [s]
     duration: np.ndarray  #: (lanes,) end of the main sequence [s]
     main_count: np.ndarray  #: (lanes,) of int, largest number of main impulses
-    intermediate: int  #: number n of intermediate impulses in a half-cycle; 0 for that of the trial march
+    intermediate: int  #: number n of intermediate impulses in a half-cycle; 0 to take it from the trial march
     spacing: int  #: code of the spacing, see :mod:`rocking.impulses.half_cycle`
 
 
-class Table(NamedTuple):
+class HalfCycleTable(NamedTuple):
     """The half-cycles that a kernel writes beside its :class:`rocking.response.LaneResults`."""
 
     columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
     lowest: np.ndarray  #: (lanes,) smallest x inside a half-cycle [-]
-    followed: np.ndarray  #: (lanes,) of int, half-cycles before the motion ends or repeats itself
+    followed: np.ndarray  #: (lanes,) of int, number of half-cycles before the motion ends or repeats itself
 
 
 @njit()
 def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
-    """Peak, duration, n, dT, impact speed and lowest rotation of one half-cycle; duration inf where it overturns."""
+    """Peak, duration, n, dT, impact speed and lowest rotation of one half-cycle; duration inf if it overturns."""
     if secondary == 0.0 or spacing == half_cycle.CONTINUOUS:
         count = 0 if secondary == 0.0 else -1
         effective = velocity - 0.5 * secondary
         if bounded:
-            # A bounded motion tends to its limit velocity from below; rounding must not let it arrive.
+            # A bounded motion approaches its limit velocity from below; rounding must not make it equal.
             effective = min(effective, 1.0 - 2.0**-53)
         elif effective >= 1.0 - half_cycle.CRITICAL_TOLERANCE:
             return np.inf, np.inf, count, np.nan, np.nan, np.inf
@@ -75,7 +75,7 @@ def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
 
 @njit()
 def repetitions(start, time, duration, main_count):
-    """Number of half-cycles of one length that still start before the end of the main sequence; -1 without end."""
+    """Number of half-cycles of equal length that start before the end of the main sequence; -1 for an endless one."""
     left = (duration - start) / time
     if left == np.inf:
         return -1 if main_count > UNLIMITED // 2 else main_count
@@ -84,7 +84,7 @@ def repetitions(start, time, duration, main_count):
 
 @njit(_nrt=False)
 def sequence_lanes(first_lane, last_lane, lanes, results, table):
-    """Write what the lanes first_lane:last_lane answer, and their half-cycles."""
+    """Write the results and the half-cycles of the lanes first_lane:last_lane."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -128,14 +128,14 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
             following = c * speed + u1
             if start < end and index < most:
                 if endless and abs(following - mark) <= CYCLE_TOLERANCE * mark:
-                    impacts = -1  # a cycle of several half-cycles, all of which have been followed
+                    impacts = -1  # a cycle of several half-cycles, each of which was computed
                     break
                 if abs(following - velocity) > 4e-16 * velocity:
                     velocity = following
                     if index == next_mark:
                         mark, next_mark = velocity, 2 * index
                     continue
-                # The motion repeats itself: the half-cycles that are left are counted, not followed.
+                # The motion repeats itself: the remaining half-cycles are only counted.
                 repeated = repetitions(start, time / rate, end, most - index)
                 if repeated < 0:
                     impacts = -1 if counted else 0
@@ -143,7 +143,7 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
                 impacts += repeated * counted
                 index += repeated
                 start += repeated * time / rate
-            # An impact speed is below one (x(T) = 0 has a root only where it is), so a free decay does not overturn.
+            # x(T) = 0 has a root only if the impact speed is below one, so a free decay does not overturn.
             peak = max(peak, half_cycle.hop(c * speed)[0])
             later = half_cycle.impacts_above(c * speed, c, IMPACT_CUTOFF)
             impacts = -1 if later < 0 else impacts + later
@@ -154,16 +154,16 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
         table.lowest[lane], table.followed[lane] = lowest, used
 
 
-#: A march lower than this is one through the ground [-]; above it is rounding.
+#: A rotation below this is inside the ground [-]; above it is rounding.
 GROUND_TOLERANCE = 1e-12
-#: Half-cycles kept in a table unless the caller asks for more.
+#: Default number of half-cycles in a table.
 TABLE_ROWS = 1000
 
 
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Shape, scalar axes and flat values (q m,) of all combinations of (q,) inputs and (m,) blocks, or of pairs."""
+    """Combine (q,) inputs with (m,) blocks, all or in pairs; return shape, scalar axes and flat values (q m,)."""
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:
@@ -179,9 +179,9 @@ def combined(
     return shape, (inputs[0].ndim == 0, blocks[0].ndim == 0), flat
 
 
-def empty_table(rows: int, lanes: int) -> Table:
-    """A table with a number of half-cycles for a kernel to write to."""
-    table = Table(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
+def empty_table(rows: int, lanes: int) -> HalfCycleTable:
+    """Return an empty table with `rows` half-cycles for a kernel to fill."""
+    table = HalfCycleTable(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
     table.columns[3] = -1.0  # impulse_count
     return table
 
@@ -194,13 +194,13 @@ def tabulated_response(
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run ``kernel(first, last, lanes, results, table)``, and again with a table of up to `table_rows` half-cycles."""
+    """Run ``kernel(first, last, lanes, results, table)``, then again with a table of up to `table_rows` half-cycles."""
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]
     results = empty_results(size)
 
-    def run(rows: int) -> Table:
+    def run(rows: int) -> HalfCycleTable:
         table = empty_table(rows, size)
         split_lanes(lambda first, last: kernel(first, last, lanes, results, table), size, threads)
         return table

@@ -1,1 +1,1 @@
-"""Responses to a record: kernels that march many lanes side by side, and their calls."""
+"""Responses to a record: kernels that integrate many lanes side by side in time, and the functions that call them."""

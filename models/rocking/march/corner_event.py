@@ -1,7 +1,7 @@
-"""Events of a slot that turns about two unlike corners, or about one of them before a wall.
+"""Events of a slot whose body turns about two different corners, or about one corner beside a wall.
 
 .. note:: Units and signs of slots.py, with alpha, p and tau = p t of the current corner; the rows OTHER_... hold those
-   of the other corner, and both are exchanged at an impact. A body before a wall stays on its corner. A restrained body
+   of the other corner, and both are exchanged at an impact. A body beside a wall stays on its corner. A restrained body
    lifts at (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
@@ -24,23 +24,23 @@ from rocking.response import IMPACT_CUTOFF
     OTHER_LONGEST,
     OTHER_THRESHOLD,
     OTHER_PEAK,
-    EXTRA,  # what a resting body needs beside its weight's threshold, as abs(a_g)/g
+    EXTRA,  # abs(a_g)/g that restraints add to the uplift threshold of a resting body
     OTHER_EXTRA,
-    ONE_SIDED,  # 1.0 before a wall
-    # Of a restrained body, see restrained.py.
-    SINE_ALPHA,  # of the corner that it turns about
+    ONE_SIDED,  # 1.0 beside a wall
+    # For a restrained body, see restrained.py.
+    SINE_ALPHA,  # of the corner that the body turns about
     COSINE_ALPHA,
-    SINE,  # what restraints add to the factors of sin(phi) and cos(phi) in -phi''
+    SINE,  # terms that restraints add to the factors of sin(phi) and cos(phi) in -phi''
     COSINE,
-    SINE_2,  # and to those of sin(2 phi) and cos(2 phi)
+    SINE_2,  # and to the factors of sin(2 phi) and cos(2 phi)
     COSINE_2,
-    STIFFEST,  # a bound of how fast the moment of the restraints changes with phi
-    FLOOR,  # phi between which it is the same function of phi
+    STIFFEST,  # upper bound of the slope of the restraints' moment over phi
+    FLOOR,  # range of phi in which this moment is one function of phi
     CEILING,
-    SLIDES,  # 1.0 where it changes when the body turns back from moving outward, -1.0 inward
-    FREE_LONGEST,  # the longest step without restraints
+    SLIDES,  # 1.0 if the function changes when an outward motion turns back, -1.0 an inward one
+    FREE_LONGEST,  # longest step without restraints
     OTHER_FREE_LONGEST,
-    STALLS,  # changes of what acts on the body, one after the other, without any motion between them
+    STALLS,  # number of changes of the restraints in a row without motion between them
 ) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 24) * WIDTH, WIDTH)
 CORNER_ROWS = FLOAT_ROWS + 24
 #: Rows of the two corners.
@@ -60,7 +60,7 @@ PAIRS = (
 
 @njit(_nrt=False)
 def turn_over(f, j):
-    """Put slot j, whose SIDE has just changed in an impact, onto its other corner; before a wall, back onto its own."""
+    """Move slot j, whose SIDE has just changed in an impact, to its other corner; beside a wall it keeps its corner."""
     if f[ONE_SIDED + j] == 1.0:
         f[row.SIDE + j] = -f[row.SIDE + j]
         return
@@ -71,12 +71,12 @@ def turn_over(f, j):
     f[row.SAMPLE_SLOPE + j] /= faster
     f[row.SAMPLE_LIFT_SLOPE + j] /= faster
     f[row.PASSED + j] *= faster
-    f[row.ARRIVAL + j] *= f[row.ALPHA + j] / f[OTHER_ALPHA + j]  # over alpha it stays that of the corner it ended
+    f[row.ARRIVAL + j] *= f[row.ALPHA + j] / f[OTHER_ALPHA + j]  # over alpha of the old corner
 
 
 @njit(_nrt=False)
 def lift_time(push, slope, threshold, threshold_slope, remaining):
-    """Time until a push exceeds its threshold, both linear in tau; -1 if it does not in the time that remains."""
+    """Time until a push exceeds its threshold, both linear in tau; -1 if that is later than `remaining`."""
     gap = threshold - push
     if gap < 0.0:
         return 0.0
@@ -86,7 +86,7 @@ def lift_time(push, slope, threshold, threshold_slope, remaining):
 
 @njit(_nrt=False)
 def wake_corner(f, i, j, record):
-    """As :func:`rocking.march.event.wake`, onto the corner that lifts first."""
+    """Move a resting slot to its uplift as :func:`rocking.march.event.wake` does, on the corner that lifts first."""
     last = record.acceleration.size - 1
     for _ in range(last + 1):
         passed, length, side = f[row.PASSED + j], f[row.LENGTH + j], f[row.SIDE + j]
@@ -117,7 +117,7 @@ def wake_corner(f, i, j, record):
         ahead = next_lift(sample + 1, record, f[row.FACTOR + j], f[row.SIDE + j], *levels)
         if ahead > last:
             return event.RESTING
-        # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
+        # It lifts before that sample, or in this one if rounding has put the crossing at its end.
         f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
         if f[row.SAMPLE + j] >= last:
             return event.RESTING
@@ -127,8 +127,8 @@ def wake_corner(f, i, j, record):
 
 
 @njit(_nrt=False)
-def hops_are_over(f, j, record, equation, far, held):
-    """As event.chatter_is_over, by the weaker corner; a moment `held` may keep the body from falling back."""
+def hops_have_ended(f, j, record, equation, far, held):
+    """Whether slot j may be put to rest, as in event.chatter_is_over for the weaker corner and with restraints."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(f[row.SAMPLE_LIFT + j], lift_end)
@@ -148,7 +148,7 @@ def hops_are_over(f, j, record, equation, far, held):
         peak = max(peak, f[OTHER_PEAK + j] * alpha / other_alpha)
     if threshold <= 0.0 or pull <= 0.0:
         return False
-    # Each corner has the push that lifts it; against a wall the ground can only press.
+    # Each corner has its own push that lifts it; towards a wall the ground cannot lift the body.
     start = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     end = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length)
     demand, demand_end = max(start / level, -start / other), max(end / level, -end / other)
@@ -157,37 +157,37 @@ def hops_are_over(f, j, record, equation, far, held):
     share = event.CHATTER_SHARE if f[row.HITS + j] < event.MANY_IMPACTS else 1.0
     speed, highest, cutoff = f[row.SPEED + j] / pull, share * peak / pull, IMPACT_CUTOFF * slowest / pull
     rise = f[row.THRESHOLD + j] if f[ONE_SIDED + j] == 1.0 else max(f[row.THRESHOLD + j], f[OTHER_THRESHOLD + j])
-    return event.dies_out(f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest)
+    return event.hops_end(f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest)
 
 
 @njit(_nrt=False)
 def after_impact(f, i, j, record, equation, far, held):
-    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED; `held` None: a free block."""
+    """State of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED; `held` None for a free block."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
         return event.IMPACT_LIMITED
     speed = f[row.SPEED + j]
     if speed == 0.0:
         return event.RESTING
-    # Faster impacts are counted, so they are followed.
+    # Faster impacts are counted, so the motion goes on.
     if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
         far = far or f[row.HITS + j] >= event.MANY_IMPACTS
         if held is None:
             over = event.chatter_is_over(f, j, record, equation, far)
         else:
-            over = hops_are_over(f, j, record, equation, far, held)
+            over = hops_have_ended(f, j, record, equation, far, held)
         if over:
             return event.RESTING
         i[row.SLOW + j] += 1
         if i[row.SLOW + j] > event.SLOW_IMPACTS:
             return event.IMPACT_LIMITED
-    if equation == event.LINEAR and event.is_gone(f, j, record):
+    if equation == event.LINEAR and event.must_overturn(f, j, record):
         return event.OVERTURNED
     return event.MOVING
 
 
 @njit(_nrt=False)
 def top_of_hop(speed, alpha, linear):
-    """Largest phi [rad] of a free hop that leaves the ground with dphi/dtau = speed, slower than overturns."""
+    """Largest phi [rad] of a free hop that leaves the ground with dphi/dtau = `speed` and does not overturn."""
     if not linear:
         return top_rotation(speed, alpha)
     share = speed / alpha
@@ -195,8 +195,8 @@ def top_of_hop(speed, alpha, linear):
 
 
 @njit(_nrt=False)
-def first_fall(phi, speed, alpha, linear):
-    """Largest phi of the free motion, inf if it overturns; tau until then or until the impact; its speed, or NaN."""
+def first_excursion(phi, speed, alpha, linear):
+    """Largest phi of the free motion (inf: overturns), tau until it overturns or hits, impact speed or NaN."""
     if linear:
         xi, eta = phi / alpha, speed / alpha
         if xi - 1.0 + eta >= 0.0:
@@ -211,7 +211,7 @@ def first_fall(phi, speed, alpha, linear):
     excess = 0.5 * speed * speed - 2.0 * half * half
     fall = 0.5 * math.pi - alpha
     over = speed > 0.0 and excess >= 0.0 if phi < alpha else speed >= 0.0 or excess <= 0.0
-    turn = 2.0 * math.asin(min(1.0, math.sqrt(max(0.0, -0.5 * excess))))  # how far from the top it turns round
+    turn = 2.0 * math.asin(min(1.0, math.sqrt(max(0.0, -0.5 * excess))))  # distance from the top at which it turns back
     if over:
         if speed >= 0.0:
             return math.inf, flight_time(excess, phi - alpha, fall), math.nan
@@ -225,7 +225,7 @@ def first_fall(phi, speed, alpha, linear):
 
 @njit(_nrt=False)
 def free_motion(f, j, linear):
-    """Motion of slot j on the ground at rest, to its end.
+    """Motion of slot j after the record, on the ground at rest, to its end.
 
     Returns the largest phi over alpha, inf if it overturns; the time until that [s], else NaN; the impacts before it;
     and those above the cut-off, -1 if they never end.
@@ -235,12 +235,12 @@ def free_motion(f, j, linear):
     other_alpha, other_p, other_restitution = f[OTHER_ALPHA + j], f[OTHER_P + j], f[OTHER_RESTITUTION + j]
     if one_sided:
         other_alpha, other_p, other_restitution = alpha, p, restitution
-    top, wait, arrival = first_fall(f[row.PHI + j], f[row.SPEED + j], alpha, linear)
+    top, wait, arrival = first_excursion(f[row.PHI + j], f[row.SPEED + j], alpha, linear)
     time = wait / p
     if top == math.inf:
         return top, time, 0, 0
     peak, first, second = top / alpha, arrival / alpha, 0.0
-    # Hops lose speed from one to the next but one: what the first two do not do no later one does.
+    # Each hop is slower than the one two before it: if the first two do not overturn, no later one does.
     for impact in range(1, 3):
         speed = restitution * arrival * p / other_p
         alpha, other_alpha = other_alpha, alpha

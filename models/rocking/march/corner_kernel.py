@@ -1,4 +1,4 @@
-"""Kernel of the response to a record of bodies with two unlike corners, before a wall or with restraints."""
+"""Compiled kernel of the response to a record for bodies with two different corners, a wall or restraints."""
 
 from typing import NamedTuple
 
@@ -9,8 +9,8 @@ from rocking.march import corner_event as more
 from rocking.march import event, kernel, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_steps, nonlinear_steps
-from rocking.march.restrained import begin_held, land, rest_levels
-from rocking.march.restrained_event import finish_held, motion_after, restrained_steps
+from rocking.march.restrained import begin_restraint, rest_levels, restraint_after_impact
+from rocking.march.restrained_event import finish_restrained, motion_after, restrained_steps
 from rocking.march.slots import LEFT, Slots, empty_slots
 
 
@@ -18,23 +18,23 @@ class CornerLanes(NamedTuple):
     """The (q m,) lanes of a march: q factors on the record by m bodies, the body running fastest."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
-    gains: np.ndarray  #: (m,) factor of each body on top of it [-]
+    gains: np.ndarray  #: (m,) additional factor of each body [-]
     alpha: np.ndarray  #: (2, m) angle of each corner [rad]
     p: np.ndarray  #: (2, m) [1/s]
     restitution: np.ndarray  #: (2, m) C of the impact that ends the rotation about each, or the rebound e [-]
-    side: np.ndarray  #: (m,) 1.0 or -1.0 before a wall, 0.0 without
+    side: np.ndarray  #: (m,) 1.0 or -1.0 for a body beside a wall, 0.0 without a wall
     rotation: np.ndarray  #: (m,) theta at the first sample [rad]
     spin: np.ndarray  #: (m,) theta' there [rad/s]
 
 
 def corner_slots() -> Slots:
-    """Slots without lanes, with the rows of both corners."""
+    """Return empty slots with the rows of both corners."""
     return empty_slots(more.CORNER_ROWS, more.OTHER_ALPHA, row.P, more.OTHER_P)
 
 
 @njit(_nrt=False)
 def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
-    """Put a lane into slot j; returns its state at the first sample, MOVING or its end."""
+    """Put a lane into slot j; return its state at the first sample, MOVING or the state in which it ends."""
     block = lane % lanes.side.size
     rotation, spin, side = lanes.rotation[block], lanes.spin[block], lanes.side[block]
     f[more.ONE_SIDED + j] = 1.0 if side != 0.0 else 0.0
@@ -43,7 +43,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
     own = 0 if side > 0.0 else 1
     factor = lanes.factors[lane // lanes.side.size] * lanes.gains[block]
     f[more.EXTRA + j] = f[row.PEAK + j] = f[more.STALLS + j] = 0.0
-    # First the other corner, whose rows are copied, then the own one.
+    # First the other corner, whose rows are copied, then the current one.
     for turn in range(2):
         if turn == 1:
             for here, there in more.PAIRS:
@@ -56,7 +56,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
         f[more.OTHER_THRESHOLD + j] = np.inf
     resting = kernel.take_state(f, i, j, lane, factor, side, rotation, spin, options.last_term)
     if held is not None:
-        begin_held(f, j, block, lane, held)
+        begin_restraint(f, j, block, lane, held)
         if resting:
             rest_levels(f, j, block, lane, held, True)
     if not event.enter_sample(f, j, record):
@@ -65,13 +65,13 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
         return kernel.first_status(f, j, options.equation, record.extremes[LEFT, 0] * factor)
     status = more.wake_corner(f, i, j, record)
     if held is not None and status == event.MOVING:
-        land(f, j, block, lane, held)
+        restraint_after_impact(f, j, block, lane, held)
     return status
 
 
 @njit(_nrt=False)
 def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
-    """The results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
+    """Return the results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     if status == event.OVERTURNED:
         time = f[row.SAMPLE + j] * record.dt + f[row.PASSED + j] / f[row.P + j]
@@ -97,7 +97,7 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
 
 @njit(_nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, held):
-    """The state of a slot that needs attention, and whether its lane has come to its end."""
+    """Return the state of a slot that needs attention, and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]
@@ -116,14 +116,14 @@ def decide_corner(f, i, j, record, equation, far, count, held):
         status = more.wake_corner(f, i, j, record)
         if status == event.MOVING:
             if held is not None:
-                land(f, j, block, lane, held)
+                restraint_after_impact(f, j, block, lane, held)
             event.begin_step(f, j)
     return status, status != event.MOVING
 
 
 @njit(_nrt=False)
 def march_corners(first, last, record, lanes, options, slots, results, active, history, held, work):
-    """As kernel.march_lanes for :class:`CornerLanes`; `held` and its `work` slots are None without restraints."""
+    """March :class:`CornerLanes` as kernel.march_lanes does; `held` and its `work` are None without restraints."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
@@ -137,7 +137,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
     while running > 0 or coming < last:
         if held is not None:
             restrained_steps(f, width)
-            finish_held(f, i, width, c, count, held)
+            finish_restrained(f, i, width, c, count, held)
         else:
             if linear:
                 linear_steps(f, width)
@@ -165,7 +165,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
                     ended = end_corner_lane(f, i, j, c, status, record, equation, count, held, work)
-                    kernel.keep_results(results, lane, *ended)
+                    kernel.store_results(results, lane, *ended)
                     if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
@@ -183,4 +183,4 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 if not done:
                     event.begin_step(f, j)
         if coming >= last and 0 < running <= width - row.GROUP:
-            width = row.close_ranks(f, i, width)
+            width = row.compact_slots(f, i, width)

@@ -1,4 +1,4 @@
-"""Response to an accelerogram of the bodies that are not free-standing and symmetric: the call of their kernel."""
+"""Response to an accelerogram of bodies that are asymmetric, beside a wall or restrained: the call of their kernel."""
 
 from collections.abc import Callable
 from typing import Any
@@ -25,13 +25,13 @@ from rocking.lanes import split_lanes
 from rocking.march.corner_kernel import CornerLanes, corner_slots, march_corners
 from rocking.march.event import LINEAR
 from rocking.march.kernel import Options
-from rocking.march.restrained import Held
+from rocking.march.restrained import RestraintState
 from rocking.march.slots import Accelerogram
 from rocking.response import Response, empty_results, response_of
 
 
-def run(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
-    """The response of (q, m) lanes by ``kernel(first, last, results, active, motion)``; a history of some samples."""
+def run_kernel(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
+    """Run ``kernel(first, last, results, active, motion)`` on (q, m) lanes; return the response with a history."""
     total = shape[0] * shape[1]
     found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
     split_lanes(lambda first, last: kernel(first, last, *found), total, threads)
@@ -49,7 +49,7 @@ def march_bodies(
     samples: int,
     threads: int | None,
 ) -> Response:
-    """March (m,) bodies, all with restraints or none, from theta, theta' = `start` under (q,) factors over gravity."""
+    """March (m,) bodies, all restrained or all free, from `start` (theta, theta') under (q,) factors over gravity."""
     side = np.asarray(block.side, dtype=float)
     rotation, spin = start
     into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))
@@ -62,7 +62,7 @@ def march_bodies(
     if block.restraints is not None:
         if options.equation == LINEAR:
             raise ValueError("equation: expected 'nonlinear' for a body with ties, loads or thrusts, got 'linear'")
-        held = _held(block, factors.size)
+        held = _restraint_state(block, factors.size)
     alpha, p, restitution = (
         read_only(np.array([getattr(block, name), getattr(block, other)], dtype=float))
         for name, other in (("alpha_c", "alpha_2"), ("p", "p_2"), ("restitution", "restitution_2"))
@@ -73,11 +73,11 @@ def march_bodies(
         work = None if held is None else corner_slots()
         march_corners(first, last, ground, lanes, options, corner_slots(), *found, held, work)
 
-    return run(march, (factors.size, side.size), samples, threads)
+    return run_kernel(march, (factors.size, side.size), samples, threads)
 
 
-def _held(block: Block, copies: int) -> Held:
-    """What acts on (m,) bodies, for the kernel, and room for the state of `copies` lanes of each."""
+def _restraint_state(block: Block, copies: int) -> RestraintState:
+    """Return the restraints of (m,) bodies for the kernel, with memory for the state of `copies` lanes of each."""
     base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
     every: list[Restraints] = [own or Restraints() for own in np.ravel(np.array(block.restraints, dtype=object))]
     tables = [own.elements(width) for own, width in zip(every, np.ravel(base).tolist(), strict=True)]
@@ -85,7 +85,7 @@ def _held(block: Block, copies: int) -> Held:
     elements = np.zeros((len(every), max(most, 1), COLUMNS))
     for place, table in enumerate(tables):
         elements[place, : table.shape[0]] = table
-    mass = np.where(np.isnan(block.mass), 1.0, block.mass)  # of a body that nothing acts on
+    mass = np.where(np.isnan(block.mass), 1.0, block.mass)  # a body without restraints
     weight = mass * block.gravity * np.array([block.radius, block.radius_2])
     distance = np.stack(
         [elements[:, :, NEAR], np.where(elements[:, :, KIND] == FRICTION, elements[:, :, FAR], elements[:, :, NEAR])],
@@ -93,7 +93,7 @@ def _held(block: Block, copies: int) -> Held:
     )
     height = elements[:, :, HEIGHT, np.newaxis]
     angle = np.array([block.alpha_c, block.alpha_2]).T
-    return Held(
+    return RestraintState(
         elements=elements,
         constant=np.stack([own.constant(width) for own, width in zip(every, base.tolist(), strict=True)]),
         points=np.stack([distance, np.hypot(height, distance), np.arctan2(distance, height)], axis=3),
@@ -104,17 +104,17 @@ def _held(block: Block, copies: int) -> Held:
     )
 
 
-def rest_levels(block: Block) -> np.ndarray:
-    """What loads and thrusts add to abs(a_g)/g that lifts the resting (m,) bodies, by corner: (2, m)."""
+def uplift_additions(block: Block) -> np.ndarray:
+    """Return what loads and thrusts add to the uplift threshold abs(a_g)/g of (m,) bodies at each corner, (2, m)."""
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:
-        held = _held(block, 1)
+        held = _restraint_state(block, 1)
         found[:] = held.constant[:, :, 0].T / (held.weight.T * held.angle[:, :, 1].T)
     return found
 
 
 def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndarray:
-    """The static capacity curve of a body: the horizontal acceleration that holds it at a rotation, pushed there once.
+    """Static capacity curve of a body: the horizontal acceleration in equilibrium at a rotation that grows from zero.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
     Returns
     -------
     (k,) ndarray
-        Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) under its weight alone.
+        Acceleration of the ground that drives the rotation [m/s2]: g tan(alpha - theta) for a body without restraints.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
         raise ValueError(f"rotation, side: expected angles from 0 to pi/2 and 1 or -1, got {rotation!r} and {side!r}")
     place, moment = (0, np.zeros(angles.shape)) if side == 1 else (1, np.zeros(angles.shape))
     if block.restraints is not None:
-        held = _held(block.lanes(1), 1)
+        held = _restraint_state(block.lanes(1), 1)
         factors = held.constant[0, place]
         moment = factors[0] * np.cos(angles) + factors[1] * np.sin(angles)
         for one in held.elements[0]:

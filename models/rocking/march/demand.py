@@ -1,4 +1,4 @@
-"""The demand of a ground motion on a block, on the block's own time scale: the impulse measure of rocking.
+"""The demand of a ground motion on a block: its largest impulses, weighted over time by the frequency parameter p.
 
 .. note:: The growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear equation obeys y' = p y - s p a_g/(g
    alpha), so a later impulse counts exp(-p (tau - t0)) of an earlier one:
@@ -6,7 +6,7 @@
    E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau.
 
    A block that lifts at t0 (y = -1) overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 towards the right
-   side; an impact starts the next excursion with y = -1 + C times the speed of arrival.
+   side; after an impact the next excursion starts with y = -1 + C times the impact speed.
 """
 
 import math
@@ -18,22 +18,22 @@ from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import Block
 from rocking.kernel_cache import njit
 
-#: Lobes of E(t0) that are kept, the largest ones.
+#: Number of lobes of E(t0) that are kept, the largest first.
 LOBES = 16
 #: E is computed at powers of two of 1/s divided by this number, and interpolated in log p between them.
 NODES_PER_OCTAVE = 4
-#: Share of the speed that an excursion hands to the next one, beside C: excursions are seldom in step with the ground.
+#: Share of the speed that passes to the next excursion, besides C: excursions are seldom in phase with the ground.
 HANDED_ON = 0.9
-#: Sum of speed and build-up left below which no lane of the measured ensembles overturned any more, with a margin: the
-#: lowest one was above 0.8 (docs/decisions/006).
+#: If speed plus remaining build-up is below this, a lane will not overturn: in the measured ensembles the lowest sum of
+#: a lane that overturned later was above 0.8 (docs/decisions/006).
 SETTLED = 0.7
-#: Relative margin at the ends of these ranges, far above the rounding of a product.
+#: Relative tolerance at the ends of these ranges, far above the rounding error of a product.
 ROUNDING = 1e-9
-#: Where SETTLED was measured: p [1/s], alpha_c [rad], C over Housner's value [-], p dt [-].
+#: Ranges in which SETTLED was measured: p [1/s], alpha_c [rad], C over Housner's value [-], p dt [-].
 MEASURED_RANGE = {"p": (0.7, 9.0), "alpha": (0.04, 0.32), "restitution": (0.85, 1.0), "p_dt": (0.0, 0.1)}
-#: Levels of the build-up at which the last time above them is kept: max abs(a_g)/p times 8 times 2^(-k/4).
+#: Levels of the build-up, for each of which the last sample above it is kept: max abs(a_g)/p times 8 times 2^(-k/4).
 LEVELS = 56
-#: Values of C for which the build-up that is left is computed; a block takes the next larger one.
+#: Values of C for which the remaining build-up is computed; a block uses the next larger one.
 RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
 
 
@@ -47,9 +47,9 @@ def _lobes(
     largest: np.ndarray,
     last: np.ndarray,
 ) -> None:
-    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more build-up left than each level.
+    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with a build-up above each level.
 
-    E is exact for a piecewise linear ground and found by one backward pass.
+    E is exact for piecewise linear ground acceleration and computed in one backward pass.
     """
     count = largest.shape[1]
     unseen = np.empty(ratios.shape[0], dtype=np.int64)
@@ -98,15 +98,15 @@ class Demand:
         p abs(E)/(g tan alpha) of the largest lobes, descending [-]; the first of them is `largest`.
     build_up : (m,) ndarray
         Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the lobes in descending order [-]: the speed that resonance
-        (Eq. 5) would build up with the impulses that the block sees, the largest one last.
+        (Eq. 5) would build up with the impulses that act on the block, the largest one last.
     levels, last : (m, LEVELS) ndarray, (m, LEVELS) ndarray of int
-        Values of the build-up that may be left, descending [-], and the last sample at which more than that was left,
-        by the lobes from there on; -1 if it never was.
+        Levels of the remaining build-up, descending [-], and the last sample at which the build-up of the later lobes
+        is above each level; -1 if it never is.
     samples : int
         Number of samples of the record.
     settled : float
-        The verdict of a lane that rocks is settled right after an impact if its speed, over that which overturns it on
-        a still ground, and the build-up that is left sum up to no more than this [-].
+        A lane will not overturn if right after an impact its speed, over the speed that overturns it on still ground,
+        plus the remaining build-up is no more than this [-].
     """
 
     largest: np.ndarray
@@ -119,10 +119,10 @@ class Demand:
 
 
 def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
-    """Demand of a ground motion on blocks.
+    """Compute the demand of a ground motion on blocks.
 
-    E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
-    costs as much for a thousand blocks as for a few.
+    E is computed at the nodes p = 2^(k/4) 1/s that enclose the given p, and interpolated linearly in log p: a thousand
+    blocks cost as much as a few.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
         largest=lobes[:, 0],
         lobes=lobes,
         build_up=np.sum(kept * lobes, axis=1),
-        # The slower of the two nodes weighs what comes later more: it is above a level for longer.
+        # The smaller p of the two nodes gives later impulses more weight: its build-up stays longer above a level.
         levels=at_levels[low] / capacity[:, None],
         last=last[low, np.searchsorted(RESTITUTIONS[:-1], restitution)],
         samples=ground.size,
@@ -168,7 +168,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
 
 
 def within_measured_range(block: Block, dt: float) -> np.ndarray:
-    """True, (m,), for the free blocks that lie within :data:`MEASURED_RANGE` on a record sampled at dt [s]."""
+    """True, (m,), for free blocks inside :data:`MEASURED_RANGE` under a record sampled at dt [s]."""
     measured = {
         "p": block.p,
         "alpha": block.alpha_c,
@@ -177,6 +177,6 @@ def within_measured_range(block: Block, dt: float) -> np.ndarray:
     }
     within = np.asarray(block.free)
     for name, (low, high) in MEASURED_RANGE.items():
-        # Housner's own value may come back as 1 + 1e-16 times itself.
+        # Rounding may make the ratio for Housner's own value 1 + 1e-16.
         within = within & (measured[name] >= low * (1.0 - ROUNDING)) & (measured[name] <= high * (1.0 + ROUNDING))
     return within

@@ -1,4 +1,4 @@
-"""Steps of the linear and the nonlinear equation under a record, and the motion after it.
+"""Time steps of the linear and the nonlinear equation under a record, and the free motion after the record.
 
 .. note:: With phi = s theta >= 0, tau = p t, lift = 1 + a_v/g and ground = s a_g/g, both linear in tau inside a sample,
    phi'' = phi - alpha - ground for a slender block (Housner 1963; Casapulla & Maione 2017, Eq. 1), and phi'' = -[lift
@@ -11,7 +11,7 @@ import numpy as np
 
 from rocking.kernel_cache import njit
 from rocking.march import slots as row
-from rocking.march.steps import keep_step, speed_of, value_of
+from rocking.march.steps import speed_of, store_step, value_of
 
 # Coefficients of cosh and sinh.
 H2, H4, H6, H8, H10, H12 = (1.0 / math.factorial(k) for k in range(2, 14, 2))
@@ -20,7 +20,7 @@ H3, H5, H7, H9, H11, H13 = (1.0 / math.factorial(k) for k in range(3, 15, 2))
 
 @njit(inline="always")
 def hyperbolic(h):
-    """cosh h - 1, sinh h and sinh h - h for h <= 0.3, by their series."""
+    """Return cosh h - 1, sinh h and sinh h - h for h <= 0.3, from their series."""
     z = h * h
     excess = h * z * (H3 + z * (H5 + z * (H7 + z * (H9 + z * (H11 + z * H13)))))
     return z * (H2 + z * (H4 + z * (H6 + z * (H8 + z * (H10 + z * H12))))), h + excess, excess
@@ -28,11 +28,11 @@ def hyperbolic(h):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def linear_steps(f, width):
-    """Take one step of the first `width` slots by the exact map; :func:`finish_steps` reads its rows.
+    """Take one step of the first `width` slots by the exact solution, into the rows that :func:`finish_steps` reads.
 
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
     - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1), without differences of large numbers near phi = 0. phi''
-    has its largest size at an end but for a factor 1/(1 - h^2/8). A step is marked if the growing mode exceeds its
+    is largest at an end of the step, within a factor of 1/(1 - h^2/8). A step is marked if the growing mode exceeds its
     LIMIT.
     """
     for j in range(width):
@@ -58,14 +58,14 @@ def linear_steps(f, width):
         d8 = (1 / 42) * d6
         d9 = (1 / 56) * d7
         d10 = (1 / 72) * d8
-        keep_step(f, j, end, end_speed, end_pull, strongest, gone, r, d3, d4, d5, d6, d7, d8, d9, d10)
+        store_step(f, j, end, end_speed, end_pull, strongest, gone, r, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
 @njit(_nrt=False)
 def linear_after(phi, speed, alpha, restitution):
     """Motion on the ground at rest (Eqs. 2, 6, 8): peak [rad], tau, impacts before overturning, impact speed.
 
-    The peak is inf and tau known if the block overturns, else tau is NaN; the speed is over p alpha_c. With xi =
+    If the block overturns, the peak is inf and tau is the time, else tau is NaN; the speed is over p alpha_c. With xi =
     phi/alpha, eta = xi' the growing mode xi - 1 + eta >= 0 overturns it; else it returns with w^2 = xi (2 - xi) +
     eta^2, and leaves the ground with u = C w, which overturns it on the other side if u >= 1.
     """
@@ -76,7 +76,7 @@ def linear_after(phi, speed, alpha, restitution):
     square = xi * (2.0 - xi) + eta * eta
     impact_speed = math.sqrt(square)
     rebound = restitution * impact_speed
-    if eta < 0.0 and rebound >= 1.0:  # only a block driven towards the ground comes back faster than critical
+    if eta < 0.0 and rebound >= 1.0:  # only a block that moves towards the ground hits faster than critical
         fall = xi * (2.0 - xi) / (impact_speed - eta)
         return np.inf, math.log1p((xi + fall) / (1.0 - xi - eta)), 1, impact_speed
     peak = rebound * rebound / (1.0 + math.sqrt(max(0.0, 1.0 - rebound * rebound)))
@@ -93,7 +93,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 @njit(inline="always")
 def sine_and_cosine(q):
-    """sin q and cos q for abs(q) <= 1.7 by their series, to rounding: plain arithmetic, which runs in vectors."""
+    """Return sin q and cos q for abs(q) <= 1.7 by series to rounding accuracy, in arithmetic that vectorises."""
     z = q * q
     sine = q + q * z * (S3 + z * (S5 + z * (S7 + z * (S9 + z * (S11 + z * (S13 + z * (S15 + z * (S17 + z * S19))))))))
     cosine = 1.0 + z * (
@@ -141,7 +141,7 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def nonlinear_steps(f, width):
-    """Take one Taylor step of the first `width` slots; :func:`finish_steps` reads its rows.
+    """Take one Taylor step of the first `width` slots, into the rows that :func:`finish_steps` reads.
 
     abs(phi'') is at most F = lift + abs(ground), and changes by at most h (F (abs(phi') + h F) + the slopes). A step is
     marked if phi may pass TOP or the last term of its series exceeds the bound of the lane.
@@ -170,16 +170,16 @@ def nonlinear_steps(f, width):
             2 * d3
             + h * (3 * d4 + h * (4 * d5 + h * (5 * d6 + h * (6 * d7 + h * (7 * d8 + h * (8 * d9 + h * (9 * d10)))))))
         )
-        keep_step(f, j, end, end_speed, end_pull, strongest, short | fallen, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+        store_step(f, j, end, end_speed, end_pull, strongest, short | fallen, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
 @njit(_nrt=False)
 def flight_time(excess, start, stop):
-    """Time p t of the free motion from psi = `start` to psi = `stop`, psi = phi - alpha, without turning on the way.
+    """Time p t of the free motion from psi = `start` to `stop`, psi = phi - alpha, without a turning point between.
 
-    `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; inf if it is 0 and the top between.
-    With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z (below it), dtau = dz/cos(psi/2) is
-    smooth: Gauss-Legendre panels of unit length in z are exact to rounding.
+    `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; the time is inf if it is 0 and the
+    top is passed. With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z (below it), dtau =
+    dz/cos(psi/2) is smooth: Gauss-Legendre panels of unit length in z are exact to rounding.
     """
     k = max(math.sqrt(0.5 * abs(excess)), 1e-150)
     low = math.sin(0.5 * min(start, stop)) / k
@@ -205,7 +205,7 @@ def flight_time(excess, start, stop):
 
 @njit(_nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
-    """As :func:`linear_after` by conservation of energy; the wait is the time to phi = pi/2.
+    """Nonlinear counterpart of :func:`linear_after`, by conservation of energy; tau is the time to phi = pi/2.
 
     The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block below the top passes it if it moves
     outward with energy >= 0; a block beyond the top returns only if it moves inward with positive energy.

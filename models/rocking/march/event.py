@@ -1,4 +1,4 @@
-"""Events inside a step of the march over a record: impact, new peak, overturning, end of a chatter, uplift."""
+"""Events inside a step of the march over a record: impact, new peak, overturning, end of a series of hops, uplift."""
 
 import math
 
@@ -12,21 +12,21 @@ from rocking.response import IMPACT_CUTOFF
 LINEAR, NONLINEAR = 0, 1
 # States of a slot after a step.
 MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
-#: A chatter is cut short only where its hops are below this share of the peak so far.
+#: A series of hops (chatter) is cut short only if its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
-#: After so many impacts in one sample (a restitution next to one) hops below the peak itself will do, and the chatter
-#: may be cut short beyond its sample with a history as well: it then shows rest in place of hops below the cut-off.
+#: After this number of impacts in one sample (restitution close to one), hops need only be below the peak itself, and
+#: the chatter may be cut short beyond its sample even with a history, which then shows rest instead of these hops.
 MANY_IMPACTS = 1000
-#: Impacts slower than the cut-off that are followed without a rest between them before the lane is given up. With C = 1
-#: a chatter neither dies out nor comes to rest: this is all the work that it can cost, however long the record.
+#: Largest number of impacts slower than the cut-off in a row without rest; then the lane is UNRESOLVED. It bounds the
+#: work for C = 1, for which a chatter never comes to rest.
 SLOW_IMPACTS = 1_000_000
-#: A step is not halved below this share of the longest one for the sake of its series.
+#: Smallest step to which the error of the series may reduce a step, as a share of the longest step.
 SHORTEST = 1.0 / 4096.0
 
 
 @njit(_nrt=False)
 def uplift_time(ground, slope, threshold, threshold_slope, remaining):
-    """Time until abs(ground) exceeds the threshold, both linear in tau; -1 if it does not in the time that remains."""
+    """Time until abs(ground) exceeds the threshold, both linear in tau; -1 if that is later than `remaining`."""
     if abs(ground) > threshold:
         return 0.0
     end = ground + slope * remaining
@@ -40,13 +40,13 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 
 @njit(_nrt=False)
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
-    """Whether the hops after an impact die out before the ground can lift the block again.
+    """Whether the hops after an impact end before the ground can lift the block again.
 
-    Speeds and rotations are over the restoring acceleration of the resting block; A = `demand` is abs(a_g)/threshold at
-    the impact, `largest` and m = `slope` bound it and its slope over the `window` in tau. Until half the margin 1 - A
-    is used up, or the window ends, the restoring acceleration stays above d = (1 - A) - w^2/(1 - A): the first hop
-    lasts less than T = 2 w/d, the next ones shrink at least by q = C (1 + m T/(2 (1 - A))), all together last less than
-    T/(1 - q), and none ends faster than w q/C.
+    Speeds and rotations are divided by the restoring acceleration of the resting block; A = `demand` is
+    abs(a_g)/threshold at the impact, and `largest` and m = `slope` are bounds of it and its slope over the `window` in
+    tau. Until half the margin 1 - A is used up, or the window ends, the restoring acceleration stays above d = (1 - A)
+    - w^2/(1 - A): the first hop lasts less than T = 2 w/d, each next one is shorter by at least q = C (1 + m T/(2 (1 -
+    A))), all together last less than T/(1 - q), and no impact is faster than w q/C.
     """
     if demand >= 1.0:
         return False
@@ -65,10 +65,10 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 
 @njit(_nrt=False)
-def dies_out(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
-    """:func:`chatter_ends` for slot j: in its sample, and if `far` to the end of the next block of samples.
+def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
+    """Apply :func:`chatter_ends` to slot j: in its sample and, if `far`, to the end of the next block of samples.
 
-    `level` is the abs(a_g)/g that lifts the body, `rise` its change with 1 + a_v/g.
+    `level` is the abs(a_g)/g that lifts the body, `rise` its derivative with respect to 1 + a_v/g.
     """
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
@@ -88,7 +88,7 @@ def dies_out(f, j, record, far, level, rise, demand, demand_end, restitution, sp
 
 @njit(_nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Whether slot j may be put to rest after a slow impact, by :func:`dies_out`."""
+    """Whether slot j may be put to rest after a slow impact."""
     threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
@@ -102,12 +102,12 @@ def chatter_is_over(f, j, record, equation, far):
     speed, highest = f[row.SPEED + j] * per_scale, share * f[row.PEAK + j] * per_scale
     cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
     restitution, level = f[row.RESTITUTION + j], weakest * threshold
-    return dies_out(f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest)
+    return hops_end(f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest)
 
 
 @njit(_nrt=False)
 def impacts_above_cutoff(speed, restitution):
-    """Impacts of the free decay that are faster than the cut-off, the first one at `speed`; -1 if they never end."""
+    """Number of impacts of a free decay from `speed` that are faster than the cut-off; -1 for an endless decay."""
     if not speed >= IMPACT_CUTOFF:
         return 0
     if restitution >= 1.0:
@@ -119,7 +119,7 @@ def impacts_above_cutoff(speed, restitution):
 
 @njit(_nrt=False)
 def enter_sample(f, j, record):
-    """Take the ground of the slot's sample; False where the vertical acceleration cancels gravity in it."""
+    """Load the ground motion of the slot's sample; return False if the vertical acceleration cancels gravity in it."""
     k = int(f[row.SAMPLE + j])
     acceleration, left = record.acceleration, record.extremes[LEFT]
     start = acceleration[k] * f[row.FACTOR + j]
@@ -133,7 +133,7 @@ def enter_sample(f, j, record):
 
 @njit(_nrt=False)
 def begin_step(f, j):
-    """Set the next step of a moving slot: the ground from here on, and its length."""
+    """Set the ground acceleration and the length of the next step of a moving slot."""
     passed, side, longest = f[row.PASSED + j], f[row.SIDE + j], f[row.LONGEST + j]
     f[row.GROUND + j] = side * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     f[row.SLOPE + j] = side * f[row.SAMPLE_SLOPE + j]
@@ -145,7 +145,7 @@ def begin_step(f, j):
 
 @njit(_nrt=False)
 def wake(f, i, j, record):
-    """Bring a resting slot to its uplift (MOVING), loss of the ground (FLYING) or the end of the record (RESTING)."""
+    """Move a resting slot to its uplift (MOVING), loss of contact (FLYING) or the end of the record (RESTING)."""
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
     last = record.acceleration.size - 1
     for _ in range(last + 1):
@@ -167,7 +167,7 @@ def wake(f, i, j, record):
         ahead = next_exceedance(sample + 1, record, f[row.FACTOR + j], threshold)
         if ahead > last:
             return RESTING
-        # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
+        # It lifts before that sample, or in this one if rounding has put the crossing at its end.
         f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
         if f[row.SAMPLE + j] >= last:
             return RESTING
@@ -177,8 +177,8 @@ def wake(f, i, j, record):
 
 
 @njit(_nrt=False)
-def is_gone(f, j, record):
-    """Whether the growing mode of slot j exceeds all that is left of the record (linear equation)."""
+def must_overturn(f, j, record):
+    """Whether slot j must overturn (linear equation): its growing mode exceeds the rest of the record."""
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
     if growing <= f[row.LIMIT + j]:
         return False
@@ -189,7 +189,7 @@ def is_gone(f, j, record):
 
 @njit(_nrt=False)
 def resolve_step(f, j, c, record, equation):
-    """Do the marked step of slot j up to its impact, and set its EVENT: HALVED to try again, OVER at PASSED."""
+    """Complete the marked step of slot j up to its impact; set EVENT to HALVED to repeat it, to OVER beyond PASSED."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
     too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)
@@ -202,7 +202,7 @@ def resolve_step(f, j, c, record, equation):
     for k in range(2, ORDER + 1):
         c[k] = f[row.RATE_2 + (k - 2) * row.WIDTH + j] / k
     if phi == 0.0 and speed == 0.0:
-        c[2] = max(c[2], 0.0)  # zero at the threshold itself: rounding must not press the block down
+        c[2] = max(c[2], 0.0)  # zero at the threshold: rounding must not push the block into the ground
     impact, largest = first_impact(c, h, f[row.PEAK + j])
     if equation == NONLINEAR and largest >= f[row.TOP + j]:
         wait = h
@@ -224,4 +224,4 @@ def resolve_step(f, j, c, record, equation):
         f[row.PASSED + j] += impact
         f[row.EVENT + j] = IMPACT
         return
-    f[row.EVENT + j] = OVER if equation == LINEAR and is_gone(f, j, record) else NOTHING
+    f[row.EVENT + j] = OVER if equation == LINEAR and must_overturn(f, j, record) else NOTHING

@@ -1,7 +1,7 @@
-"""Kernel of the response to a record: lanes marched side by side in slots, each at its own sample.
+"""Compiled kernel of the response to a record: lanes marched side by side in slots, each at its own sample.
 
 One turn of the loop takes a step in every slot and then resolves the marked ones. A slot whose lane has ended takes the
-next lane; a lane at rest goes to its next uplift at once, so that every step is one of a moving block.
+next lane; a lane at rest skips to its next uplift, so that every step is a step of a moving block.
 """
 
 import math
@@ -18,26 +18,26 @@ from rocking.response import Outcome, Reason
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
-#: How far above the threshold a block lifts, as a share of it: "strictly above" must not be decided by the last bit.
+#: Relative excess over the threshold at which a block lifts, so that rounding does not decide "strictly above".
 STRICTLY = 1e-14
 
 
-class Lanes(NamedTuple):
+class MarchLanes(NamedTuple):
     """The (q m,) lanes of a march: q factors on the record by m blocks, the block running fastest."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
-    gains: np.ndarray  #: (m,) factor of each block on top of it [-]
+    gains: np.ndarray  #: (m,) additional factor of each block [-]
     alpha: np.ndarray  #: (m,) alpha_c [rad]
     p: np.ndarray  #: (m,) [1/s]
     restitution: np.ndarray  #: (m,) C [-]
     rotation: np.ndarray  #: (m,) theta at the first sample [rad]
     spin: np.ndarray  #: (m,) theta' there [rad/s]
-    levels: np.ndarray  #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) without a verdict
+    levels: np.ndarray  #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) for none
     above: np.ndarray  #: (m, l) of int, last sample above each level, see :class:`rocking.march.demand.Demand`
 
 
 class Options(NamedTuple):
-    """The options of a march: its equation, and where it divides or ends the steps of a lane."""
+    """The options of a march: its equation, and the limits of its steps."""
 
     equation: int  #: LINEAR or NONLINEAR
     longest: float  #: longest step as p dt [-]
@@ -47,7 +47,7 @@ class Options(NamedTuple):
 
 @njit(_nrt=False)
 def build_up_left(sample, factor, levels, last):
-    """Build-up of the ground from a sample on, see :mod:`rocking.march.demand`; inf where it is not known."""
+    """Upper bound of the build-up of the ground from a sample on, see :mod:`rocking.march.demand`; inf if unknown."""
     for k in range(levels.size - 1, -1, -1):
         if last[k] < sample:
             return levels[k] * factor
@@ -55,8 +55,8 @@ def build_up_left(sample, factor, levels, last):
 
 
 @njit(_nrt=False)
-def calm_from(factor, levels, last, settled):
-    """First sample from which on the verdict may be settled; inf if there is none."""
+def first_safe_sample(factor, levels, last, settled):
+    """First sample from which a lane may be ended as safe; inf if there is none."""
     for k in range(levels.size):
         if levels[k] * factor < settled:
             return last[k] + 1.0
@@ -78,7 +78,7 @@ def take_corner(f, j, alpha, p, restitution, dt, options):
 
 @njit(_nrt=False)
 def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
-    """Set the rows of slot j for the start of a lane; returns whether the body is at rest."""
+    """Set the rows of slot j for the start of a lane; return whether the body is at rest."""
     resting = rotation == 0.0 and spin == 0.0
     i[row.LANE + j] = lane
     f[row.FACTOR + j] = factor
@@ -100,7 +100,7 @@ def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
 
 @njit(_nrt=False)
 def first_status(f, j, equation, strongest):
-    """State of a moving slot at the first sample, OVERTURNED or MOVING, under at most abs(a_g)/g = `strongest`."""
+    """State of a moving slot at the first sample, OVERTURNED or MOVING; `strongest` bounds abs(a_g)/g."""
     if equation == event.LINEAR:
         over = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j] > strongest
     else:
@@ -111,7 +111,7 @@ def first_status(f, j, equation, strongest):
 # begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
 @njit(forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
-    """Put a lane into slot j; returns its state at the first sample, MOVING or its end."""
+    """Put a lane into slot j; return its state at the first sample, MOVING or the state in which it ends."""
     block = lane % lanes.alpha.size
     factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
     alpha, rotation, spin = lanes.alpha[block], lanes.rotation[block], lanes.spin[block]
@@ -120,9 +120,9 @@ def begin_lane(f, i, j, lane, record, lanes, options):
     take_corner(f, j, alpha, lanes.p[block], lanes.restitution[block], record.dt, options)
     resting = take_state(f, i, j, lane, factor, side, rotation, spin, options.last_term)
     if lanes.levels.size > 0:
-        # Beyond this angle the ground cannot turn back a block that moves outward.
+        # Beyond this angle the ground cannot stop a block that moves outward.
         f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(strongest))
-        f[row.CALM_FROM + j] = calm_from(factor, lanes.levels[block], lanes.above[block], options.settled)
+        f[row.CALM_FROM + j] = first_safe_sample(factor, lanes.levels[block], lanes.above[block], options.settled)
     if resting and strongest <= f[row.THRESHOLD + j] and record.vertical.size == 0:
         return event.RESTING
     if not event.enter_sample(f, j, record):
@@ -132,7 +132,7 @@ def begin_lane(f, i, j, lane, record, lanes, options):
 
 @njit(_nrt=False)
 def empty_slot(f, i, j):
-    """Leave slot j without a lane: its steps have no length."""
+    """Mark slot j as empty and give its steps zero length."""
     i[row.LANE + j] = -1
     for name in (row.PHI, row.SPEED, row.STEP, row.PASSED, row.LENGTH, row.LONGEST, row.PER_SAMPLE, row.FACTOR):
         f[name + j] = 0.0
@@ -140,7 +140,7 @@ def empty_slot(f, i, j):
 
 @njit(forceinline=True, _nrt=False)
 def end_lane(f, i, j, status, record, equation):
-    """The results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
+    """Return the results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
     if status == event.OVERTURNED:
@@ -170,7 +170,7 @@ def end_lane(f, i, j, status, record, equation):
 
 
 @njit(forceinline=True, _nrt=False)
-def keep_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
+def store_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
     """Write the results of a lane that has ended."""
     results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, time
     results.outcome[lane], results.reason[lane] = outcome, reason
@@ -179,7 +179,7 @@ def keep_results(results, lane, peak, outcome, reason, time, half_cycle, impacts
 
 @njit(forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
-    """The state of a slot that needs attention (CALM: it will not overturn), and whether its lane has ended."""
+    """Return the state of a slot that needs attention (CALM: it will not overturn), and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     status = event.MOVING
@@ -205,7 +205,7 @@ def decide(f, i, j, record, lanes, options, far):
 
 @njit(_nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
-    """March lanes first to last - 1 and write their results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
+    """March the lanes first:last and write their results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
@@ -238,7 +238,7 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
             while done:
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
-                    keep_results(results, lane, *end_lane(f, i, j, status, record, options.equation))
+                    store_results(results, lane, *end_lane(f, i, j, status, record, options.equation))
                     if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
@@ -256,4 +256,4 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
                 if not done:
                     event.begin_step(f, j)
         if coming >= last and 0 < running <= width - row.GROUP:
-            width = row.close_ranks(f, i, width)
+            width = row.compact_slots(f, i, width)

@@ -1,7 +1,7 @@
 """First impact and largest rotation of a motion given as a Taylor polynomial phi(tau) over one short step.
 
-A step is so short (p dt <= 0.3) that phi'' changes its sign at most once in it: cut there, phi' is monotone on each
-piece and every root below is bracketed.
+In a step (p dt <= 0.3) phi'' changes its sign at most once: on each side of that point phi' is monotonic, which
+brackets every root below.
 """
 
 import numpy as np
@@ -10,10 +10,10 @@ from rocking.kernel_cache import njit
 
 #: Degree of the polynomials.
 ORDER = 10
-#: Orders of derivative. Numpy's integers: a plain one would have the functions below compiled for each value.
+#: Orders of derivative, as integers of numpy: for plain ones the functions below would be compiled for each value.
 ROTATION, SPEED, PULL = np.int64(0), np.int64(1), np.int64(2)
 MAX_ITERATIONS = 100
-#: A Newton step below this share of the way is the last one: the error after it is the square of it.
+#: A Newton step smaller than this share of the distance is the last one: the error after it is its square.
 CONVERGED = 1e-9
 
 
@@ -62,9 +62,9 @@ def with_slope(c, order, tau):
 
 @njit(_nrt=False)
 def bracketed_root(c, order, shift, left, right, guess):
-    """Root in [left, right] of the order-th derivative of phi less `shift`, by Newton steps inside the bracket.
+    """Root in [left, right] of the order-th derivative of phi minus `shift`, by Newton steps inside the bracket.
 
-    It stops relative to the distance from the start of the step, so that a hop of 1e-12 keeps its digits.
+    The tolerance is relative to the distance from the start of the step, so that a hop of 1e-12 keeps its digits.
     """
     rising = with_slope(c, order, right)[0] - shift > 0.0
     tau = guess if left < guess < right else 0.5 * (left + right)
@@ -91,14 +91,14 @@ def bracketed_root(c, order, shift, left, right, guess):
 
 @njit(_nrt=False)
 def falling_root(c, left, right):
-    """The place where phi falls through zero in [left, right]: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
-    # From the top of a hop the fall takes as long as the rise did, to first order.
+    """Root of phi in [left, right], where phi is decreasing: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
+    # To first order a hop falls in the same time in which it rose.
     return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
 @njit(_nrt=False)
 def hop_root(c, h):
-    """The end of a hop from c[0] = 0 with phi'' < 0 in [0, h] and phi(h) <= 0, by Newton steps for phi/tau."""
+    """End of a hop from c[0] = 0 with phi'' < 0 in [0, h] and phi(h) <= 0, by Newton steps for phi/tau."""
     left = 0.0
     right = h
     tau = min(-c[1] / c[2], h)
@@ -126,14 +126,14 @@ def hop_root(c, h):
 
 @njit(_nrt=False)
 def first_impact(c, h, peak):
-    """tau of the first return of phi to 0 in (0, h], or -1, and the largest phi until then if it is above `peak`."""
+    """tau of the first return of phi to 0 in (0, h], or -1, and the larger of `peak` and the largest phi until then."""
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
     if start_pull < 0.0 and end_pull < 0.0:
         end, end_speed = value(c, h), velocity(c, h)
         top = 0.0
         largest = c[0]
         if c[1] > 0.0 > end_speed:
-            # The curve is under its tangents at both ends, whose crossing is above it.
+            # The curve lies below its tangents at both ends, so their intersection is an upper bound.
             roof = c[0] + c[1] * (end - c[0] - end_speed * h) / (c[1] - end_speed)
             if roof > peak or c[0] > 0.0 >= end:
                 top = bracketed_root(c, SPEED, 0.0, 0.0, h, h * c[1] / (c[1] - end_speed))
@@ -153,7 +153,7 @@ def first_impact(c, h, peak):
             continue
         speed_right = velocity(c, right)
         end = right
-        if speed_left < 0.0 < speed_right:  # a low point inside: it is there that the ground may be touched
+        if speed_left < 0.0 < speed_right:  # a minimum inside the step, at which the block may touch the ground
             end = bracketed_root(c, SPEED, 0.0, left, right, -1.0)
         start = left
         if speed_left > 0.0 > speed_right:

@@ -1,4 +1,4 @@
-"""Response to a record, linear or nonlinear, over blocks and scale factors, and the friction that it requires.
+"""Response of blocks to a record times scale factors, linear or nonlinear, and the friction that the motion requires.
 
 .. note:: theta > 0 rocks about the right-hand corner. The centre of mass is at x = -s R sin(alpha - abs(theta)), z = R
    cos(alpha - abs(theta)) from its corner, so the base requires mu = abs(a_g + x'')/(g + a_v + z'') not to slide.
@@ -10,23 +10,23 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, Floats, numbers, positive, read_only, record_samples
 from rocking.body.block import Block
-from rocking.march.corner_response import march_bodies, run
+from rocking.march.corner_response import march_bodies, run_kernel
 from rocking.march.demand import Demand
 from rocking.march.event import LINEAR, NONLINEAR
-from rocking.march.kernel import Lanes, Options, march_lanes
+from rocking.march.kernel import MarchLanes, Options, march_lanes
 from rocking.march.slots import Accelerogram, empty_slots, extremes
 from rocking.response import Response
 
-#: Largest acceleration over gravity that is taken for a record [-].
+#: Largest acceleration over gravity that is accepted in a record [-].
 STRONGEST = 1e7
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
 #: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
 LAST_TERM = 1e-14
-#: The smallest one that is allowed: below it rounding decides.
+#: The smallest value allowed for that limit: below it rounding decides.
 SMALLEST_LAST_TERM = 1e-17
-#: Longest sample [-], as p dt, and fastest start, as theta'/p [rad], that are taken for a block under a record.
+#: Longest sample, as p dt [-], and fastest start, as theta'/p [rad], that are accepted.
 LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
-#: The longest step that is allowed, as p dt [-].
+#: Longest step allowed, as p dt [-].
 LONGEST_STEP = 0.3
 
 
@@ -65,22 +65,23 @@ def recorded_response(
     initial_rotation, initial_velocity : float or (m,) array_like
         theta [rad], positive about the right-hand corner, and theta' [rad/s] at the first sample.
     history : bool
-        Also return time, rotation and velocity at the samples.
+        If True, also return time, rotation and velocity at the samples.
     gain : {"linear", "tangent"}
         Linear equation only. "linear": lifted at g alpha_c (Eq. 1). "tangent": the record times alpha_c/tan(alpha_c),
         so that the block is lifted at g tan(alpha_c) as by the nonlinear equation (docs/decisions/006).
     block_scale : float or (m,) array_like
-        Factor on the record for each block, on top of `scale`, not negative [-].
+        Additional factor on the record for each block, times `scale`, not negative [-].
     verdict : Demand, optional
-        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if nothing but the outcome of a
-        block that starts at rest is wanted: a lane ends as soon as it is settled, by a bound where it overturns and by
-        a measured margin where it rocks (docs/decisions/006), with the peak so far and -1 impacts. The overturning time
-        is that of the angle of no return. Nonlinear equation without vertical acceleration and histories only.
+        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if only the outcome of blocks that
+        start at rest is needed: a lane ends as soon as its outcome is certain, by a bound if it overturns and by a
+        measured margin if it rocks (docs/decisions/006), with the peak so far and -1 impacts. The overturning time is
+        the time at which the block passes the angle of no return. Only for the nonlinear equation without vertical
+        acceleration and history.
     step : float
-        Longest step as p dt [-], at most 0.3; a sample is divided if its own p dt is larger.
+        Longest step as p dt [-], at most 0.3; a sample with a larger p dt is divided.
     last_term : float
         Largest last term of the Taylor series of a step of the nonlinear equation, over alpha_c [-]: a step with a
-        larger one is halved. inf for no such control.
+        larger last term is halved; inf switches this control off.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -93,7 +94,7 @@ def recorded_response(
     ------
     ValueError
         For NaN or infinite samples, fewer than two, dt <= 0, a negative scale, an unknown equation, a vertical record
-        of other length or with the linear equation, a step out of range.
+        of another length or with the linear equation, a step out of range.
 
     Notes
     -----
@@ -101,7 +102,7 @@ def recorded_response(
     theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha,
     towards theta > 0 if a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at abs(theta)
     = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the largest
-    abs(a_g)/(g alpha) that is left. After the record the motion is followed in closed form.
+    abs(a_g)/(g alpha) of the rest of the record. After the record the motion is computed in closed form.
 
     References
     ----------
@@ -207,12 +208,12 @@ def recorded_response(
         angle, rate, ratio, theta, speed = (
             read_only(values[some]) for values in (alpha, p, restitution, rotation, spin)
         )
-        blocks = Lanes(rows, gains[some], angle, rate, ratio, theta, speed, levels, above)
+        blocks = MarchLanes(rows, gains[some], angle, rate, ratio, theta, speed, levels, above)
 
         def march(first: int, last: int, *found: Any) -> None:
             march_lanes(first, last, ground, blocks, options, empty_slots(), *found)
 
-        return run(march, (rows.size, angle.size), samples, threads)
+        return run_kernel(march, (rows.size, angle.size), samples, threads)
 
     def march_others(some: Any) -> Response:
         start = read_only(rotation[some]), read_only(spin[some])
@@ -233,13 +234,13 @@ def recorded_response(
 
 
 class SlidingDemand(NamedTuple):
-    """The friction that the motion of (m,) bodies requires, at the samples of the record until overturning.
+    """The friction that the motion of (m,) bodies without sliding requires, at the samples until overturning.
 
     Attributes
     ----------
     required, share : (m,) ndarray
-        Largest required coefficient of friction [-], inf if the normal force vanishes; share of the samples at which it
-        is above the given one [-], NaN without one.
+        Largest required coefficient of friction [-], inf if the normal force vanishes; share of the samples at which
+        the required coefficient is above the given one [-], NaN if none is given.
     loses_contact : (m,) ndarray of bool
         True if the normal force vanishes.
     """
@@ -257,7 +258,7 @@ def sliding_demand(
     vertical: ArrayLike | None = None,
     scale: float = 1.0,
 ) -> SlidingDemand:
-    """The friction that a rocking motion without sliding requires, by the nonlinear equation.
+    """Compute the friction that a rocking motion without sliding requires, by the nonlinear equation.
 
     Parameters
     ----------
@@ -271,8 +272,8 @@ def sliding_demand(
     Returns
     -------
     SlidingDemand
-        NaN, and False, for bodies before a wall and with ties, loads or thrusts, whose forces on the base are not
-        known. Impacts require more, see :func:`impact_friction`.
+        NaN, and False, for bodies beside a wall or with ties, loads or thrusts, whose forces on the base are unknown.
+        Impacts require more, see :func:`impact_friction`.
 
     Examples
     --------
@@ -317,10 +318,10 @@ def sliding_demand(
 
 
 def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
-    """Ratio of the impulses across and up of an impact that ends the rotation about the right-hand corner [-].
+    """Ratio of the horizontal to the vertical impulse of an impact that ends a rotation about the right corner [-].
 
     h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners: the friction that an impact without sliding
-    requires. Information, no verdict: it lasts an instant. C is that of the body unless it is given.
+    requires. The impact lasts an instant, so this number is for information only. `restitution` replaces the body's C.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The moments of ties, loads and thrusts on a rocking body, and how they change.
+"""The moments of ties, loads and thrusts on a rocking body, and their changes during the motion.
 
 .. note:: While no tie begins or ceases to act, the moment of all restraints over M g R is A cos(phi) + B sin(phi) + C
    cos(2 phi) + D sin(2 phi): a tie with the force K (x - x_0) gives A = K z (xi - x_0), B = K xi (xi - x_0), C = -K z
@@ -16,38 +16,38 @@ from rocking.kernel_cache import njit
 from rocking.march import corner_event as more
 from rocking.march import slots as row
 
-# What an element does: a tie is slack, holds as a spring, yields, or is broken; a load holds as a spring, or slides
+# States of an element: a tie is slack, acts as a spring, yields, or is broken; a load acts as a spring, or slides
 # towards theta > 0 or theta < 0.
 SLACK, SPRING, YIELDS, BROKEN, SLIDES_UP, SLIDES_DOWN = range(6)
 #: Longest step of a spring, as the phase of its oscillation [rad].
 LONGEST_PHASE = 0.3
-#: How near phi counts as being at the end of a range, over the range's own size [-].
+#: Distance within which phi counts as being at the end of a range, over the size of the range [-].
 TOUCHING = 1e-13
 
 
-class Held(NamedTuple):
-    """What acts on the (m,) bodies of a march, and the state of the elements of each lane."""
+class RestraintState(NamedTuple):
+    """The restraints of the (m,) bodies of a march, and the state of their elements in each lane."""
 
     elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 for none
     constant: np.ndarray  #: (m, 2, 2) moments of weights and thrusts as factors of cos and sin, by corner [N m]
-    points: np.ndarray  #: (m, e, 2, 3) of the point of each element by corner: its distance behind it and from it [m],
-    # and the angle of the line between them to the upright [rad]
+    points: np.ndarray  #: (m, e, 2, 3) horizontal distance and distance of each element from each corner [m],
+    # and the angle of the line between them to the vertical [rad]
     weight: np.ndarray  #: (m, 2) M g R by corner [N m]
     angle: np.ndarray  #: (m, 2, 2) sin(alpha) and cos(alpha) by corner
-    mode: np.ndarray  #: (lanes, e) of int, what each element does
-    set: np.ndarray  #: (lanes, e) displacement at which it is without force: of a tie less its gap, of a load towards
+    mode: np.ndarray  #: (lanes, e) of int, state of each element
+    set: np.ndarray  #: (lanes, e) displacement without force: for a tie minus its gap, for a load towards
     # theta > 0 [m]
 
 
 @njit(_nrt=False)
 def sides(f, j):
-    """0 where slot j turns about the corner of theta > 0, 1 for the other one; and the sign of theta."""
+    """Return the corner of slot j, 0 for theta > 0 and 1 for theta < 0, and the sign of theta."""
     return (0, 1.0) if f[row.SIDE + j] > 0.0 else (1, -1.0)
 
 
 @njit(_nrt=False)
-def turn_of(displacement, point):
-    """phi at which a point of :class:`Held` has moved outward by a displacement; inf where it cannot."""
+def rotation_at(displacement, point):
+    """Return phi at which a point of :class:`RestraintState` has moved outward by `displacement`; inf if it cannot."""
     if displacement == 0.0:
         return 0.0
     share = (displacement - point[0]) / point[1]
@@ -57,15 +57,15 @@ def turn_of(displacement, point):
 
 
 @njit(_nrt=False)
-def moved(phi, height, distance):
+def outward_displacement(phi, height, distance):
     """Outward displacement of a point at a height and a distance behind the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 
 
 @njit(_nrt=False)
-def act(f, j, block, lane, held):
-    """Set what acts on slot j by what its elements do: factors of the moment, the range of phi, the longest step."""
+def set_restraint(f, j, block, lane, held):
+    """Set moment factors, range of phi and longest step of slot j from the states of its elements."""
     place, side = sides(f, j)
     one, two = held.constant[block, place, 0], held.constant[block, place, 1]
     sine_2 = cosine_2 = stiff = 0.0
@@ -84,8 +84,8 @@ def act(f, j, block, lane, held):
             own = side * rest
             most = part[YIELD_FORCE] / stiffness
             if mode == SPRING:
-                floor = max(floor, turn_of(own - most, point))
-                ceiling = min(ceiling, turn_of(own + most, point))
+                floor = max(floor, rotation_at(own - most, point))
+                ceiling = min(ceiling, rotation_at(own + most, point))
             else:
                 outward = (mode == SLIDES_UP) == (side > 0.0)
                 slides = 1.0 if outward else -1.0
@@ -99,9 +99,9 @@ def act(f, j, block, lane, held):
                 continue
             own = part[GAP] + rest
             if mode == SLACK:
-                ceiling = min(ceiling, turn_of(own, point))
+                ceiling = min(ceiling, rotation_at(own, point))
                 continue
-            last = turn_of(part[GAP] + part[ULTIMATE], point)
+            last = rotation_at(part[GAP] + part[ULTIMATE], point)
             if mode == YIELDS:
                 slides = 1.0
                 one += part[YIELD_FORCE] * height
@@ -109,8 +109,8 @@ def act(f, j, block, lane, held):
                 fixed += part[YIELD_FORCE] * (height + distance)
                 ceiling = min(ceiling, last)
                 continue
-            floor = max(floor, turn_of(own, point))
-            ceiling = min(ceiling, min(last, turn_of(own + part[YIELD_FORCE] / stiffness, point)))
+            floor = max(floor, rotation_at(own, point))
+            ceiling = min(ceiling, min(last, rotation_at(own + part[YIELD_FORCE] / stiffness, point)))
         one += stiffness * height * (distance - own)
         two += stiffness * distance * (distance - own)
         cosine_2 -= stiffness * height * distance
@@ -122,7 +122,7 @@ def act(f, j, block, lane, held):
     f[more.SINE + j], f[more.COSINE + j] = two, one
     f[more.SINE_2 + j] = sine_2 / weight
     f[more.COSINE_2 + j] = cosine_2 / weight
-    # The arm of a spring changes too, times its elongation of at most pi/2 times its reach.
+    # The lever arm of a spring changes too; its elongation is at most pi/2 times its distance from the corner.
     f[more.STIFFEST + j] = ((1.0 + 0.5 * math.pi) * stiff + fixed) / weight
     f[more.FLOOR + j], f[more.CEILING + j], f[more.SLIDES + j] = floor, ceiling, slides
     longest = f[more.FREE_LONGEST + j]
@@ -132,18 +132,18 @@ def act(f, j, block, lane, held):
 
 
 @njit(_nrt=False)
-def begin_held(f, j, block, lane, held):
-    """The elements of slot j as they are met by its first phi and speed, and what follows from them."""
+def begin_restraint(f, j, block, lane, held):
+    """Set the elements of slot j for its first phi and speed, and the restraint that follows from them."""
     place, side = sides(f, j)
     phi, outward = f[row.PHI + j], f[row.SPEED + j] > 0.0
     for e in range(held.elements.shape[1]):
         part = held.elements[block, e]
         held.mode[lane, e], held.set[lane, e] = SLACK, 0.0
         if part[KIND] == FRICTION:
-            outside = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
+            outside = outward_displacement(phi, part[HEIGHT], held.points[block, e, place, 0])
             held.mode[lane, e], held.set[lane, e] = SPRING, side * outside
         elif part[SIDE] == side and part[HEIGHT] > 0.0:
-            over = moved(phi, part[HEIGHT], part[NEAR]) - part[GAP]
+            over = outward_displacement(phi, part[HEIGHT], part[NEAR]) - part[GAP]
             most = part[YIELD_FORCE] / part[STIFFNESS]
             if over >= part[ULTIMATE]:
                 held.mode[lane, e] = BROKEN
@@ -152,12 +152,12 @@ def begin_held(f, j, block, lane, held):
                 held.set[lane, e] = over - most
             elif over > 0.0 or (over == 0.0 and outward):
                 held.mode[lane, e] = SPRING
-    act(f, j, block, lane, held)
+    set_restraint(f, j, block, lane, held)
 
 
 @njit(_nrt=False)
-def land(f, j, block, lane, held):
-    """Elements of slot j after it has come back to the ground and begins to turn about the corner that it is on now."""
+def restraint_after_impact(f, j, block, lane, held):
+    """Set the elements of slot j after an impact, when it begins to turn about its new corner."""
     _, side = sides(f, j)
     for e in range(held.elements.shape[1]):
         part = held.elements[block, e]
@@ -166,16 +166,16 @@ def land(f, j, block, lane, held):
         if part[KIND] == FRICTION:
             outward = SLIDES_UP if side > 0.0 else SLIDES_DOWN
             if held.mode[lane, e] != SPRING and held.mode[lane, e] != outward:
-                stop(part, held, lane, e, 0.0, side)  # turned back by the wall while it slid
+                make_spring(part, held, lane, e, 0.0, side)  # rebounded from the wall while the load slid
         elif held.mode[lane, e] != BROKEN:
             free = part[SIDE] != side or part[GAP] + held.set[lane, e] > 0.0
             held.mode[lane, e] = SLACK if free else SPRING
-    act(f, j, block, lane, held)
+    set_restraint(f, j, block, lane, held)
 
 
 @njit(_nrt=False)
-def stop(part, held, lane, e, outward, side):
-    """An element that yields or slides becomes a spring at an outward displacement [m] of its point."""
+def make_spring(part, held, lane, e, outward, side):
+    """Turn an element that yields or slides into a spring at the displacement `outward` [m] of its point."""
     most = part[YIELD_FORCE] / part[STIFFNESS]
     if part[KIND] == FRICTION:
         held.set[lane, e] = side * outward - (most if held.mode[lane, e] == SLIDES_UP else -most)
@@ -185,15 +185,15 @@ def stop(part, held, lane, e, outward, side):
 
 
 @njit(_nrt=False)
-def change(f, j, block, lane, held, direction):
-    """Change the elements whose range ends at phi: left outward (`direction` 1), inward (-1), or turned back (0)."""
+def change_elements(f, j, block, lane, held, direction):
+    """Change the elements whose range ends at phi: passed outward (`direction` 1), inward (-1), or turned back (0)."""
     place, side = sides(f, j)
     phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
     for e in range(held.elements.shape[1]):
         part = held.elements[block, e]
         if part[HEIGHT] == 0.0:
             continue
-        x = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
+        x = outward_displacement(phi, part[HEIGHT], held.points[block, e, place, 0])
         near = TOUCHING * (x + part[HEIGHT])
         mode, most = held.mode[lane, e], part[YIELD_FORCE] / part[STIFFNESS]
         if part[KIND] == FRICTION:
@@ -204,13 +204,13 @@ def change(f, j, block, lane, held, direction):
                 elif not outward and own <= near - most:
                     held.mode[lane, e] = SLIDES_DOWN if side > 0.0 else SLIDES_UP
             elif mode != SPRING and turned:
-                stop(part, held, lane, e, x, side)
+                make_spring(part, held, lane, e, x, side)
             continue
         if part[SIDE] != side or mode == BROKEN:
             continue
         over = x - part[GAP]
         if mode == YIELDS and turned:
-            stop(part, held, lane, e, x, side)
+            make_spring(part, held, lane, e, x, side)
         elif mode != SLACK and outward and over >= part[ULTIMATE] - near:
             held.mode[lane, e] = BROKEN
         elif mode == SLACK and outward and over - held.set[lane, e] >= -near:
@@ -220,12 +220,12 @@ def change(f, j, block, lane, held, direction):
                 held.mode[lane, e] = YIELDS
             elif not outward and over - held.set[lane, e] <= near:
                 held.mode[lane, e] = SLACK
-    act(f, j, block, lane, held)
+    set_restraint(f, j, block, lane, held)
 
 
 @njit(_nrt=False)
 def rest_levels(f, j, block, lane, held, at_rest):
-    """Set EXTRA of both corners of slot j on the ground; returns the share of sliding loads, which may keep it up."""
+    """Set EXTRA of both corners of a slot on the ground; return the part of sliding loads, which resists the fall."""
     place, side = sides(f, j)
     friction = most = 0.0
     for e in range(held.elements.shape[1]):
@@ -235,8 +235,8 @@ def rest_levels(f, j, block, lane, held, at_rest):
                 if not at_rest:
                     most += part[YIELD_FORCE] * part[HEIGHT]
                     continue
-                stop(part, held, lane, e, 0.0, side)
-            friction -= part[STIFFNESS] * held.set[lane, e] * part[HEIGHT]  # against theta > 0
+                make_spring(part, held, lane, e, 0.0, side)
+            friction -= part[STIFFNESS] * held.set[lane, e] * part[HEIGHT]  # resists theta > 0
     weight = held.weight[block, place] * held.angle[block, place, 1]
     other = held.weight[block, 1 - place] * held.angle[block, 1 - place, 1]
     f[more.EXTRA + j] = (held.constant[block, place, 0] + side * friction) / weight

@@ -1,4 +1,4 @@
-"""Taylor steps of a restrained body, their events, and its motion after the record."""
+"""Taylor steps of a restrained body, their events, and the motion after the record."""
 
 import math
 
@@ -8,14 +8,14 @@ from rocking.march import slots as row
 from rocking.march.equations import sine_and_cosine
 from rocking.march.event import SHORTEST, impacts_above_cutoff
 from rocking.march.polynomial import ORDER, PULL, SPEED, acceleration, bracketed_root, first_impact, value, velocity
-from rocking.march.restrained import act, change, land
-from rocking.march.steps import HALVED, IMPACT, LOOK_CLOSER, NOTHING, OVER, finish_steps, keep_step, speed_of, value_of
+from rocking.march.restrained import change_elements, restraint_after_impact, set_restraint
+from rocking.march.steps import HALVED, IMPACT, LOOK_CLOSER, NOTHING, OVER, finish_steps, speed_of, store_step, value_of
 from rocking.response import IMPACT_CUTOFF
 
 
 @njit(inline="always")
 def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, cosine_2):
-    """As nonlinear_rates, for -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
+    """Rates as nonlinear_rates, for -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
 
     With the series s_k, z_k of sin(phi), cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2 sin(phi): (k + 1)
     d_(k+2) = -[flat z + s w + cosine_2]_k.
@@ -72,7 +72,7 @@ def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, c
 
 @njit(fastmath={"contract"}, _nrt=False)
 def restrained_steps(f, width):
-    """As :func:`nonlinear_steps`; a step is also marked if it may leave the range of its moment."""
+    """Take Taylor steps as :func:`nonlinear_steps`; a step is also marked if phi may leave the moment's range."""
     for j in range(width):
         phi = f[row.PHI + j]
         speed = f[row.SPEED + j]
@@ -92,7 +92,7 @@ def restrained_steps(f, width):
         )
         end = value_of(h, phi, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
         end_speed = speed_of(h, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
-        # Gravity and ground; the restraints by their stiffness.
+        # Bounds from gravity and ground, and from the stiffness of the restraints.
         push = max(lift, lift + h * lift_slope) + max(abs(ground), abs(ground + h * ground_slope))
         stiff = push + f[more.STIFFEST + j]
         slopes = abs(ground_slope) + abs(lift_slope)
@@ -112,25 +112,25 @@ def restrained_steps(f, width):
             + h * (3 * d4 + h * (4 * d5 + h * (5 * d6 + h * (6 * d7 + h * (7 * d8 + h * (8 * d9 + h * (9 * d10)))))))
         )
         marked = short | out | back | turns
-        keep_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+        store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
-#: Steps of the motion on the ground at rest that are taken before it counts as bounded.
+#: Number of steps after the record after which the motion counts as bounded.
 MOST_STEPS = 2_000_000
-#: Changes of what acts on a body that does not move, after which it is taken to be balanced for a step.
+#: Number of changes of the restraints without motion after which the body counts as balanced for one step.
 MOST_STALLS = 8.0
-#: Turning points of a motion that never touches the ground again after which it counts as bounded.
+#: Number of turning points in the air after which a motion counts as bounded.
 MOST_TURNS = 4
 
 
 @njit(_nrt=False)
 def first_turn(c, h, slides):
-    """tau in [0, h] at which slides phi', positive at first, comes to zero; -1 if it does not."""
+    """Return tau in [0, h] at which `slides` times phi', positive at first, becomes zero; -1 if it does not."""
     low = h
     pull, end_pull = 2.0 * c[2] * slides, acceleration(c, h) * slides
     if c[1] * slides < 0.0 or (c[1] == 0.0 and pull < 0.0):
         return 0.0
-    if pull < 0.0 < end_pull:  # the speed is least inside
+    if pull < 0.0 < end_pull:  # the minimum of the speed lies inside
         low = bracketed_root(c, PULL, 0.0, 0.0, h, -1.0)
     if velocity(c, low) * slides > 0.0:
         return -1.0
@@ -138,8 +138,8 @@ def first_turn(c, h, slides):
 
 
 @njit(_nrt=False)
-def resolve_held(f, j, c, block, lane, held):
-    """As :func:`rocking.march.event.resolve_step`, up to the first impact or change of what acts on the body."""
+def resolve_restrained(f, j, c, block, lane, held):
+    """Resolve a step as :func:`rocking.march.event.resolve_step`, up to the first impact or change of restraint."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     push = abs(f[row.LIFT + j]) + abs(f[row.GROUND + j]) + h * (abs(f[row.SLOPE + j]) + abs(f[row.LIFT_SLOPE + j]))
     too_long = abs(f[row.RATE_10 + j]) * h**10 > f[row.TRUNCATION + j] * (alpha + phi)
@@ -155,7 +155,7 @@ def resolve_held(f, j, c, block, lane, held):
         c[k] = f[row.RATE_2 + (k - 2) * row.WIDTH + j] / k
     inward = speed < 0.0 or (speed == 0.0 and c[2] < 0.0)
     if floor == 0.0 and phi == 0.0 and speed == 0.0:
-        c[2] = max(c[2], 0.0)  # zero at the threshold itself: rounding must not press the block down
+        c[2] = max(c[2], 0.0)  # zero at the threshold: rounding must not push the block into the ground
         inward = False
     if c[0] == 0.0 and inward:
         down, largest = 0.0, 0.0
@@ -167,7 +167,7 @@ def resolve_held(f, j, c, block, lane, held):
         until, down = turn, -1.0
     up = -1.0
     if largest + floor >= ceiling or value(c, until) + floor >= ceiling:
-        # What is left below the ceiling falls to zero where phi reaches it.
+        # The remaining distance to the ceiling is zero when phi reaches it.
         for k in range(1, ORDER + 1):
             c[k] = -c[k]
         c[0] = max(ceiling - phi, 0.0)
@@ -181,7 +181,7 @@ def resolve_held(f, j, c, block, lane, held):
             until, down, turn = up, -1.0, -1.0
     f[more.STALLS + j] = f[more.STALLS + j] + 1.0 if until == 0.0 and speed == 0.0 else 0.0
     if f[more.STALLS + j] > MOST_STALLS:
-        # Balanced to rounding where a tie begins to act: what the ground does next tips it.
+        # The body is in equilibrium, to rounding, where a tie begins to act: the next ground motion decides.
         f[more.STALLS + j] = 0.0
         f[row.PASSED + j] += h
         f[row.EVENT + j] = NOTHING
@@ -209,11 +209,11 @@ def resolve_held(f, j, c, block, lane, held):
         end_speed = 0.0
     f[row.PHI + j], f[row.SPEED + j] = end, end_speed
     if down >= 0.0 or up >= 0.0 or turn >= 0.0:
-        change(f, j, block, lane, held, 1.0 if up >= 0.0 else (-1.0 if down >= 0.0 else 0.0))
+        change_elements(f, j, block, lane, held, 1.0 if up >= 0.0 else (-1.0 if down >= 0.0 else 0.0))
 
 
 @njit(_nrt=False)
-def finish_held(f, i, width, c, lanes, held):
+def finish_restrained(f, i, width, c, lanes, held):
     """Finish the steps of the first `width` slots of restrained lanes (of `lanes` blocks), with impacts and changes."""
     finish_steps(f, width)
     for j in range(width):
@@ -221,19 +221,18 @@ def finish_held(f, i, width, c, lanes, held):
         if lane < 0:
             continue
         if f[row.EVENT + j] == LOOK_CLOSER:
-            resolve_held(f, j, c, lane % lanes, lane, held)
+            resolve_restrained(f, j, c, lane % lanes, lane, held)
         if f[row.EVENT + j] == IMPACT:
             more.turn_over(f, j)
-            land(f, j, lane % lanes, lane, held)
+            restraint_after_impact(f, j, lane % lanes, lane, held)
 
 
 @njit(_nrt=False)
 def motion_after(f, i, j, c, lanes, held, g):
-    """As :func:`rocking.march.corner_event.free_motion`, marched in the work space `g` of one slot.
+    """March the motion after the record in the work space `g`; returns what corner_event.free_motion returns.
 
-    It ends when each corner has seen a top, or when the body has turned back MOST_TURNS times in the air: restraints
-    add no energy, so later peaks are no larger. The later impacts are counted as if no tie yielded and no load slid any
-    more.
+    It ends after one peak about each corner, or after MOST_TURNS turning points in the air: restraints add no energy,
+    so later peaks are no larger. Later impacts are counted as if no tie yielded and no load slid.
     """
     block, lane = i[row.LANE + j] % lanes, i[row.LANE + j]
     for k in range(more.CORNER_ROWS):
@@ -246,7 +245,7 @@ def motion_after(f, i, j, c, lanes, held, g):
     w[row.PEAK] = w[row.PHI]
     w[more.OTHER_PEAK] = 0.0
     w[row.STEP] = w[row.LONGEST]
-    act(w, 0, block, lane, held)
+    set_restraint(w, 0, block, lane, held)
     peak, impacts, turns, tops = 0.0, 0, 0, 0
     arrival, p = math.nan, w[row.P]
     for _ in range(MOST_STEPS):
@@ -256,7 +255,7 @@ def motion_after(f, i, j, c, lanes, held, g):
         w[row.EVENT] = NOTHING
         finish_steps(w, 1)
         if w[row.EVENT] == LOOK_CLOSER:
-            resolve_held(w, 0, c, block, lane, held)
+            resolve_restrained(w, 0, c, block, lane, held)
         event = w[row.EVENT]
         time += w[row.PASSED] / p
         w[row.PASSED] = 0.0
@@ -267,13 +266,13 @@ def motion_after(f, i, j, c, lanes, held, g):
         if speed > 0.0 and w[row.SPEED] <= 0.0 and event != IMPACT and not held_step:
             turns += 1
         if event == IMPACT:
-            # A hop that came back within one step has turned as well.
+            # A hop within one step has a turning point, too.
             tops += 1
             turns = 0
             last = w[row.ARRIVAL] / w[row.ALPHA]
             more.turn_over(w, 0)
             w[row.PASSED] = 0.0
-            land(w, 0, block, lane, held)
+            restraint_after_impact(w, 0, block, lane, held)
             impacts += 1 if last >= IMPACT_CUTOFF else 0
             if tops >= 3 or w[row.SPEED] <= IMPACT_CUTOFF * w[row.ALPHA]:
                 arrival = last

@@ -1,7 +1,7 @@
-"""A sampled record with its extremes, and the memory of the lanes that a march follows at one time.
+"""A sampled record with its extremes, and the memory of the lanes that a march computes at the same time.
 
-A step of every slot is one loop over contiguous rows without a branch, which the compiler turns into vector
-instructions. Row R of slot j is ``f[R + j]`` of a flat array, so that the compiler sees that rows do not overlap.
+A step of all slots is one loop without branches over contiguous rows, which the compiler turns into vector
+instructions. Row R of slot j is ``f[R + j]`` of a flat array, so that the compiler knows that rows do not overlap.
 
 .. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, tau = p t; angles in rad, speeds in
    rad per unit of tau, accelerations over gravity.
@@ -28,14 +28,14 @@ class Accelerogram(NamedTuple):
     """A sampled ground motion, linear between its samples, and its extremes."""
 
     acceleration: np.ndarray  #: (n,) a_g [m/s2]
-    vertical: np.ndarray  #: (n,) a_v [m/s2], positive up; (0,) where there is none
+    vertical: np.ndarray  #: (n,) a_v [m/s2], positive up; (0,) without vertical acceleration
     extremes: np.ndarray  #: (4, b + 1), see :func:`extremes`
     dt: float  #: sampling interval [s]
 
 
 @njit()
 def extremes(acceleration, vertical):
-    """Rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, then a column of zeros for the time after."""
+    """Rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, and zeros for the time after the record."""
     n = acceleration.size
     blocks = (n + BLOCK - 1) // BLOCK
     found = np.zeros((4, blocks + 1))
@@ -66,9 +66,9 @@ def largest_left(k, record):
 
 @njit(_nrt=False)
 def next_exceedance(k, record, factor, threshold):
-    """First sample from k on at which a resting block may lift (abs(a_g)/g > threshold) or lose the ground, or n.
+    """First sample from k on at which a resting block may lift (abs(a_g)/g > threshold) or lose contact; n for none.
 
-    The search of :func:`next_lift` for two like corners, at two thirds of its time.
+    For equal corners; it takes two thirds of the time of :func:`next_lift`.
     """
     n = record.acceleration.size
     up = record.vertical.size > 0
@@ -87,9 +87,9 @@ def next_exceedance(k, record, factor, threshold):
 
 @njit(_nrt=False)
 def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
-    """First sample from k on at which a resting block may lift about either corner or lose the ground, or n.
+    """First sample from k on at which a resting block may lift about either corner or lose contact; n for none.
 
-    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is that over gravity [s2/m].
+    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is over gravity [s2/m].
     """
     n = record.acceleration.size
     while k < n:
@@ -107,9 +107,9 @@ def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
     return n
 
 
-#: Slots: four registers of the widest vector unit, so that the latency of one is hidden behind the others.
+#: Number of slots: four registers of the widest vector unit, so that computing one hides the latency of the others.
 WIDTH = 32
-#: Slots of one register: fewer lanes than WIDTH take whole groups.
+#: Number of slots in one register; fewer lanes than WIDTH use whole groups of this size.
 GROUP = 8
 
 (
@@ -120,23 +120,23 @@ GROUP = 8
     PASSED,  # tau since the sample began
     STEP,  # length of the step
     SIDE,  # s
-    # The ground during the step, as the side in contact feels it.
+    # The ground acceleration during the step, with the sign of the side in contact.
     GROUND,  # s a_g/g at its start
     SLOPE,  # its slope
     LIFT,  # 1 + a_v/g at its start
     LIFT_SLOPE,
-    LIMIT,  # a bound from below of the largest abs(a_g)/g that is left after the sample
-    # The ground during the sample, unsigned side.
+    LIMIT,  # lower bound of the largest abs(a_g)/g after the sample
+    # The ground acceleration during the sample, without the sign of the side.
     SAMPLE_GROUND,
     SAMPLE_SLOPE,
     SAMPLE_LIFT,
     SAMPLE_LIFT_SLOPE,
-    # What the step found.
+    # The results of the step.
     END,  # phi, phi' and phi'' at its end
     END_SPEED,
     END_PULL,
-    STRONGEST,  # a bound of abs(phi'') in it
-    MARKED,  # 1.0 where it must be looked at closely whatever happens
+    STRONGEST,  # upper bound of abs(phi'') in the step
+    MARKED,  # 1.0 if the step must be examined in any case
     EVENT,  # see steps.py
     ARRIVAL,  # abs(phi') at the impact
     RATE_2,  # (k - 1)-th Taylor coefficients of the speed, k = 2 ... 10
@@ -157,31 +157,31 @@ GROUP = 8
     PER_SAMPLE,  # 1/(p dt)
     LONGEST,  # longest step
     THRESHOLD,  # abs(a_g)/g above which a resting block lifts, at 1 + a_v/g = 1
-    TRUNCATION,  # largest last term of a series
+    TRUNCATION,  # largest last term allowed in a series
     TOP,  # phi at which the nonlinear block has overturned
-    CALM_FROM,  # sample from which on impacts check whether the verdict is settled; inf: never
-    # Where it is, and what it has counted: whole numbers, kept here since a loop over one array makes vectors.
+    CALM_FROM,  # first sample from which each impact checks whether the lane can be ended; inf: never
+    # Positions and counts: whole numbers, in one array because a loop over one array vectorises.
     SAMPLE,
     HITS,  # impacts in this sample
     IMPACTS,  # impacts faster than the cut-off
     ACTIVE,  # samples in which it moved
-    ENTERED,  # 1 where the step ended a sample
-    ATTENTION,  # 1 where a decision is due: an impact that may be the last, the end of the record, overturning
+    ENTERED,  # 1 if the step ended a sample
+    ATTENTION,  # 1 if a decision is needed: an impact that may be the last, the end of the record, overturning
 ) = range(0, 48 * WIDTH, WIDTH)
 FLOAT_ROWS = 48
 
 (
     LANE,  # -1: empty
     MOVED,  # 1 once it has lifted
-    ENDED,  # the sample in which it last came to rest
-    FLIES,  # 1 where the vertical acceleration cancels gravity
-    SLOW,  # impacts slower than the cut-off since it last lay at rest
+    ENDED,  # the sample in which the block last came to rest
+    FLIES,  # 1 if the vertical acceleration cancels gravity
+    SLOW,  # impacts slower than the cut-off since the last rest
 ) = range(0, 5 * WIDTH, WIDTH)
 INT_ROWS = 5
 
 
 class Slots(NamedTuple):
-    """The slots of one march, and the polynomial of the step that it looks at."""
+    """The slots of one march, and the polynomial of the step being examined."""
 
     f: np.ndarray  #: (FLOAT_ROWS * WIDTH,)
     i: np.ndarray  #: (INT_ROWS * WIDTH,) of int
@@ -189,7 +189,7 @@ class Slots(NamedTuple):
 
 
 def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
-    """Slots without lanes, whose steps are harmless: alpha and the other `positive` rows are 0.1."""
+    """Return empty slots whose steps cause no floating-point error: alpha and the other `positive` rows are 0.1."""
     slots = Slots(np.zeros(rows * WIDTH), np.zeros(INT_ROWS * WIDTH, dtype=np.int64), np.zeros(ORDER + 1))
     slots.i[LANE : LANE + WIDTH] = -1
     for name in (ALPHA, *positive):
@@ -198,8 +198,8 @@ def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
 
 
 @njit(_nrt=False)
-def close_ranks(f, i, width):
-    """Move the lanes of the last group into empty slots before it; returns the number of slots still in use."""
+def compact_slots(f, i, width):
+    """Move the lanes of the last group into empty slots before it; return the number of slots in use."""
     empty = 0
     for j in range(width - GROUP, width):
         if i[LANE + j] < 0:

@@ -1,6 +1,6 @@
-"""From the end of a step of every slot to the start of the next one, in loops without a branch (slots.py).
+"""Loops without branches from the end of a step of every slot to the start of the next one (slots.py).
 
-What needs a decision is left to :mod:`rocking.march.event` by LOOK_CLOSER or ATTENTION.
+Slots that need a decision are marked LOOK_CLOSER or ATTENTION for :mod:`rocking.march.event`.
 """
 
 import math
@@ -10,10 +10,10 @@ from rocking.march import slots as row
 from rocking.march.slots import BLOCK_BITS
 from rocking.response import IMPACT_CUTOFF
 
-# What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the
-# step, OVER has overturned.
+# Events in a step. From LOOK_CLOSER on the slot does not advance: HALVED repeats the step with half its length, OVER
+# has overturned.
 NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
-#: The iteration for an impact is of third order: after a step below this share of the way, the rest is rounding.
+#: The iteration for an impact is of third order: after a step below this share of the distance only rounding remains.
 CONVERGED = 3e-6
 
 
@@ -37,8 +37,8 @@ def speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 
 @njit(inline="always")
-def keep_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Write what the step of slot j has found into the rows that :func:`finish_steps` reads."""
+def store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10):
+    """Write the results of the step of slot j into the rows that :func:`finish_steps` reads."""
     f[row.RATE_2 + j] = d2
     f[row.RATE_3 + j] = d3
     f[row.RATE_4 + j] = d4
@@ -57,7 +57,7 @@ def keep_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5,
 
 @njit(inline="always")
 def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Step of third order from t towards the root of phi: Newton's, bent by the curvature."""
+    """Third-order step from t towards the root of phi (Newton's method with a correction for the curvature)."""
     inverse = 1.0 / speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10)
     newton = value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10) * inverse
     pull = d2 + t * (2.0 * d3 + t * (3.0 * d4))
@@ -66,12 +66,12 @@ def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def finish_steps(f, width):
-    """Write how the step of each of the first `width` slots ends: its state, EVENT, and ARRIVAL after an impact.
+    """Write the end of the step of each of the first `width` slots: its state, EVENT, and ARRIVAL after an impact.
 
-    A curve leaves its chord by at most h^2/8 max abs(phi''). Where phi'' < 0 all along, it lies above its chord and
-    below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the crossing
-    of the tangents bounds its top. Most impacts are of this kind; they are found from the first terms of a hop, or from
-    the parabola through both ends of a fall.
+    A curve differs from its chord by at most h^2/8 max abs(phi''). If phi'' < 0 in the whole step, it lies above its
+    chord and below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the
+    intersection of the tangents is an upper bound of its top. Most impacts are of this kind; they are computed from the
+    first terms of a hop, or from the parabola through both ends of a fall.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -123,15 +123,15 @@ def finish_steps(f, width):
         f[row.PEAK + j] = peak if closer | impact else max(peak, end)
 
 
-#: Impacts followed inside one sample before the lane is given up (only a restitution next to one gets there).
+#: Largest number of impacts inside one sample (reached only by a restitution close to one); then a lane is UNRESOLVED.
 IMPACTS_PER_SAMPLE = 10_000
-#: What is left of a sample below this share of the longest step belongs to the step before it.
+#: A rest of a sample that is shorter than this share of the longest step is added to the step before it.
 REMNANT = 1e-9
 
 
 @njit(fastmath={"contract"}, _nrt=False)
 def advance_steps(f, width, acceleration, left, fastest):
-    """Take each of the first `width` slots to its next step; impacts above `fastest` over alpha_c need ATTENTION."""
+    """Advance the first `width` slots to their next step; impacts faster than `fastest` over alpha_c set ATTENTION."""
     last = acceleration.size - 1
     for j in range(width):
         held = f[row.EVENT + j] >= LOOK_CLOSER
@@ -177,7 +177,7 @@ def advance_steps(f, width, acceleration, left, fastest):
 
 @njit(_nrt=False)
 def enter_vertical(f, j, vertical):
-    """Take the vertical acceleration of the slot's sample; False where it cancels gravity."""
+    """Load the vertical acceleration of the slot's sample; return False if it cancels gravity."""
     k = int(f[row.SAMPLE + j])
     start = 1.0 + vertical[k] * f[row.FACTOR + j]
     end = 1.0 + vertical[k + 1] * f[row.FACTOR + j]
@@ -188,7 +188,7 @@ def enter_vertical(f, j, vertical):
 
 @njit(_nrt=False)
 def advance_vertical(f, i, width, vertical):
-    """Take the vertical acceleration along with :func:`advance_steps`; FLIES is 1 where the block loses the ground."""
+    """Advance the vertical acceleration as :func:`advance_steps` does; set FLIES to 1 if the block loses contact."""
     for j in range(width):
         if i[row.LANE + j] < 0 or f[row.EVENT + j] >= LOOK_CLOSER:
             continue
@@ -201,7 +201,7 @@ def advance_vertical(f, i, width, vertical):
 
 @njit(_nrt=False)
 def keep_history(f, i, width, history):
-    """Write theta [rad] and theta' [rad/s] of the slots that have reached a sample into (lanes, n, 2)."""
+    """Write theta [rad] and theta' [rad/s] of the slots that have reached a sample into `history` (lanes, n, 2)."""
     for j in range(width):
         if i[row.LANE + j] >= 0 and f[row.ENTERED + j] == 1.0:
             lane, sample = i[row.LANE + j], int(f[row.SAMPLE + j])

@@ -1,1 +1,1 @@
-"""Factors on an input at which a body overturns."""
+"""Search for the scale factors on an input at which a body overturns."""

@@ -1,4 +1,4 @@
-"""Factors on an input at which a body overturns, by the models: by a search, or in closed form."""
+"""Scale factors at which a body overturns by each model, by a search or in closed form."""
 
 import math
 from collections.abc import Callable
@@ -13,22 +13,22 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
 from rocking.impulses.main_sequence import bands_of, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes
-from rocking.march.corner_response import rest_levels
+from rocking.march.corner_response import uplift_additions
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals, exceedance_intervals
 
-#: Factors of the scan of one block.
+#: Number of factors in the scan of one block.
 POINTS = 64
-#: The largest number below one: how near a block has come that passes alpha_c and comes back.
+#: The largest number below one: the reach of a block that passes alpha_c and returns.
 BELOW = float(np.nextafter(1.0, 0.0))
-#: The search begins this share below the factor that lifts the block, which rounding must not put above it.
+#: The search starts this share below the factor that lifts the block, so that rounding cannot make it start above.
 ROUNDING = 1e-12
-#: Ratio of neighbouring factors where a search is needed.
+#: Ratio of neighbouring factors in a search.
 STEP = 1.005
-#: Where no bound is known the search starts here, as main impulse over I_1c.
+#: Start of a search without a known lower bound, as main impulse over I_1c.
 SMALLEST_START = 1e-3
-#: Bands are joined across a gap that is narrower than this share of the factor, as in a search.
+#: Bands are joined if the gap between them is narrower than this share of the factor, as in a search.
 EDGE_TOLERANCE = 1e-6
 
 
@@ -43,7 +43,7 @@ def critical_scale(
     points: int = POINTS,
     threads: int | None = None,
 ) -> ScaleIntervals:
-    """Factors on a record at which a block overturns, or rotates beyond a level, by the linear or nonlinear equation.
+    """Find the scale factors at which a record overturns a block, or makes it exceed a rotation.
 
     Parameters
     ----------
@@ -52,11 +52,11 @@ def critical_scale(
     acceleration, dt, equation, vertical
         As for :func:`~rocking.recorded_response`; the factor is on both accelerations.
     level : float, optional
-        theta_max/alpha_c [-], positive, that is reached or passed; None for overturning.
+        Rotation theta_max/alpha_c to reach or exceed [-], positive; None for overturning.
     factor_max : float
         End of the search [-].
     points : int
-        Factors of the scan of each block, at least 2.
+        Number of factors in the scan of each block, at least 2.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -68,14 +68,13 @@ def critical_scale(
     Raises
     ------
     ValueError
-        For a level that is not positive, and what the response to a record and the search refuse.
+        For a level that is not positive, and for arguments that :func:`~rocking.recorded_response` refuses.
 
     Notes
     -----
-    The scan of a block begins where its record starts to lift it: g alpha/max|a_g| (linear), or the smallest f with
-    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. A factor that cannot be
-    answered (UNRESOLVED: free flight, impacts without number) counts as exceeding, so nothing is called safe that was
-    not computed.
+    The scan of a block starts at the factor that lifts it: g alpha/max|a_g| (linear), or the smallest f with
+    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. An UNRESOLVED factor
+    (free flight, endless impacts) counts as exceeding, so that only computed factors count as safe.
 
     Examples
     --------
@@ -88,7 +87,7 @@ def critical_scale(
     if level is not None and not float(numbers("level", level, "a positive theta_max/alpha_c", lanes=False)) > 0.0:
         raise ValueError(f"level: expected a positive theta_max/alpha_c, got {level!r}")
     blocks = block.lanes()
-    # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
+    # A run at factor zero checks the arguments before they are used.
     recorded_response(blocks, acceleration, dt, equation, scale=0.0, vertical=vertical, threads=threads)
     ground = np.ascontiguousarray(acceleration, dtype=float)
     up = None if vertical is None else np.ascontiguousarray(vertical, dtype=float)
@@ -109,7 +108,7 @@ def impulsive_critical_scale(
     points: int = POINTS,
     threads: int | None = None,
 ) -> ScaleIntervals:
-    """Factors on given impulses, such as the half-waves of a record, at which a block overturns.
+    """Find the scale factors at which a train of impulses, such as the half-waves of a record, overturns a block.
 
     Parameters
     ----------
@@ -125,9 +124,9 @@ def impulsive_critical_scale(
 
     Notes
     -----
-    The scan begins at a lower bound, g alpha_c/(p sum |I_i|). An impulse dx' at the rotation 0 <= x <= 2 turns the
-    speed u with which the motion left, or would have left, the ground into at most u + |dx'|, as x'^2 = u^2 - 1 + (1 -
-    x)^2 <= u^2 there, and an impact takes from it. Overturning needs u >= 1, with dx' <= p I/(g alpha_c).
+    The scan starts at a lower bound, g alpha_c/(p sum |I_i|). Let u be the speed at which the motion left, or would
+    have left, the ground. An impulse dx' at the rotation 0 <= x <= 2 raises it to at most u + |dx'|, as x'^2 = u^2 - 1
+    + (1 - x)^2 <= u^2 there, and an impact lowers it. Overturning needs u >= 1, with dx' <= p I/(g alpha_c).
 
     Examples
     --------
@@ -153,9 +152,9 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Factor f on a record that lifts each of (m,) blocks, f abs(a_g) = (g + f a_v) tan(alpha) + restraints, or inf."""
+    """Scale factor f at which a record lifts (m,) blocks, f abs(a_g) = (g + f a_v) tan(alpha) + restraints; or inf."""
     found = np.full(np.shape(block.p), np.inf)
-    more = rest_levels(block)
+    more = uplift_additions(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
         threshold = np.asarray(alpha if equation == "linear" else np.tan(alpha))
         strongest = np.full(threshold.shape, np.max(-side * acceleration))
@@ -179,9 +178,9 @@ def _search(
 
     def exceeds(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
         nonlocal unresolved
-        # Lanes of one block stand together: the impulsive kernel shares a table among those of one p.
+        # Lanes of one block are adjacent: the impulsive kernel shares a table among lanes of one p.
         response = respond(blocks.take(np.repeat(lanes, factors.shape[0])), factors.T.reshape(-1))
-        reach = np.asarray(response.peak_rotation_ratio)  # NaN, which exceeds, where a lane is UNRESOLVED
+        reach = np.asarray(response.peak_rotation_ratio)  # NaN for UNRESOLVED lanes, which count as exceeding
         if level is None:
             reach = np.where(response.outcome >= Outcome.OVERTURNS, np.inf, np.minimum(reach, BELOW))
         else:
@@ -197,12 +196,12 @@ def _search(
 
 
 def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max: float = 10.0) -> ScaleIntervals:
-    """Factors on the main impulse at which its resonance sequence overturns each block, in closed form.
+    """Scale factors at which the resonance sequence of a main impulse overturns each block, in closed form.
 
     Parameters
     ----------
     block, sequence, factor_max
-        As for :func:`sequence_critical_scale`, with one sequence; its secondary impulses are left out.
+        As for :func:`sequence_critical_scale`, with one sequence; its secondary impulses are ignored.
 
     Returns
     -------
@@ -228,7 +227,7 @@ def sequence_critical_scale(
     threads: int | None = None,
     paired: bool = False,
 ) -> ScaleIntervals:
-    """Factors on the main impulse, I_s/I and main count kept, at which a sequence overturns each block.
+    """Scale factors at which a sequence overturns each block; I_s/I and the number of main impulses stay the same.
 
     Parameters
     ----------
@@ -239,8 +238,8 @@ def sequence_critical_scale(
     factor_max : float
         Larger factors are left out [-].
     step : float
-        Largest ratio of neighbouring factors, above 1, of a search: for every spacing but "continuous", because the
-        number of secondary impulses in a half-cycle comes from the march.
+        Largest ratio of neighbouring factors in a search, above 1; every spacing except "continuous" needs a search,
+        because the number of secondary impulses in a half-cycle comes from the march.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
     paired : bool
@@ -254,7 +253,7 @@ def sequence_critical_scale(
     Raises
     ------
     ValueError
-        For several sequences that are no pairs with the blocks in closed form, or a step that is not above 1.
+        For several sequences that are not paired with the blocks in closed form, or a step that is not above 1.
 
     Notes
     -----
@@ -269,8 +268,8 @@ def sequence_critical_scale(
     band is cut there: above I_Nc the block may be safe again. At the lower edges the start grows with N, so the
     smallest factor is that of the largest N that is reached.
 
-    Else a scan and refined edges, from the critical factor of the resonance sequence on: secondary impulses only take
-    speed away (F3: u_r <= u). A factor that cannot be answered (UNRESOLVED) counts as overturning.
+    Otherwise a scan with refined edges, from the critical factor of the resonance sequence on: secondary impulses only
+    reduce the speed (F3: u_r <= u). An UNRESOLVED factor counts as overturning.
 
     Examples
     --------
@@ -292,7 +291,7 @@ def sequence_critical_scale(
     points = 1 + np.ceil(np.log(np.maximum(factor_max / start, step)) / np.log(step)).astype(np.int64)
 
     def overturns(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
-        return scaled_outcomes(blocks, sequence, lanes, factors, threads) >= Outcome.OVERTURNS  # or UNRESOLVED
+        return scaled_outcomes(blocks, sequence, lanes, factors, threads) >= Outcome.OVERTURNS  # or is UNRESOLVED
 
     found = exceedance_intervals(overturns, start, factor_max, points)
     answer = scaled_outcomes(blocks, sequence, found.lane, found.lower[np.newaxis], threads)[0]
@@ -310,7 +309,7 @@ def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] 
 
 
 def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleIntervals:
-    """The bands of all half-cycles that are reached, those that touch put together."""
+    """Overturning bands of all half-cycles that are reached, with touching bands joined."""
     count = block.shape[0]
     most = UNLIMITED if sequence.main_count is None else sequence.main_count
     of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)

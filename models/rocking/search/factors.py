@@ -1,4 +1,4 @@
-"""Intervals of the factor on an input in which a block exceeds a limit, which need not be monotonic."""
+"""Search for the intervals of the scale factor in which a block exceeds a limit; exceedance need not be monotonic."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,40 +10,40 @@ import numpy as np
 from rocking.arguments import ArrayLike
 from rocking.lanes import OF_LANES, LaneValues
 
-#: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
-#: lane may come this near the limit in it (docs/decisions/008).
+#: Below the first exceedance, which gives the safety factor, a step of the scan is halved for the k-th time if the lane
+#: may come this near to the limit in it (docs/decisions/008).
 NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
-#: Steps of a lane that are halved together, from the lowest on: half of all that are due, at least these.
+#: Least number of steps of a lane that are halved together, from the lowest on; otherwise half of those to halve.
 TOGETHER = 4
-#: Tells of lanes (n,) and factors (q, n) which exceed a limit.
+#: A function of lanes (n,) and factors (q, n) that returns which of them exceed a limit.
 Exceeds = Callable[[np.ndarray, np.ndarray], np.ndarray]
-#: Factors times lanes of one call of the scan: it bounds the memory of a call.
+#: Largest number of factors times lanes in one call of the scan, which limits the memory.
 CASES_AT_ONCE = 16384
 #: The fields of :class:`ScaleIntervals` with one value for each interval.
 OF_INTERVALS = ("lower", "upper", "open", "resolved")
-#: Most factors of the scan in one lane.
+#: Largest number of factors of the scan in one lane.
 POINTS_MAX = 10**7
 
 
 @dataclass(frozen=True, eq=False)
 class ScaleIntervals(LaneValues):
-    """Factors on the input at which a limit is exceeded, for m lanes that have k intervals together.
+    """Scale factors at which a limit is exceeded, for m lanes with k intervals in total.
 
     Attributes
     ----------
     safety_factor, safe_up_to : (m,) ndarray
-        Smallest factor found to exceed the limit [-], inf if none; largest factor up to which the search found nothing:
-        the lower end of the last bracket, or the end of the search.
+        Smallest factor found to exceed the limit [-], inf if none; largest factor up to which none was found: the lower
+        end of the last bracket, or the end of the search.
     lane : (k,) ndarray of int
         Lane of each interval; ascending, and within a lane the intervals ascend.
     lower, upper : (k,) ndarray
         Ends of the intervals of exceedance [-]; the limit is exceeded at both.
     open, resolved : (k,) ndarray of bool
-        True if the limit is still exceeded at the end of the search, which then is `upper`; False if it counts as
-        exceeded at `lower` because the model cannot answer there.
+        `open` is True if the limit is still exceeded at the end of the search, which is then `upper`; `resolved` is
+        False if the limit counts as exceeded at `lower` because the model gives no result there.
     step : (m,) ndarray
-        Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps, may be missed. One if nothing can
-        be missed (closed form, or a start beyond the end of the search); NaN if nothing was searched.
+        Ratio of neighbouring factors of the scan [-]: narrower intervals and gaps may be missed. One if none can be
+        missed (closed form, or a start beyond the end of the search); NaN without a search.
     """
 
     safety_factor: np.ndarray = field(metadata=OF_LANES)
@@ -57,30 +57,30 @@ class ScaleIntervals(LaneValues):
 
     @classmethod
     def unknown(cls, lanes: tuple[int, ...]) -> Self:
-        """Of lanes of a shape that were not searched: NaN, without an interval."""
+        """Return the intervals of `lanes` lanes that were not searched: NaN, without intervals."""
         nan, none, no_flag = np.full(lanes, np.nan), np.empty(0), np.empty(0, dtype=bool)
         return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
 
     def among(self, known: np.ndarray) -> Self:
-        """These of the lanes that are `known` (m,), as those of all; the others were not searched."""
+        """Extend the intervals of the lanes marked in `known` (m,) to all lanes; the others count as not searched."""
         return self.join([self], [np.flatnonzero(known)], known.size)
 
     def take(self, places: np.ndarray) -> Self:
-        """Some lanes by their places, each once at most."""
+        """Select lanes by index, each at most once."""
         number = np.full(self.safety_factor.size, -1)
         number[places] = np.arange(len(places))
         return super().take(places)._of_lanes(number[self.lane])
 
     @classmethod
     def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
-        """As :meth:`rocking.lanes.LaneValues.join`, with the intervals of all parts."""
+        """Join parts as :meth:`rocking.lanes.LaneValues.join` does, with the intervals of all parts."""
         whole = super().join(parts, places, count, **fills)
         rows = {name: np.concatenate([getattr(part, name) for part in parts]) for name in OF_INTERVALS}
         lane = np.concatenate([own[part.lane] for own, part in zip(places, parts, strict=True)])
         return whole.changed(**rows)._of_lanes(lane)
 
     def _of_lanes(self, lane: np.ndarray) -> Self:
-        """The same with its intervals in the order of the lanes (k,) that they belong to, -1 for none."""
+        """Sort the intervals by the lanes (k,) that they belong to, dropping those of lane -1."""
         order = np.argsort(lane, kind="stable")[np.count_nonzero(lane < 0) :]
         return self.changed(lane=lane[order], **{name: getattr(self, name)[order] for name in OF_INTERVALS})
 
@@ -91,7 +91,7 @@ class ScaleIntervals(LaneValues):
 
     @property
     def factor_resolved(self) -> np.ndarray:
-        """(m,) ndarray of bool: False where the model cannot answer at `safety_factor`, which is a lower bound then."""
+        """(m,) ndarray of bool: False if the model gives no result at `safety_factor`, which is then a lower bound."""
         answered = np.ones(self.safety_factor.size, dtype=bool)
         first = np.flatnonzero(np.diff(self.lane, prepend=-1))
         answered[self.lane[first]] = self.resolved[first]
@@ -101,29 +101,29 @@ class ScaleIntervals(LaneValues):
 def exceedance_intervals(
     exceeds: Exceeds, start: np.ndarray, factor_max: float, points: ArrayLike, tolerance: float = 1e-6
 ) -> ScaleIntervals:
-    """Intervals of the factor in which each lane exceeds a limit: a scan on a log grid, and every edge refined.
+    """Find the intervals of the factor in which each lane exceeds a limit, by a scan on a log grid and refined edges.
 
     Parameters
     ----------
     exceeds : callable
-        Takes numbers of lanes (n,), which may repeat, and factors (q, n) with a column for each of them, and returns
-        a (q, n) array: bool, or a number that is 1 or more if the limit is exceeded and says below 1 how near the
-        lane came to it; NaN, no answer, counts as exceeding. It need not be monotonic in the factor.
+        Takes lane indices (n,), which may repeat, and factors (q, n), one column per index, and returns a (q, n) array:
+        bool, or the response over the limit, at least 1 if the limit is exceeded; NaN (no result) counts as exceeding.
+        It need not be monotonic in the factor.
     start : (m,) array_like
-        Below this no exceedance is possible, > 0 [-]; the scan of a lane begins here. If it is above `factor_max`, inf
-        included, the lane has no interval.
+        Factor > 0 below which no exceedance is possible [-]; the scan of a lane starts here. A lane whose start is
+        above `factor_max`, or inf, has no interval.
     factor_max : float
         End of the search [-].
     points : int or (m,) array_like of int
-        Factors of the scan in each lane, both ends included; at least 2.
+        Number of factors of the scan in each lane, both ends included; at least 2.
     tolerance : float
-        Relative width of the bracket that each edge ends with, at least 1e-12.
+        Relative width of the final bracket of each edge, at least 1e-12.
 
     Notes
     -----
-    The scan has the step (factor_max/start)^(1/(points - 1)), and the factor one besides. Below the first exceedance of
-    a lane, steps in which it may come near the limit are halved. A narrower interval, or gap between two, is seen only
-    if a factor happens to fall into it. Then all edges are bisected together, one edge of each bracket.
+    The scan has the step (factor_max/start)^(1/(points - 1)) and also includes the factor one. Below the first
+    exceedance of a lane, steps in which it may come near to the limit are halved. A narrower interval or gap is found
+    only if a factor of the scan lies in it. Then all edges are refined by bisection at the same time.
 
     Examples
     --------
@@ -156,8 +156,8 @@ def exceedance_intervals(
     rise, fall = over.copy(), over.copy()
     rise[1:] &= ~(over[:-1] & same)
     fall[:-1] &= ~(over[1:] & same)
-    # An interval begins in the step before its first factor, or with the scan, and ends in the step after its last
-    # one, or not at all.
+    # An interval begins in the step before its first factor, or at the start of the scan, and ends in the step after
+    # its last factor, or is open.
     before = np.where(np.append(False, same), np.roll(factor, 1), factor)
     after = np.where(np.append(same, False), np.roll(factor, -1), np.inf)
     lane, count = lane[rise], np.count_nonzero(rise)
@@ -172,7 +172,7 @@ def exceedance_intervals(
 
 
 def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """The answers of `exceeds` as numbers; inf where it has none."""
+    """Return the results of `exceeds` as numbers, with inf for NaN."""
     reach = np.asarray(exceeds(lanes, factors), dtype=float)
     return np.where(np.isnan(reach), np.inf, reach)
 
@@ -180,13 +180,13 @@ def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarr
 def _scan(
     exceeds: Exceeds, lanes: np.ndarray, start: np.ndarray, factor_max: float, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Lane, factor, and whether it exceeds the limit, by lane and upwards."""
+    """Return lane, factor and reach of each factor of the scan, sorted by lane and factor."""
     points = int(np.max(counts[lanes]))
     # Lanes with fewer factors than others repeat the last one.
     share = np.minimum(np.arange(points)[:, np.newaxis] / (counts[lanes] - 1.0), 1.0)
     factors = start[lanes] * (factor_max / start[lanes]) ** share
     factors[share == 1.0] = factor_max
-    # The input as it is: what the search says of it must not differ from what a model says of it.
+    # The factor one is included so that the search and a run of the unscaled input agree.
     factors = np.sort(np.vstack((factors, np.clip(1.0, start[lanes], factor_max))), axis=0)
     reach = _reach(exceeds, lanes, factors).T.reshape(-1)
     lane, factor = np.repeat(lanes, points + 1), factors.T.reshape(-1)
@@ -197,8 +197,8 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The scan with those steps halved that, by the second difference of the reach, may hide an earlier one."""
-    halvings = np.zeros(lane.size, dtype=np.int64)  # of the step that begins at the factor
+    """Halve the steps of the scan that, by the second difference of the reach, may hide an earlier exceedance."""
+    halvings = np.zeros(lane.size, dtype=np.int64)  # for the step that begins at the factor
     due = np.append(NEAR, np.inf)
     while True:
         over = np.flatnonzero(reach >= 1.0)
@@ -212,7 +212,7 @@ def _denser(
         step = np.flatnonzero(inside & (may_reach >= due[halvings[:-1]]))
         if step.size == 0:
             return lane, factor, reach >= 1.0
-        # The lowest steps of a lane go ahead of the others: what exceeds in one of them spares all above it.
+        # The lowest steps of a lane come first: an exceedance in one of them makes all higher ones needless.
         begin = np.flatnonzero(np.diff(lane[step], prepend=-1))
         count = np.diff(begin, append=step.size)
         step = step[np.arange(step.size) - np.repeat(begin, count) < np.repeat(np.maximum(TOGETHER, count / 2), count)]
@@ -228,7 +228,7 @@ def _denser(
 def _bisect(
     exceeds: Exceeds, lane: np.ndarray, below: np.ndarray, above: np.ndarray, rises: np.ndarray, tolerance: float
 ) -> None:
-    """Narrow the brackets (below, above) of all edges of all lanes in the same rounds, in place."""
+    """Bisect the brackets (below, above) of all edges of all lanes at the same time, in place."""
     while True:
         wide = np.flatnonzero(np.isfinite(above) & (above - below > tolerance * above))
         if wide.size == 0:

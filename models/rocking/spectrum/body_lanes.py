@@ -1,13 +1,13 @@
-"""Nonlinear marches of bodies in lanes that each take one factor on the record and draw a restitution and an angle.
+"""Nonlinear marches of bodies in lanes, each with one factor on the record and a random restitution and angle.
 
-.. note:: All bodies of a call share one scrambled Sobol set, so that the answer of a body does not depend on the
-   others. A free flight cannot be answered and counts as overturning. A march ends as soon as its verdict is settled if
-   no vertical acts and the body lies in the measured range (docs/decisions/006).
+.. note:: All bodies of a call share one scrambled Sobol set, so that the result of a body does not depend on the
+   others. Free flight is UNRESOLVED and counts as overturning. Without vertical acceleration, and for bodies in the
+   measured range, a march ends as soon as its outcome is certain (docs/decisions/006).
 
-The first lanes lie about a guess of the capacity and are extended while their lowest lanes overturn or their highest
-ones stand. The density of the second part follows the standard deviation sqrt(P (1 - P)) of a verdict, P the share of
-the first part that overturns nearby. The uncertainty of the factor is not drawn but a kernel in ln f afterwards
-(:mod:`rocking.spectrum.probability`).
+The first part of the lanes lies around an estimate of the capacity and is extended while its lowest lanes overturn or
+its highest ones survive. The density of the second part follows the standard deviation sqrt(P (1 - P)) of an outcome, P
+the share of nearby lanes of the first part that overturn. The uncertainty of the factor is not drawn at random, but
+applied afterwards as a kernel in ln f (:mod:`rocking.spectrum.probability`).
 """
 
 import math
@@ -25,29 +25,29 @@ from rocking.response import Outcome
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
 
-#: Standard deviations that are drawn: no shift of the factor and no loss of the angle beyond them is looked at.
+#: Truncation of the random shift of the factor and loss of the angle, in standard deviations.
 REACH = 4.0
-#: A body of C = 1 never comes to rest after the record, and its lane costs twenty times one of C = 0.99.
+#: Largest C of a lane: with C = 1 a body never comes to rest after the record, and costs twenty times that of C = 0.99.
 MOST_RESTITUTION = 0.999
-#: Points of a Sobol set that are drawn at once: the lanes of each part are a multiple of it.
+#: Number of Sobol points drawn at once: the lanes of each part are a multiple of it.
 SET = 32
-#: Build-up of the ground (demand.py) at the guess of the capacity, over the one that overturns.
+#: Build-up of the ground (demand.py) at the estimated capacity, over the build-up that overturns.
 BUILD_UP_AT_CAPACITY = 2.5
-#: Lanes of the first part, over so much of ln f to either side of the guess.
+#: Number of lanes of the first part, and its extent in ln f on each side of the estimate.
 FIRST, FIRST_HALF = 64, 0.8
-#: Lanes of each piece that makes the first part longer, and its length in ln f.
+#: Number of lanes of each extension of the first part, and its length in ln f.
 MORE, MORE_LENGTH = 32, 0.8
-#: Length in ln f at its bottom without overturning, and at its top without survival, at which the first part ends.
+#: The first part is complete if its lanes survive over this length in ln f at the bottom, and overturn at the top.
 QUIET = 0.2
-#: Lanes of the second part, and the least density of them over that of lanes in full disagreement.
+#: Number of lanes of the second part, and their least density over the density at P = 0.5.
 SECOND, FLOOR = 192, 0.2
-#: Width in ln f over which verdicts of the first part count as neighbours, and points at which their density is known.
+#: Width in ln f over which the outcomes of the first part are averaged, and number of points of the density.
 NEIGHBOURS, POINTS = 0.12, 201
 
 
 @dataclass(frozen=True, eq=False)
 class LanePart:
-    """Lanes (b, n) of some bodies (b,), with their density per unit of ln f on a grid (b, g) of it, linear between."""
+    """Lanes (b, n) of bodies (b,), with their density per unit of ln f on a grid (b, g), linear between its points."""
 
     body: np.ndarray
     grid: np.ndarray
@@ -62,41 +62,41 @@ class BodyLanes:
     """Marched lanes of one body."""
 
     log_factor: np.ndarray  #: (n,) ln of the factor on the record
-    weight: np.ndarray  #: (n,) stretch of ln f of each lane [-]: 1 over the density of all lanes at its place
-    over: np.ndarray  #: (n,) of bool, True if the lane overturns or cannot be answered
-    unresolved: np.ndarray  #: (n,) of bool, True if it cannot be answered (free flight)
-    bottom: float  #: ln f between which the lanes lie
+    weight: np.ndarray  #: (n,) width in ln f that each lane represents [-]: 1 over the density of lanes at its factor
+    over: np.ndarray  #: (n,) of bool, True if the lane overturns or is UNRESOLVED
+    unresolved: np.ndarray  #: (n,) of bool, True if it is UNRESOLVED (free flight)
+    bottom: float  #: range of ln f of the lanes
     top: float
-    open: bool  #: True if lanes survive the largest factor: the verdicts above it are unknown
+    open: bool  #: True if lanes survive the largest factor, so that outcomes above it are unknown
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """What each lane counts at each level (n, k), and the mass of the shift below and above the lanes (k,)."""
+        """Weight of each lane at each level (n, k), and the probability of a shift below and above the lanes (k,)."""
         bells = lane_bells(self.log_factor, self.weight, log_level, shift)
         return bells, tail_masses(self.bottom, self.top, log_level, shift)
 
 
 @dataclass(eq=False)
 class LaneMarch:
-    """The march of (m,) nominal bodies under a record, part by part."""
+    """Marches (m,) nominal bodies under a record, one part of the lanes at a time."""
 
     block: Block
     acceleration: np.ndarray
     dt: float
     vertical: np.ndarray | None
     uncertainty: Uncertainty
-    least: np.ndarray  # C between which that of a draw is uniform, (m,) [-]
+    least: np.ndarray  # limits of the uniform distribution of C, (m,) [-]
     most: np.ndarray
     seed: int
     threads: int | None
     parts: list[LanePart] = field(default_factory=list)
 
     def evenly(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
-        """March lanes of one density between the (b,) `bottom` and `top` of (b,) bodies."""
+        """March lanes of constant density in ln f from `bottom` to `top` (b,) for (b,) bodies."""
         self.add(body, np.stack([bottom, top], axis=1), np.ones((body.size, 2)), number, part)
 
     def add(self, body: np.ndarray, grid: np.ndarray, wanted: np.ndarray, number: int, part: int) -> None:
-        """March `number` lanes for each of (b,) bodies, of a density `wanted` on a grid (b, g) of ln f."""
-        from scipy.stats import qmc  # half a second, and a spectrum answers for most bodies
+        """March `number` lanes for each of (b,) bodies with the density `wanted` on a grid (b, g) of ln f."""
+        from scipy.stats import qmc  # import takes half a second, and most bodies are covered by a spectrum
 
         points = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part]))
         place = np.concatenate([points.random(SET) for _ in range(number // SET)])
@@ -118,7 +118,7 @@ class LaneMarch:
         self.parts.append(LanePart(body, grid, density, log_factor, over, unresolved))
 
     def lanes(self, body: int, standing: bool) -> BodyLanes:
-        """All lanes of a body so far; `standing` where those at the largest factor do not all overturn."""
+        """Return all lanes of a body so far; `standing` says whether some survive the largest factor."""
         own = [(part, row) for part in self.parts for row in np.flatnonzero(part.body == body)]
         log_factor, over, unresolved = (
             np.concatenate([getattr(part, name)[row] for part, row in own])
@@ -132,7 +132,7 @@ class LaneMarch:
         return BodyLanes(log_factor, 1.0 / density, over, unresolved, bottom, top, standing)
 
     def _outcome(self, lanes: Block, factor: np.ndarray) -> np.ndarray:
-        """Outcome of (l,) lanes."""
+        """Compute the outcome of (l,) lanes."""
         early = np.zeros(factor.size, dtype=bool)
         if self.vertical is None and self.acceleration.any():
             early = within_measured_range(lanes, self.dt)
@@ -150,7 +150,7 @@ class LaneMarch:
 def probability_lanes(
     march: LaneMarch, log_max: float, guess: np.ndarray | None = None
 ) -> tuple[np.ndarray, list[BodyLanes | None]]:
-    """Lowest ln f (m,) that moves a draw, and the lanes of each body; None if no draw lifts off below `log_max`."""
+    """Return the lowest ln f (m,) of uplift, and the lanes of each body; None if none lifts below `log_max`."""
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
@@ -176,7 +176,7 @@ def probability_lanes(
 
 
 def _extend_first_part(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
-    """Make the first part longer, down to uplift and up to the largest factor; (m,), where lanes stand up there."""
+    """Extend the first part, at most from uplift to the largest factor; return (m,) whether lanes survive there."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
     seen = 0
@@ -201,7 +201,7 @@ def _extend_first_part(march: LaneMarch, bottom: np.ndarray, log_max: float) -> 
 
 
 def _where_verdicts_differ(lanes: BodyLanes) -> tuple[np.ndarray, np.ndarray]:
-    """A grid (g,) of ln f, and the density of the second part on it, in a unit of its own."""
+    """Return a grid (g,) of ln f and the density of the second part on it, in arbitrary units."""
     grid = np.linspace(lanes.bottom, lanes.top, POINTS)
     near = np.exp(-0.5 * ((lanes.log_factor - grid[:, np.newaxis]) / NEIGHBOURS) ** 2) * lanes.weight
     share = np.sum(near * lanes.over, axis=1) / np.sum(near, axis=1)

@@ -1,8 +1,8 @@
-"""The probability of overturning P(f) of any body under a record times f, by nonlinear marches of its own.
+"""Probability of overturning P(f) of any body under a record times f, from nonlinear marches of this body.
 
-.. note:: The intervals of 90 % resample the lanes with replacement as if they were independent (those of a Sobol set
-   scatter less). If all n effective lanes near the factor one agree, n = (sum w)^2/sum w^2, resampling shows nothing:
-   the end of the interval is then that of n tosses that agree, 1 - 0.05^(1/n).
+.. note:: The intervals of 90 % come from resampling the lanes with replacement as if they were independent (Sobol
+   points scatter less). If all n effective lanes near the factor one agree, n = (sum w)^2/sum w^2, resampling gives no
+   spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
 """
 
 import math
@@ -18,34 +18,34 @@ from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability
 from rocking.spectrum.overturning import OverturningFactors
 from rocking.spectrum.probability import Uncertainty, factor_at, lane_probability, lane_sums, mean_capacity, rising
 
-#: Levels are exp(LEVEL_STEP k), k whole: 1 is one of them, and all bodies have the same.
+#: Levels are exp(LEVEL_STEP k) with integer k, the same for all bodies; 1 is one of them.
 LEVEL_STEP = 0.04
-#: Draws of the lanes for an interval, and the shares of them below its ends.
+#: Number of resamples for an interval, and the quantiles at its ends.
 RESAMPLES, LOW, HIGH = 200, 0.05, 0.95
-#: Factors that are read off P, and the probability at each.
+#: Names of the factors that are read from P, and the probability of each.
 SHARES = {"factor_10": 0.1, "factor_50": 0.5}
-#: Share of the most that a lane counts at a level, from which on it is near it.
+#: A lane is near a level if its weight is at least this share of the largest weight there.
 NEAR = 0.01
-#: A largest factor that is a level counts as one, and a share of a C of 1 as no more than 1, however they are rounded.
+#: Rounding tolerance: a largest factor this close to a level is that level, and a C this close above 1 is 1.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class LaneFactors:
-    """Factors of one body with `_low` and `_high` [-], and its rising P (k,) from exp(LEVEL_STEP first) on."""
+    """Factors of one body with `_low` and `_high` [-], and its increasing P (k,) from exp(LEVEL_STEP first) on."""
 
     found: dict[str, float]
     first: int
     probability: np.ndarray
 
     def at(self, places: np.ndarray) -> np.ndarray:
-        """P at the levels exp(LEVEL_STEP k), k the given places [-]."""
+        """Return P at the levels exp(LEVEL_STEP k) for the given k [-]."""
         own = np.clip(places - self.first, 0, self.probability.size - 1)
         return np.where(places < self.first, 0.0, self.probability[own])
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Factors of one body from its lanes (None: no draw lifts off); shifts beyond `reach` of ln f have no mass."""
+    """Compute the factors of one body from its lanes (None: no uplift); shifts of ln f beyond `reach` are ignored."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)
@@ -63,14 +63,14 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
         found |= _up_to(factor_max, _interval(name, factor_at(share, level, probability)))
     capacity = _interval("capacity_mean", mean_capacity(level, probability))
     if lanes.open:
-        # P is not known above the last level: at least as far as it the capacity is the area over it.
+        # P is unknown above the last level: a lower bound of the mean capacity is the area above P up to it.
         least = np.exp(logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1))
         capacity = {**dict.fromkeys(capacity, np.inf), "capacity_mean_low": _interval("least", least)["least_low"]}
     return LaneFactors(found | _up_to(factor_max, capacity), first, probability[0])
 
 
 def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
-    """First and last k of the levels that show something: below them P is 0, above them 1 unless lanes are open."""
+    """First and last k of the levels between P = 0 below and P = 1 above (unknown above if lanes survive there)."""
     lowest = np.min(lanes.log_factor, where=lanes.over, initial=lanes.top)
     highest = np.max(lanes.log_factor, where=~lanes.over, initial=lanes.bottom)
     end = lanes.top - reach if lanes.open else highest + reach
@@ -80,20 +80,20 @@ def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
 
 @cache
 def _counts(size: int) -> np.ndarray:
-    """How often each of the lanes is drawn: once each in the first row, then in each of the RESAMPLES."""
+    """Number of times that each lane is counted: once in the first row, then as drawn in each of RESAMPLES rows."""
     drawn = np.random.default_rng(size).multinomial(size, np.full(size, 1.0 / size), size=RESAMPLES)
     return np.vstack([np.ones(size), drawn])
 
 
 def _interval(name: str, values: np.ndarray) -> dict[str, float]:
-    """The first of the values, and the ends of the interval of the others."""
+    """Return the first value, and the ends of the interval of the others as `_low` and `_high`."""
     low = np.quantile(values[1:], LOW, method="lower")
     high = np.quantile(values[1:], HIGH, method="higher")
     return {name: float(values[0]), f"{name}_low": float(low), f"{name}_high": float(high)}
 
 
 def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
-    """Factors above the largest one are inf; the low end is no larger than that one."""
+    """Set factors above `factor_max` to inf, and limit the low end to `factor_max`."""
     return {
         name: min(value, factor_max) if name.endswith("_low") else value if value <= factor_max else math.inf
         for name, value in interval.items()
@@ -101,7 +101,7 @@ def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
 
 
 def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncertainty) -> dict[str, float]:
-    """P at the factor one and its interval, from P (r, k) of the lanes and of all draws of them."""
+    """Return P at the factor one and its interval, from P (r, k) of the lanes and of their resamples."""
     if first > 0:
         return _interval("at_one", np.zeros(RESAMPLES + 1))
     place = min(-first, probability.shape[1] - 1)
@@ -121,16 +121,16 @@ def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncert
 
 @dataclass(frozen=True, eq=False)
 class OverturningProbability(OverturningFactors):
-    """Probability of overturning of (m,) bodies over the factor on a record, by lanes of their own.
+    """Probability of overturning of (m,) bodies over the factor on a record, from marches of each body.
 
     Attributes
     ----------
     level : (k,) ndarray
-        Factors on the record, ascending, from where the weakest draw lifts off; 1 is one of them.
+        Factors on the record, ascending, from the lowest one that can lift a body; 1 is one of them.
     probability : (m, k) ndarray
         Probability of overturning at the levels, fitted so that it never falls [-].
     unresolved : (m,) ndarray
-        Share of the lanes that the equation cannot answer (free flight); they count as overturning [-].
+        Share of the lanes that are UNRESOLVED (free flight) [-]; they count as overturning.
     """
 
     level: np.ndarray
@@ -138,7 +138,7 @@ class OverturningProbability(OverturningFactors):
     unresolved: np.ndarray
 
     def overturning(self, factor: ArrayLike) -> np.ndarray:
-        """Probability of overturning at some factors (m, d) on the record, linear in ln f between the levels [-]."""
+        """Probability of overturning at factors (m, d) on the record, linear in ln f between the levels [-]."""
         rows = zip(np.log(np.asarray(factor, dtype=float)), self.probability, strict=True)
         return np.array([np.interp(one, np.log(self.level), own) for one, own in rows])
 
@@ -157,33 +157,32 @@ def overturning_probability(
     seed: int = 0,
     threads: int | None = None,
 ) -> OverturningProbability:
-    """Probability that bodies overturn under a record times a factor, by the nonlinear equation.
+    """Compute the probability that bodies overturn under a record times a factor, by the nonlinear equation.
 
     Parameters
     ----------
     block : Block
-        One body, which counts as (1,), or (m,) of them: the nominal ones.
+        One nominal body, which counts as (1,), or (m,) of them.
     acceleration, dt, vertical
         As for :func:`~rocking.recorded_response`; the factor is on both accelerations.
     uncertainty : Uncertainty, optional
         Of factor, restitution and geometry; by default ``Uncertainty()``.
     factor_max : float
-        Largest factor that is asked for [-].
+        Largest factor that is searched [-].
     least, most : (m,) array_like, optional
-        C between which that of a draw is uniform [-]; by default shares of the nominal C (`uncertainty`), at most
-        0.999.
+        Limits of the uniform distribution of C [-]; by default shares of the nominal C (`uncertainty`), at most 0.999.
     guess : (m,) array_like, optional
-        Factor near which a body may overturn [-]. It saves lanes if it is good and costs some if it is not.
+        Estimate of the factor at which a body overturns [-]. A good estimate saves lanes.
     seed : int
-        Of the draws, not negative.
+        Seed of the random numbers, not negative.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     OverturningProbability
-        Of (m,) bodies. A factor that is not reached by `factor_max` is inf with a `_low` of `factor_max`, or, of
-        `capacity_mean`, of its lower bound.
+        For (m,) bodies. A factor above `factor_max` is inf, and its `_low` is `factor_max` (for `capacity_mean`, its
+        lower bound).
 
     Examples
     --------
@@ -195,7 +194,7 @@ def overturning_probability(
     """
     uncertainty = uncertainty or Uncertainty()
     blocks = block.lanes()
-    # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
+    # A run at factor zero checks the arguments before they are used.
     recorded_response(blocks, acceleration, dt, scale=0.0, vertical=vertical, threads=threads)
     ground = np.ascontiguousarray(acceleration, dtype=float)
     up = None if vertical is None else np.ascontiguousarray(vertical, dtype=float)
@@ -210,7 +209,7 @@ def overturning_probability(
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed: expected a whole number of at least 0, got {seed!r}")
     near = None if guess is None else np.broadcast_to(positive("guess", guess, "of the record"), nominal.shape)
-    # P at the largest factor, and at 1, takes lanes beyond it, as far as a draw of the factor reaches.
+    # P at the largest factor, and at 1, needs lanes up to the largest random shift above it.
     log_max = max(math.log(limit), 0.0)
     reach = REACH * uncertainty.factor
     march = LaneMarch(blocks, ground, float(dt), up, uncertainty, low, high, int(seed), threads)

@@ -1,10 +1,10 @@
-"""The half-waves of a record alone: lanes of an overturning spectrum, and the demand on a block.
+"""Overturning spectrum and demand computed from the half-waves of a record instead of its accelerations.
 
-.. note:: A half-wave is taken as the triangle of its ends, impulse and centroid. The march is 1 over the factor at
-   which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under the half-waves. One march is chaotic;
-   with the uncertainty of body and strength it has a distribution (:class:`rocking.OverturningSpectrum`), of which the
-   mean logarithm and the factor at P = 10 % are taken. The lobes of the weighted impulse E (demand.py) count the
-   impulses that act.
+.. note:: A half-wave is replaced by the triangle with the same ends, impulse and centroid. `march` is 1 over the factor
+   at which the linear equation (Eqs. 1-2), with uplift at g tan(alpha), overturns under the half-waves. A single march
+   is chaotic; with the uncertainty of body and strength the factor has a distribution
+   (:class:`rocking.OverturningSpectrum`), of which the mean logarithm and the value at P = 10 % are used. The lobes of
+   the weighted impulse E (demand.py) give the number of effective impulses.
 """
 
 import math
@@ -25,21 +25,21 @@ from rocking.spectrum.slender_lanes import (
     piece_lanes,
 )
 
-#: Points of each side of a triangle on which E is computed.
+#: Number of points on each side of a triangle at which E is computed.
 POINTS = 8
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
+#: Frequency parameters of the marches are RATES[0] STEP^k with integer k: those of the default spectrum and beyond.
 STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
-#: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
-#: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
+#: Ranges of C of the marches, from 0.9 times the lowest nominal C to the highest. A body with a C below the last range
+#: is computed with the lowest C of that range, as its impacts leave almost no speed.
 BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
     """Times [s] and ground accelerations [m/s2] of the corners of half-waves as triangles, (2, 3 k).
 
-    The centroid is at (start + top + end)/3; a top that would lie outside goes to the nearer end.
+    The centroid is at (start + top + end)/3; a top outside the half-wave is moved to the nearer end.
     """
     top = np.clip(3.0 * centroid - start - end, start, end)
     length = end - start
@@ -57,7 +57,7 @@ def half_wave_lanes(
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
-    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`."""
+    """March the lanes of an overturning spectrum under half-waves, as :func:`piece_lanes` does under a ground."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
     return piece_lanes(times, ground, p, between, threads)
 
@@ -65,7 +65,7 @@ def half_wave_lanes(
 def checked_half_waves(
     start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """The four arrays (k,) of half-waves, or ValueError."""
+    """Check the four arrays (k,) of half-waves and return them; raise ValueError if they are not valid."""
     arrays = tuple(np.atleast_1d(np.asarray(values, dtype=float)) for values in (start, centroid, end, impulse))
     if len({values.shape for values in arrays}) != 1 or arrays[0].ndim != 1:
         raise ValueError(
@@ -83,25 +83,25 @@ def checked_half_waves(
 
 @dataclass(frozen=True, eq=False)
 class Lobes:
-    """Lobes of E(t0), the stretches of one sign, in order of time."""
+    """Lobes of E(t0), its intervals of constant sign, in order of time."""
 
-    times: np.ndarray  # (k,) of the largest abs(E) of each [s]
+    times: np.ndarray  # (k,) time of the largest abs(E) of each lobe [s]
     sizes: np.ndarray  # (k,) E at that time, with its sign [m/s]
 
 
 @dataclass(frozen=True, eq=False)
 class HalfWaveDemand:
-    """Demand of half-waves on (m,) blocks, proportional to a factor on the record up to rounding.
+    """Demand of half-waves on (m,) blocks, proportional to the scale factor on the record to rounding accuracy.
 
     Attributes
     ----------
     march, march_10 : (m,) ndarray
-        1 over exp of the mean logarithm of the factor at which the march overturns, and over that at P = 10 % [-].
+        1 over exp of the mean logarithm of the factor at which the march overturns, and 1 over that at P = 10 % [-].
     main_count : (m,) ndarray of int
         Number of lobes above half the largest one; at least 1.
     ratio, interval : (m,) ndarray
-        Root mean square of the other lobes between the first and the last of them over the largest one [-], 0 without;
-        and median spacing of the lobes from the first to the last main one [s], NaN if there is one only.
+        Root mean square of the other lobes between the first and the last main lobe over the largest one [-], 0 if
+        none; and median spacing of the lobes from the first to the last main one [s], NaN if there is only one.
     """
 
     march: np.ndarray
@@ -112,12 +112,12 @@ class HalfWaveDemand:
 
 
 def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rate: float) -> Lobes:
-    """Lobes of the exponentially weighted impulse E of half-waves, as for :func:`demand_of_half_waves`.
+    """Compute the lobes of the exponentially weighted impulse E of half-waves.
 
     Parameters
     ----------
     start, centroid, end, impulse, rate : (k,) array_like and float
-        Half-waves, and p of the block [1/s].
+        Half-waves, as for :func:`demand_of_half_waves`, and p of the block [1/s].
 
     Examples
     --------
@@ -139,7 +139,7 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
 def demand_of_half_waves(
     block: Block, start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, threads: int | None = None
 ) -> HalfWaveDemand:
-    """Demand of half-waves on blocks.
+    """Compute the demand of half-waves on blocks.
 
     Parameters
     ----------
@@ -157,8 +157,8 @@ def demand_of_half_waves(
 
     Notes
     -----
-    The march depends on p, C and x = f p/(g tan alpha) of a block alone. It is made at frequency parameters a ratio of
-    1.128 apart and read between them, probabilities linear in ln p, within 2 % of a march at the p of the body itself
+    The march depends only on p, C and x = f p/(g tan alpha) of a block. It is computed at frequency parameters with a
+    ratio of 1.128 and interpolated linearly in ln p, within 2 % of a march at the p of the body itself
     (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
 
     Examples
@@ -184,7 +184,7 @@ def demand_of_half_waves(
 def lobe_shapes(
     start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rates: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The shape of half-waves on the time scale of blocks: number of main lobes, ratio of the others, spacing.
+    """Compute number of main lobes, ratio of the other lobes and spacing, of half-waves weighted for blocks with p.
 
     Parameters
     ----------
@@ -209,12 +209,12 @@ def lobe_shapes(
 
 
 def _step_number(p: ArrayLike) -> np.ndarray:
-    """Steps from RATES[0] to frequency parameters."""
+    """Return the k of frequency parameters p = RATES[0] STEP^k."""
     return np.asarray(np.log(np.asarray(p, dtype=float) / RATES[0]) / math.log(STEP))
 
 
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
-    """Number of main lobes, rms of the others between them over the largest, median spacing."""
+    """Return the number of main lobes, the rms of the others between them over the largest, and the median spacing."""
     sizes = np.abs(lobes.sizes)
     main = np.flatnonzero(sizes > MAIN_SHARE * np.max(sizes, initial=0.0))
     if main.size < 2:
@@ -228,10 +228,10 @@ def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
 def _spectra(
     waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
 ) -> np.ndarray:
-    """Effective impulses (2, m) [m/s] that blocks take from the half-waves: in the mean, and with 10 % probability."""
+    """Effective impulses (2, m) of the half-waves on blocks [m/s]: in the mean, and at a probability of 10 %."""
     rates = np.asarray(block.p)
     found = np.empty((2, rates.size))
-    # Over the largest impulse: then the levels on which the march is read grow with the record.
+    # Divided by the largest impulse, so that the levels of the spectrum scale with the record.
     start, centroid, end, impulse = waves
     largest = np.max(np.abs(impulse))
     nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), rates.shape), BANDS[-1][0] / 0.9)

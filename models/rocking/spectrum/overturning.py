@@ -1,8 +1,8 @@
-"""The overturning spectrum of a ground motion: one curve with the capacity of every slender free-standing block.
+"""The overturning spectrum of a ground motion, which gives the capacity of every slender free-standing block.
 
 .. note:: S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x = f p/(g tan alpha) at which a block overturns: it overturns if S
    exceeds g tan(alpha)/p. A draw of factor and geometry shifts ln x by Z with a known density h (:class:`Uncertainty`),
-   so P(x; p, C) is the verdict v_i of the lanes smoothed by h, over those with a C in the range of the block:
+   so P(x; p, C) is the outcome v_i of the lanes with a C in the range of the block, smoothed by h:
 
    P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
 
@@ -30,27 +30,27 @@ from rocking.spectrum.probability import (
 )
 from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 
-#: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
+#: Levels of x are exp(LEVEL_STEP k) with integer k, the same numbers for all records.
 LEVEL_STEP = 0.05
-#: Standard deviations of the shift beyond which it does not reach.
+#: Truncation of the shift, in standard deviations.
 REACH = 6.0
-#: Standard normal quantile of intervals of 90 %.
+#: Standard normal quantile for intervals of 90 %.
 TWO_SIDED = 1.6448536269514722
-#: Error of the similarity and of the interpolation in ln p, as a standard deviation of ln f, part of every interval
+#: Model error (similarity, interpolation in ln p) as a standard deviation of ln f, included in every interval
 #: (docs/decisions/018).
 INTERPOLATION = 0.02
-#: Narrowest range of C that is read from the lanes, over the range of C that they fill [-].
+#: Narrowest range of C that can be evaluated, over the range of C of the lanes [-].
 LEAST_SHARE = 0.09
-#: Least slenderness of a block that the spectrum represents (docs/decisions/018).
+#: Smallest slenderness of a block for which the spectrum is valid (docs/decisions/018).
 LEAST_SLENDERNESS = 3.5
 
 
 @dataclass(frozen=True, eq=False)
 class OverturningFactors:
-    """Probability of overturning of (m,) blocks under a record, and the factors on it that it grows with.
+    """Probability of overturning of (m,) blocks under a record, and the scale factors at fixed probabilities.
 
-    `_low` and `_high` are the ends of intervals of 90 %. A factor above the largest one that is searched is
-    inf, its `_low` that largest one.
+    `_low` and `_high` are the ends of intervals of 90 %. A factor above the end of the search is inf, and its `_low` is
+    the end of the search.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class OverturningFactors:
     capacity_mean_high: np.ndarray
 
     def up_to(self, factor_max: float) -> Self:
-        """The same, with every factor above the largest one inf, and its `_low` at most that one."""
+        """Return the same with every factor above `factor_max` set to inf, and its `_low` limited to `factor_max`."""
         found: dict[str, np.ndarray] = {}
         for name in ("factor_10", "factor_50", "capacity_mean"):
             for one in (name, f"{name}_high"):
@@ -94,10 +94,10 @@ def covered(
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     side: int = 0,
 ) -> np.ndarray:
-    """True, (m,), for slender bodies that a spectrum represents: symmetric and free, or before a wall on `side`.
+    """True, (m,), for slender bodies to which a spectrum applies: symmetric and free, or beside a wall on `side`.
 
-    Their p and the range `least` to `most` (m,) of C lie within those of the lanes; a range below a tenth of that of
-    the lanes holds too few of them.
+    Their p and their range `least` to `most` (m,) of C must lie within those of the lanes; a range of C below a tenth
+    of that of the lanes contains too few lanes.
     """
     alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
     alone &= np.asarray(block.symmetric) | (side != 0)
@@ -105,7 +105,7 @@ def covered(
 
 
 def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
-    """True, (m,), for the blocks of a slenderness of at least 3.5 whose p lies within the ascending (a,) ones [1/s]."""
+    """True, (m,), for blocks of a slenderness of at least 3.5 with p in the range of `p` (a,), ascending [1/s]."""
     slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
     return slender & (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
 
@@ -113,7 +113,7 @@ def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
 def covered_range(
     least: np.ndarray, most: np.ndarray, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
 ) -> np.ndarray:
-    """True for the ranges of C that hold enough lanes of a spectrum whose lanes lie `between` two restitutions."""
+    """True for ranges of C that contain enough lanes of a spectrum with restitutions in the range `between`."""
     wide = most - least >= LEAST_SHARE * (between[1] - between[0]) * (1.0 - 1e-9)
     return wide & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
 
@@ -142,16 +142,16 @@ class OverturningSpectrum:
         self._logs = LEVEL_STEP * np.arange(self._first, last + 1)
         self.level: np.ndarray = np.exp(self._logs)
         apart = self._logs[:, np.newaxis] - self._logs
-        # Errors of P at two levels go together as far as the same lanes make them.
+        # Errors of P at two levels are correlated as far as they come from the same lanes.
         self._alike = np.exp(-((0.5 * apart / self.uncertainty.spread) ** 2))
         self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
         """P(x; p, C) at the levels (a, c, k), fitted so that it never falls with x.
 
-        The restitution of a draw lies between shares of the nominal C (c,), as the uncertainty has them. The limit
-        state is a `rotation` theta/alpha that is reached; inf for overturning. A ValueError for a C whose draws lie
-        outside the lanes, or a rotation that is not positive.
+        The restitution varies between shares of the nominal C (c,), set by the uncertainty. The limit state is reaching
+        a `rotation` theta/alpha; inf for overturning. Raises ValueError for a C whose range lies outside the lanes, or
+        a rotation that is not positive.
         """
         least, most = self._range(restitution)
         if not rotation > 0.0:
@@ -169,7 +169,7 @@ class OverturningSpectrum:
     def factors(
         self, block: Block, least: ArrayLike | None = None, most: ArrayLike | None = None, factor_max: float = np.inf
     ) -> OverturningFactors:
-        """Probability of overturning of blocks under the record, and the factors on it at some probabilities.
+        """Compute the probability of overturning of blocks under the record, and the factors at fixed probabilities.
 
         Parameters
         ----------
@@ -179,7 +179,7 @@ class OverturningSpectrum:
             As for :func:`rocking.overturning_probability`.
         """
         probability, error, speed = self._of_blocks(block, least, most)
-        # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
+        # A higher probability means a lower factor; an interval ends at the outermost intersection of its band.
         upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
         lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
         at_one = -np.log(speed)[:, np.newaxis]
@@ -189,7 +189,7 @@ class OverturningSpectrum:
         )
         found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
         capacity = mean_capacity(self.level, probability) * speed
-        # Added one after the other, as in mean_capacity.
+        # Summed in sequence, as in mean_capacity.
         of_mean = np.sqrt(np.cumsum(lane_sums(error, self._alike) * error, axis=1)[:, -1]) * LEVEL_STEP
         widths = [np.abs(np.log(end / value)) for end, value in zip(high[1:] + low[1:], middle[1:] * 2, strict=True)]
         for name, value, below, above in (
@@ -205,7 +205,7 @@ class OverturningSpectrum:
     def overturning(
         self, block: Block, factor: ArrayLike, least: ArrayLike | None = None, most: ArrayLike | None = None
     ) -> np.ndarray:
-        """Probability that blocks overturn under the record times some factors, (m, d) [-], as for :meth:`factors`."""
+        """Probability that blocks overturn under the record times factors (m, d) [-], as :meth:`factors`."""
         probability, _, speed = self._of_blocks(block, least, most)
         return _read(self._first, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
 
@@ -213,7 +213,7 @@ class OverturningSpectrum:
         self, block: Block, least: ArrayLike | None, most: ArrayLike | None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """P (m, k) of blocks that the spectrum covers, its standard error, and their speeds g tan(alpha)/p (m,)."""
-        block = block.weaker  # the corner that a block before a wall turns about
+        block = block.weaker  # the corner about which a block beside a wall turns
         nominal = np.asarray(block.restitution, dtype=float)
         least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
         most = self.uncertainty.restitution[1] * nominal if most is None else np.asarray(most, dtype=float)
@@ -243,7 +243,7 @@ class OverturningSpectrum:
     def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
         above = np.minimum(np.searchsorted(self.p, p), self.p.size - 1)
-        below = above - 1  # of the first one it is the last, which has no share
+        below = above - 1  # for the first one this is the last, which has zero weight
         step = np.log(self.p[above] / self.p[below])
         share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
         probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
@@ -257,7 +257,7 @@ class OverturningSpectrum:
 
 
 class _AtOneRate:
-    """The lanes of one frequency parameter at the (k,) levels; below those that they reach P is 0, above them 1."""
+    """The lanes of one frequency parameter at the (k,) levels; P is 0 below the range of the lanes and 1 above it."""
 
     def __init__(self, lanes: SpectrumLanes, place: int, logs: np.ndarray, uncertainty: Uncertainty) -> None:
         bottom, top, reach = lanes.bottom[place], lanes.top[place], REACH * uncertainty.spread
@@ -270,7 +270,7 @@ class _AtOneRate:
 
     @cached_property
     def sums(self) -> np.ndarray:
-        """(n + 1, 4, s) over the lanes up to a restitution: bells, those of overturning, the squares of both."""
+        """Sums (n + 1, 4, s) over lanes up to each restitution: weights, those of overturning lanes, their squares."""
         hit = self.bells * np.isinf(self.peak)[:, np.newaxis]
         sums = np.zeros((self.bells.shape[0] + 1, 4, self.bells.shape[1]))
         np.cumsum(np.stack([self.bells, hit, self.bells**2, hit**2], axis=1), axis=0, out=sums[1:])
@@ -290,7 +290,7 @@ class _AtOneRate:
         return self._at_all(found, 1.0), self._at_all(variance, 0.0)
 
     def reaching(self, rotation: float, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """P (r, k) of reaching a rotation, for (r,) ranges of restitution; what overturns has reached every one."""
+        """P (r, k) of reaching a rotation, for (r,) ranges of restitution; overturning lanes reach any rotation."""
         within = (self.restitution >= least[:, np.newaxis]) & (self.restitution <= most[:, np.newaxis])
         hit, whole = (lane_sums(counted, self.bells) for counted in (within & (self.peak >= rotation), within))
         return self._at_all(lane_probability(hit, whole, *self.tails), 1.0)
@@ -302,7 +302,7 @@ class _AtOneRate:
 
 
 def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
-    """P (m, d) at ln x (m, d), linear in it between the levels, of rows (m, k) from the level exp(LEVEL_STEP first)."""
+    """Interpolate P (m, d) linearly at ln x (m, d), in rows (m, k) that start at the level exp(LEVEL_STEP first)."""
     place = log_x / LEVEL_STEP
     whole = np.clip(np.floor(place), first, first + probability.shape[1] - 2)
     share, below = np.clip(place - whole, 0.0, 1.0), whole.astype(int) - first

@@ -1,17 +1,17 @@
-"""The uncertainty of a body and of the strength of its motion, and its effect on the factor on a record.
+"""The uncertainty of a body and of the strength of a record, and its effect on the scale factor.
 
-.. note:: In a draw the factor f becomes f F with ln F normal, C a share of the nominal one, and alpha becomes alpha
-   exp(-g abs(N)), N standard normal, at the R, p and C of the nominal body. For a slender body factor and geometry are
-   one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the shape g/s (Azzalini 1985,
-   Scand. J. Stat. 12(2), 171-178).
+.. note:: In a random sample the factor f becomes f F with ln F normal, C is a share of the nominal one, and alpha
+   becomes alpha exp(-g abs(N)), N standard normal, with the R, p and C of the nominal body. For a slender body factor
+   and geometry are one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the shape g/s
+   (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
 
-Lane i was marched at ln f_i with the verdict v_i, 1 if it overturned. A block under f meets f exp(Z), so P(f) is the
-verdict smoothed by the density h of Z,
+Lane i was marched at ln f_i with the outcome v_i, 1 if it overturned. A block under f experiences f exp(Z), so P(f) is
+the outcome smoothed by the density h of Z,
 
 P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
 
 with w_i = 1/(density of the lanes in ln f); the denominator is near 1 and removes the effect of unequal spacing.
-Nothing overturns below `bottom`, everything above `top`, where the mass of the shift is known.
+No lane overturns below `bottom` and every lane above `top`; the probability of a shift into these ranges is known.
 """
 
 import math
@@ -25,13 +25,13 @@ from scipy.special import ndtr, owens_t
 from rocking.arguments import ArrayLike, numbers
 from rocking.kernel_cache import njit
 
-#: Least spread of the factor on the record [-]: lanes on a finite number of levels cannot show a narrower one.
+#: Smallest standard deviation of the factor [-]: a finite number of lanes cannot resolve a smaller one.
 LEAST_SPREAD = 0.02
-#: Largest spreads that are taken for uncertainties and not for slips of the unit [-].
+#: Largest standard deviations that are accepted [-]; larger numbers are probably in a wrong unit.
 LARGEST_SPREAD = 1.0
-#: Sum of weights below which no lane is near a level.
+#: If the sum of weights is below this, no lane is near a level.
 NO_LANE = 1e-9
-#: Scales of the shift beyond which its density counts as 0: it is 1e-14 of the highest there.
+#: Truncation of the shift, in scales: the density there is 1e-14 of its maximum.
 FARTHEST = 8.0
 
 
@@ -44,9 +44,9 @@ class Uncertainty:
     factor : float
         Standard deviation of the logarithm of the factor on the record [-], 0.02 to 1.
     restitution : (float, float)
-        Least and most of the restitution over the nominal C [-], between which it is uniform; above 0, at most 1.
+        Limits of the uniform distribution of the restitution over the nominal C [-]; above 0, at most 1.
     geometry : float
-        Loss of the angle alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
+        Random reduction of alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
 
     Examples
     --------
@@ -92,12 +92,12 @@ class Uncertainty:
         return ndtr(at) - 2.0 * owens_t(at, self.geometry / self.factor)
 
 
-#: Falls of a probability that are rounding.
+#: A decrease of a probability below this is rounding.
 ROUNDING = 1e-12
 
 
 def rising(probability: np.ndarray) -> np.ndarray:
-    """The isotonic fit of probabilities (..., k) [-] by least squares (pool adjacent violators), never falling."""
+    """Fit non-decreasing probabilities (..., k) [-] by isotonic least squares (pool adjacent violators)."""
     fitted = np.array(probability, dtype=float)
     rows = fitted.reshape(-1, fitted.shape[-1])
     for row in np.flatnonzero(np.any(np.diff(rows, axis=1) < -ROUNDING, axis=1)):
@@ -121,18 +121,18 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
     """exp of the mean ln of the capacity (...) with the distribution (..., k), by the trapezoidal rule, or inf."""
     logs = np.log(level)
     gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
-    # Added one after the other: levels of no gain before the first and after the last one do not change a bit.
+    # Summed in sequence, so that further levels without a change of P do not change the result.
     mean = probability[..., 0] * logs[0] + np.cumsum(gained, axis=-1)[..., -1] + (1.0 - probability[..., -1]) * logs[-1]
     return np.where(probability[..., -1] > 1.0 - 1e-3, np.exp(mean), np.inf)
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """What each lane counts at each level, w_i h(t_i - ln f) (n, k), w_i its stretch of ln f."""
+    """Weight of each lane at each level, w_i h(t_i - ln f) (n, k), with w_i its width in ln f."""
     return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
 
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
-    """Sums (r, k) of `counted` (r, n) times `bells` (n, k), with the same bits on any number of threads."""
+    """Sums (r, k) of `counted` (r, n) times `bells` (n, k), identical on any number of threads."""
     sums = np.zeros((counted.shape[0], bells.shape[1]))
     _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
     return sums
@@ -149,11 +149,11 @@ def _add(counted, bells, sums):
 
 
 def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
-    """Probability that a block meets a factor below `bottom`, and above `top` (both as ln f), at (k,) levels."""
+    """Probability that the shifted factor is below `bottom`, and above `top` (both as ln f), at (k,) levels."""
     return shift.below(bottom - log_level), 1.0 - shift.below(top - log_level)
 
 
 def lane_probability(hit: np.ndarray, whole: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """P at the levels (..., k) from sums of bells over the lanes that overturn and over all, and masses outside."""
+    """P at the levels (..., k) from the weights of overturning and of all lanes, and the probabilities outside."""
     share = np.divide(hit, whole, out=np.zeros(np.shape(hit)), where=whole > NO_LANE)
     return (1.0 - below - above) * np.clip(share, 0.0, 1.0) + above

@@ -1,10 +1,10 @@
-"""March of slender blocks through a ground acceleration of straight pieces, by the linear equation in closed form.
+"""March of slender blocks under a piecewise linear ground acceleration, by the linear equation in closed form.
 
 .. note:: With phi = theta/alpha, tau = p t, u = s phi and g = (x/p) a_g, linear in tau over a piece, u'' = u - 1 - s g
    (Eqs. 1-2). So y = u - 1 - s g obeys y'' = y: y = A e^tau + B e^-tau with A = (y_0 + y_0')/2 and B = (y_0 - y_0')/2.
    u' = 0 where z = e^tau solves A z^2 + s g' z - B = 0: the extremes of u are roots of a quadratic, and impacts are
    bracketed between them. A block at rest lifts where abs(g) passes 1. It overturns if its growing mode u - 1 + u'
-   exceeds the largest abs(g) that is left.
+   exceeds the largest later abs(g).
 """
 
 import math
@@ -13,17 +13,17 @@ import numpy as np
 
 from rocking.kernel_cache import njit
 
-#: Slower impacts, as u' [-], end the rocking where the ground does not lift the block: u would reach 5e-7.
+#: Impacts slower than this, as u' [-], end the rocking if the ground does not lift the block: u would reach 5e-7.
 SLOWEST = 1e-3
-#: Steps of the search for an impact, and its accuracy as u [-].
+#: Largest number of steps of the search for an impact, and its accuracy as u [-].
 STEPS, ACCURACY = 60, 1e-10
-#: Impacts that are followed within one piece.
+#: Largest number of impacts computed within one piece.
 MOST_IMPACTS = 100_000
 
 
 @njit()
 def _turning(grow, fall, slope, growth, lowest):
-    """e^tau of the highest (or `lowest`) point of u = grow e^tau + fall e^-tau + a line in a piece; 0 without one."""
+    """e^tau at the highest (or `lowest`) point of u = grow e^tau + fall e^-tau + a line in a piece; 0 for none."""
     if grow == 0.0:
         roots = (fall / slope if slope != 0.0 else 0.0, 0.0)
     else:
@@ -40,7 +40,7 @@ def _turning(grow, fall, slope, growth, lowest):
 
 @njit()
 def _impact(grow, fall, level, slope, above, below):
-    """tau between `above`, where u > 0, and `below`, where u <= 0, at which u = 0, by Newton's steps kept inside."""
+    """tau of an impact, u = 0, between `above` (u > 0) and `below` (u <= 0), by Newton steps inside this bracket."""
     tau = below
     for _ in range(STEPS):
         growth = math.exp(tau)
@@ -61,13 +61,13 @@ def _impact(grow, fall, level, slope, above, below):
 
 @njit(inline="always")
 def _pushes(ground, wall):
-    """How hard the ground pushes the resting block up; into a wall it does not."""
+    """Ground acceleration that can lift the resting block; a push towards the wall cannot."""
     return max(-ground, 0.0) if wall else abs(ground)
 
 
 @njit()
 def _march(begin, strength, restitution, length, growth, ground, left, wall):
-    """Largest u of one lane at rest before the piece `begin`, inf if it overturns; with a `wall` C is the rebound e."""
+    """Largest u of one lane at rest until piece `begin`, inf if it overturns; with a `wall` C is the rebound e."""
     peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
     for j in range(begin, length.shape[0]):
         start, end = strength * ground[j, 0], strength * ground[j, 1]
@@ -94,14 +94,14 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
             grow, fall = 0.5 * (u - level + speed - rate), 0.5 * (u - level - speed + rate)
             last_u = grow * whole + fall / whole + level + rate * remaining
             last_speed = grow * whole - fall / whole + rate
-            # An impact lies between the points above and below, both as tau; from u = 0 the motion goes up.
+            # An impact lies between the points above and below, both as tau; from u = 0 the motion goes upwards.
             above, below = 0.0, remaining if last_u <= 0.0 else -1.0
             if u == 0.0 or (speed > 0.0 and (last_speed < 0.0 or last_u <= 0.0)):
                 z = _turning(grow, fall, rate, whole, False)
                 if z > 0.0:
                     above = math.log(z)
                     peak = max(peak, grow * z + fall / z + level + rate * above)
-            # u' goes down and up again only where it starts below zero or u'' changes sign.
+            # u has a minimum inside only if u' starts below zero or u'' changes sign.
             dips = speed < 0.0 or grow + fall < 0.0 < grow * whole + fall / whole
             if dips and last_u > 0.0 and last_speed > 0.0 and (u > 0.0 or above > 0.0):
                 z = _turning(grow, fall, rate, whole, True)
@@ -121,7 +121,7 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
             u, side = 0.0, side if wall else -side
             start, remaining = start + slope * tau, remaining - tau
             margin = 1.0 - max(_pushes(start, wall), high)
-            # At rest after hops of 2 u'/margin and less, each shorter by C, that all end within the piece.
+            # At rest after hops of at most 2 u'/margin, each shorter by C, that all end within the piece.
             if speed <= SLOWEST or 2.0 * speed < margin * (1.0 - restitution) * remaining:
                 speed, side = 0.0, 0.0
             if remaining <= 0.0:
@@ -139,19 +139,19 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
 def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
     """Fill the largest u of lanes `first` to `last`, inf if they overturn.
 
-    The lanes (n,) have the `place` of their p, the `strength` x/p [s2/m] and C; `length` and `growth` (a, k) are the
-    lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration at both ends [m/s2], `past` (k,) and
-    `left` (k + 1,) the largest of it up to and from each piece.
+    The lanes (n,) have the index `place` of their p, the `strength` x/p [s2/m] and C; `length` and `growth` (a, k) are
+    the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration at both ends [m/s2], `past` (k,)
+    and `left` (k + 1,) its largest value up to and from each piece.
     """
     for lane in range(first, last):
         k = place[lane]
-        begin = np.searchsorted(past, 1.0 / strength[lane])  # nothing lifts it before
+        begin = np.searchsorted(past, 1.0 / strength[lane])  # it is not lifted before
         peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
 
 
 @njit()
 def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
-    """E [m/s] of :mod:`rocking.march.demand` at the points (k,) of a piecewise linear ground, by one backward pass."""
+    """E [m/s] of :mod:`rocking.march.demand` at the points (k,) of a piecewise linear ground, in one backward pass."""
     weighted = np.zeros(times.shape[0])
     for i in range(times.shape[0] - 2, -1, -1):
         step = times[i + 1] - times[i]
@@ -167,7 +167,7 @@ def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.n
 
 @njit()
 def lobe_tops(weighted: np.ndarray) -> np.ndarray:
-    """Places of the largest absolute value of every stretch of one sign of E (k,), in order; zeros are no stretch."""
+    """Indices of the largest absolute value in every run of one sign of E (k,), in order; zeros belong to no run."""
     tops = np.empty(weighted.shape[0], dtype=np.int64)
     count, side = 0, 0.0
     for i in range(weighted.shape[0]):

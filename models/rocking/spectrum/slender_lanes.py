@@ -1,14 +1,14 @@
-"""Lanes of an overturning spectrum: marches of slender blocks, spread over strength, p and restitution.
+"""Lanes of an overturning spectrum: marches of slender blocks over ranges of strength, p and restitution.
 
-.. note:: A slender block under a record times f sees x = f p/(g tan alpha) [s/m], its p and its C alone: with phi =
-   theta/alpha and tau = p t the nonlinear equation tends, as alpha -> 0, to
+.. note:: The motion of a slender block under a record times f depends only on x = f p/(g tan alpha) [s/m], p and C:
+   with phi = theta/alpha and tau = p t the nonlinear equation tends, as alpha -> 0, to
 
    phi'' = phi - s - (x/p) a_g(tau/p),  lifted at abs(a_g) > p/x,  phi' -> C phi' at an impact
 
    (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001), linear between impacts, with a
-   closed form for a straight piece of the ground (:mod:`rocking.spectrum.slender`). At each p the lanes fill (ln x, C)
-   by a lattice of golden ratio: a first part from uplift to where everything overturns, a second one where verdicts of
-   the first differ.
+   closed form for a straight piece of the ground (:mod:`rocking.spectrum.slender`). At each p the lanes cover (ln x, C)
+   by a golden-ratio lattice: a first part from uplift to where every lane overturns, a second part where the outcomes
+   of the first differ.
 """
 
 import math
@@ -23,52 +23,52 @@ from rocking.body.limits import RATES
 from rocking.lanes import split_lanes
 from rocking.spectrum.slender import march_pieces, weighted_impulse
 
-#: Largest acceleration over gravity that is taken for a ground motion [-].
+#: Largest acceleration over gravity that is accepted in a ground motion [-].
 STRONGEST = 1e6
-#: Shorter pieces are left out [s], such as one side of a triangle whose top is at one of its ends.
+#: Pieces shorter than this are left out [s], such as one side of a triangle whose top is at one of its ends.
 SHORTEST = 1e-12
-#: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
+#: Range of restitutions of the lanes. A block with C = 1 never comes to rest: it costs twenty times one with 0.99.
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
-#: Rebounds e that the lanes of blocks before a wall cover.
+#: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
-#: Lanes of each p in the first and in the second part.
+#: Number of lanes of each p in the first and in the second part.
 FIRST, SECOND = 144, 700
-#: The first part ends where the weighted impulse is this number of times the one that overturns a resting block, ...
+#: The first part ends where the weighted impulse is this multiple of the one that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
 #: ... and at least this far above uplift [-], in ln x.
 LEAST_SPAN = 0.7
-#: Share of the first part in which a survivor makes that part longer, and the largest number of these extensions.
+#: The first part is extended if a lane survives in this top share of it; largest number of these extensions.
 LAST_SHARE, WIDENINGS = 0.1, 6
-#: Capacities fall with C: lanes of one expected verdict lie along ln x + SLOPE (C - MIDDLE).
+#: Capacities decrease with C: lanes of equal expected outcome have equal ln x + SLOPE (C - MIDDLE).
 SLOPE, MIDDLE = 1.3, 0.85
-#: Width over which verdicts of the first part count as neighbours in ln x, and the least density of the second part
-#: over that of lanes in full disagreement.
+#: Width in ln x over which the outcomes of the first part are averaged, and least density of the second part over its
+#: density at P = 0.5.
 NEIGHBOURS, FLOOR = 0.12, 0.08
-#: Points on which the density of the second part is worked out.
+#: Number of points at which the density of the second part is computed.
 POINTS = 161
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumLanes:
-    """Marched lanes under one record, n at each of a frequency parameters, in ascending order of their restitution.
+    """Marched lanes under one record, n at each of (a,) frequency parameters, in ascending order of restitution.
 
     Attributes
     ----------
     p : (a,) ndarray
         Frequency parameters, ascending [1/s].
     log_x, restitution, weight : (a, n) ndarray
-        ln of x = f p/(g tan alpha) [s/m], C, and stretch of ln x times share of the restitutions that a lane represents
-        [-].
+        ln of x = f p/(g tan alpha) [s/m], C, and the width in ln x times the share of restitutions that a lane
+        represents [-].
     peak : (a, n) ndarray
-        Largest abs(theta)/alpha [-]; inf if the lane overturns, or cannot be answered.
+        Largest abs(theta)/alpha [-]; inf if the lane overturns or is UNRESOLVED.
     bottom, top : (a,) ndarray
-        ln x below which nothing is lifted, and above which everything counts as overturned.
+        ln x below which no block is lifted, and above which every block counts as overturned.
     between : (float, float)
-        Restitutions that the lanes represent [-].
+        Range of restitutions that the lanes represent [-].
     side : int
-        1 or -1 for lanes before a wall, that turn towards theta > 0 or theta < 0 only and whose restitution is the
-        rebound e; 0 for free ones.
+        1 or -1 for blocks beside a wall, which turn only towards theta > 0 or theta < 0 and whose restitution is the
+        rebound e; 0 for free blocks.
     """
 
     p: np.ndarray
@@ -83,7 +83,7 @@ class SpectrumLanes:
 
 
 def neighbours(p: np.ndarray) -> np.ndarray:
-    """The default frequency parameters next to those of (m,) bodies, ascending [1/s]."""
+    """Return the default frequency parameters next to those of (m,) bodies, ascending [1/s]."""
     above = np.clip(np.searchsorted(RATES, p), 1, RATES.size - 1)
     return np.asarray(RATES[np.unique([above - 1, above])])
 
@@ -103,13 +103,13 @@ def spectrum_lanes(
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
     side : int
-        1 or -1 for the lanes of blocks before a wall, that turn towards theta > 0 or theta < 0 only.
+        1 or -1 for blocks beside a wall, which turn only towards theta > 0 or theta < 0; 0 for free blocks.
 
     Raises
     ------
     ValueError
-        For p that do not ascend, an interval that is not positive, and a record that is not finite, is nothing but
-        zeros or exceeds a million times gravity.
+        For p that do not ascend, an interval that is not positive, and a record that is not finite, is zero throughout
+        or exceeds a million times gravity.
     """
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
@@ -126,7 +126,7 @@ def piece_lanes(
     *,
     side: int = 0,
 ) -> SpectrumLanes:
-    """March the lanes of a ground [m/s2] that is linear between ascending `times` (k,) [s], at ascending p [1/s]."""
+    """March lanes under a ground [m/s2] that is linear between ascending `times` (k,) [s], at ascending p [1/s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
@@ -134,7 +134,7 @@ def piece_lanes(
     if not np.any(ground):
         raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
     if side < 0:
-        ground = -ground  # seen from behind
+        ground = -ground  # mirror image
     length = np.diff(times)
     long = length > SHORTEST
     pieces = np.ascontiguousarray(np.stack([ground[:-1], ground[1:]], axis=1)[long])
@@ -164,7 +164,7 @@ def piece_lanes(
 
 
 def check_strength(ground: np.ndarray) -> None:
-    """Raise ValueError for accelerations (k,) [m/s2] that no ground motion has, a million times gravity."""
+    """Raise ValueError for accelerations (k,) [m/s2] above a million times gravity, which no ground motion has."""
     strongest = np.max(np.abs(ground), initial=0.0) / STANDARD_GRAVITY
     if strongest > STRONGEST:
         raise ValueError(
@@ -179,7 +179,7 @@ def _filled(
     march: Callable[..., np.ndarray],
     between: tuple[float, float],
 ) -> SpectrumLanes:
-    """Lanes from uplift at `bottom` to `top` (a,) in ln x, by `march(log_x, restitution)`, inf if they overturn."""
+    """Lanes from `bottom` (uplift) to `top` (a,) in ln x, by `march(log_x, restitution)`, inf if they overturn."""
     restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
@@ -203,27 +203,27 @@ def _filled(
     weight = np.where(inside, 1.0 / (first + second), 0.0)
     order = np.argsort(restitution, axis=1, kind="stable")
     ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
-    # A restitution next to 1 represents 1.
+    # A restitution close to 1 represents 1.
     covered = (between[0], 1.0 if between[1] == MOST_RESTITUTION else between[1])
     log_x, restitution, weight, peak = ordered
     return SpectrumLanes(rates, log_x, restitution, weight, peak, bottom, top, covered)
 
 
 def _restitutions(count: int, start: float, between: tuple[float, float]) -> np.ndarray:
-    """Restitutions (count,) of one part of the lattice."""
+    """Return the restitutions (count,) of one part of the lattice."""
     least, most = between
     return least + (most - least) * ((np.arange(count) * _GOLDEN + start) % 1.0)
 
 
 def _level(log_x: np.ndarray, restitution: float | np.ndarray) -> np.ndarray:
-    """ln x moved along the slope, so that lanes of any restitution with one expected verdict have one level."""
+    """Return ln x corrected for restitution, so that lanes with equal expected outcome have equal levels."""
     return log_x + SLOPE * (restitution - MIDDLE)
 
 
 def _where_verdicts_differ(
     level: np.ndarray, over: np.ndarray, lowest: float, highest: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Levels (SECOND,) of the second part and their density on a grid, as the deviation sqrt(P (1 - P)) of verdicts."""
+    """Levels (SECOND,) of the second part, and their density on a grid, which follows sqrt(P (1 - P)) of the first."""
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
     share = np.sum(near * over, axis=1) / np.sum(near, axis=1)

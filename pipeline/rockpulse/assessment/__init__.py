@@ -1,1 +1,1 @@
-"""Records, bodies and models put together: what every model answers for every body under every record."""
+"""Assessment: the response of every body to every record by every model, and the verdicts."""

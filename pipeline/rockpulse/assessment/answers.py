@@ -1,4 +1,4 @@
-"""The answers of one model for every body under every motion of a results file, and the margin of each body."""
+"""The results of one model for every body under every record of a results file, and the margin of each body."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rocking.response import Outcome
-from rockpulse.assessment.demand import Demand, stored_demands
+from rockpulse.assessment.site_demands import SiteDemand, stored_demands
 from rockpulse.earthquakes import members, probability_interval
 from rockpulse.model_table import fullest, is_full
 from rockpulse.selection.events import UNKNOWN
@@ -18,49 +18,49 @@ from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 
 class Share(NamedTuple):
-    """Probability that a motion overturns a body [-], or the share of earthquakes that do, with its 90 % interval."""
+    """Probability that a record overturns a body [-], or share of earthquakes that do, with its 90 % interval."""
 
     value: float
-    low: float  # ends of the interval, for other earthquakes like these
+    low: float  # ends of the interval for further earthquakes of this kind
     high: float
-    least: float  # what it is if the motions that are not known never overturn the body, or always
+    least: float  # its value if the records without a result never, or always, overturn the body
     most: float
-    unknown: int  # motions that are not known
+    unknown: int  # number of records without a result
 
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The ground motions of the results, and their probabilities over the earthquakes."""
+    """The ground motions of the results, and probabilities over their earthquakes."""
 
     names: list[str]  # ids of records or names of pairs
-    index: np.ndarray  # (motions, directions) rows of /summary, -1 where a direction was not assessed
+    index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
     events: list[str]  # earthquakes of the motions
     kind: str  # "record", "pair" or "sequence"
-    any_azimuth: bool = False  # whether bodies face anywhere: a pair then counts by its mean, not its worst direction
+    any_azimuth: bool = False  # directions of bodies unknown: a pair counts by its mean, not its worst
 
     @property
     def event_count(self) -> int:
-        """Number of different earthquakes; one where none is known."""
+        """Number of different earthquakes; one if no earthquake is known."""
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
-        """(motions, bodies) True for the motions of which a direction is not left out (records, bodies)."""
+        """Mask (motions, bodies) of the motions with at least one direction not in `left_out` (records, bodies)."""
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
-        """The same of the motions that are kept for each body, (bodies,) of (motions, bodies)."""
+        """Number of earthquakes (bodies,) among the motions kept for each body (motions, bodies)."""
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
-        """Values (records, ...) as (motions, directions, ...), with `missing` in a direction that was not assessed."""
+        """Arrange values (records, ...) as (motions, directions, ...), with `missing` for directions not assessed."""
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def anywhere(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """(motions, ...) where something (records, ...) is so in one of the directions, or in a missing one."""
+        """Mask (motions, ...) of motions with a condition (records, ...) true in a direction; `missing` for others."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean over the earthquakes, which weigh alike, of the mean over the motions of each that are not NaN."""
+        """Mean over earthquakes of equal weight, each the mean of its values other than NaN."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -68,15 +68,15 @@ class Motions:
             return np.asarray(np.sum(sums / counts, axis=0, where=counts > 0.0) / (counts > 0.0).sum(axis=0))
 
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
-        """Of every body the probability over the earthquakes, from that (records, bodies) under each record.
+        """Probability of each body over the earthquakes, from the probability (records, bodies) under each record.
 
-        Motions of which all directions are `left_out` (records, bodies) do not count. The interval is that of Clopper &
-        Pearson (1934) for as many earthquakes: a sum of independent numbers between 0 and 1 spreads no more than a
-        binomial one of the same mean (Hoeffding 1956, doi:10.1214/aoms/1177728178), so it covers at least what it
-        states. For 0 of n it is 1 - 0.05^(1/n), the rule of three 3/n.
+        Motions with all directions `left_out` (records, bodies) do not count. The interval is that of Clopper & Pearson
+        (1934) for this number of earthquakes: a sum of independent numbers between 0 and 1 scatters no more than a
+        binomial one with the same mean (Hoeffding 1956, doi:10.1214/aoms/1177728178), so the interval is conservative.
+        For 0 of n its upper end is 1 - 0.05^(1/n), the rule of three 3/n.
         """
         table = self.over(probability, np.nan)
-        # Of the directions of a pair the worst counts, unless that of the body is not known either.
+        # The worst direction of a pair counts, unless the direction of the body is unknown.
         over = np.mean if self.any_azimuth else np.max
         known, least, most = (over(np.where(np.isnan(table), filled, table), axis=1) for filled in (np.nan, 0.0, 1.0))
         known = np.where(least == most, least, known)
@@ -89,17 +89,17 @@ class Motions:
 
 
 def _others(events: list[str]) -> int:
-    """Number of different earthquakes: 1 if no earthquake is known, 0 if there are no motions."""
+    """Return the number of different earthquakes: 1 if none is known, 0 without motions."""
     return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 
-#: Over what a margin is taken for: every body, every block with the worst of its restitutions, every motion with the
-#: worst of the blocks under it.
+#: Units for which a margin is computed: each body, each block with its worst restitution, each motion with its worst
+#: block.
 Of = Literal["body", "block", "motion"]
 
 
 class Body(NamedTuple):
-    """A block with one of its restitutions; ``place`` and ``case`` are its places along these dimensions."""
+    """A block with one of its restitutions; ``place`` and ``case`` are its indices along these dimensions."""
 
     block: str
     place: int
@@ -109,26 +109,26 @@ class Body(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of the block, with the restitution where the block has several."""
+        """Name of the block, with the restitution if the block has several."""
         return f"{self.block}, C = {self.restitution:.3f}" if self.several else self.block
 
 
 class Margin(NamedTuple):
-    """Smallest and median factor over demand of motions known in all directions [-]; inf: none found, NaN: unknown."""
+    """Smallest and median factor over demand [-], over motions with results in all directions; inf: none."""
 
     smallest: float
     median: float
-    bounds: tuple[bool, bool]  # whether each may be larger, for the model cannot answer there
-    open: bool  # whether the smallest may be smaller, for a direction of that motion has no answer
-    limit: float  # how far was searched where none was found; NaN where something was found everywhere
-    place: int  # of the motion of the smallest, -1 without one
-    unknown: int  # motions that are not known at all,
-    partial: int  # of which a direction is not known,
-    weak: int  # and that are too weak
+    bounds: tuple[bool, bool]  # whether each is only a lower bound, as the model gives no result there
+    open: bool  # whether the smallest is only an upper bound, as a direction of its motion has no result
+    limit: float  # end of the search if no factor was found; NaN if one was found for all motions
+    place: int  # index of the motion with the smallest, -1 for none
+    unknown: int  # number of records without a result at all,
+    partial: int  # with a result in some directions only,
+    weak: int  # and too weak to move the body
 
 
 class Answers:
-    """The answers of one model, read when asked for: (records,), (records, bodies), or with demands as a last axis."""
+    """The results of one model, read on demand: (records,), (records, bodies), or with demands as the last axis."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary
@@ -147,7 +147,7 @@ class Answers:
 
     @cached_property
     def motions(self) -> Motions:
-        """The motions that margins are taken over: the records, unless others were given."""
+        """The motions over which margins are computed, by default the records."""
         if self._motions is not None:
             return self._motions
         index, events = np.arange(len(self.records))[:, np.newaxis], [str(event) for event in self["event"]]
@@ -156,26 +156,26 @@ class Answers:
 
     @cached_property
     def of_models(self) -> "dict[str, Answers]":
-        """The answers of every model of the results, in their order."""
+        """Return the results of every model, in their order."""
         others = {name: Answers(self.summary, self._motions, name) for name in self.models if name != self.model}
         return {name: others.get(name, self) for name in self.models}
 
     @cached_property
-    def demands(self) -> dict[str, Demand]:
-        """Every demand by its name."""
+    def demands(self) -> dict[str, SiteDemand]:
+        """The demands of the site by name."""
         return stored_demands(self.summary)
 
     def to_demand(self, demand: str) -> np.ndarray:
-        """(records, bodies) factor on each record that brings it to a demand."""
+        """Factor (records, bodies) that scales each record to a demand."""
         return self._of_demand("demand_factor", demand)
 
     def at_demand(self, demand: str) -> np.ndarray:
-        """(records, bodies) probability of overturning under each record brought to a demand; NaN where not known."""
+        """Probability of overturning (records, bodies) under each record scaled to a demand; NaN if unknown."""
         return self._of_demand("demand_probability", demand)
 
     @cached_property
     def source(self) -> np.ndarray:
-        """(records, bodies) what the probability was read from, in a word."""
+        """Source of each probability (records, bodies), as a word."""
         return worded(self["probability_source"], dict(enumerate(SOURCES)))
 
     @property
@@ -190,7 +190,7 @@ class Answers:
 
     @property
     def factor(self) -> str:
-        """The variable that tells how much stronger the motions may be."""
+        """Name of the variable with the scale factor that overturns."""
         return "factor_10" if self.probable else "safety_factor"
 
     @property
@@ -200,33 +200,33 @@ class Answers:
 
     @property
     def bound(self) -> np.ndarray:
-        """(records, bodies) whether the factor is a lower bound, for the model cannot answer there."""
+        """Mask (records, bodies) of factors that are lower bounds, as the model gives no result there."""
         return np.asarray(~self.probable & (self["factor_resolved"] == 0))
 
     @property
     def counts(self) -> list[int]:
-        """Number of answers, of all records on all bodies, of each outcome, in the order of Outcome."""
+        """Number of results with each outcome, over all records and bodies, in the order of Outcome."""
         return [int(np.count_nonzero(self["outcome"] == outcome)) for outcome in Outcome]
 
     @cached_property
     def overturned(self) -> np.ndarray:
-        """(motions, bodies) whether a direction of the motion overturns the body as it is."""
+        """Mask (motions, bodies): a direction of the unscaled motion overturns the body."""
         return self.motions.anywhere(self["outcome"] == Outcome.OVERTURNS)
 
     @property
     def unresolved(self) -> list[int]:
-        """Of how many motions a direction has no answer, for every body."""
+        """Number of motions (bodies,) with a direction without a result."""
         silent = self.motions.anywhere(self["outcome"] == Outcome.UNRESOLVED)
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """(records, bodies) up to which factor, or up to how much of a demand, the search found no overturning."""
+        """Factor, or multiple of a demand, (records, bodies) up to which the search found no overturning."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.to_demand(demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """(records, bodies) factors, or capacities over a demand: over the factor that brings the record to it."""
+        """Factors (records, bodies), or with a demand the factors over those that scale the records to it."""
         if demand is None:
             return self[self.factor]
         if self.probable:
@@ -238,7 +238,7 @@ class Answers:
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
-        """(motions, bodies) the smallest factor of all directions, and the row of /summary that has it, -1 without."""
+        """Smallest factor over the directions (motions, bodies), and its row of /summary, -1 for none."""
         factor = self.motions.over(self[self.factor], np.nan)
         place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
         finite = np.isfinite(factor).any(axis=1)
@@ -246,20 +246,20 @@ class Answers:
         return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
-        """A table (..., bodies) as (..., blocks), of the restitutions of a block the worst."""
+        """Reduce a table (..., bodies) to (..., blocks) by the worst restitution of each block."""
         firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
     def overturnings(self, of: Of = "body") -> list[int]:
-        """Number of motions that overturn each body or block as they are, or of blocks that each motion overturns."""
+        """Number of unscaled motions that overturn each body or block, or of blocks that each motion overturns."""
         fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None) -> list[Margin]:
-        """The margin of every body, block or motion in the factor, or in the capacity over a demand."""
+        """Return the margin of every body, block or motion as a scale factor, or as capacity over a demand."""
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
-        # The smallest that each may be, the smallest that it is at most, and how far all of it was searched.
+        # Lower bound of each, upper bound of each, and end of the search.
         least, most = (np.fmin.reduce(values, axis=1) for values in (ratio, np.where(bound, np.inf, ratio)))
         reached = np.fmin.reduce(self.motions.over(self.proven(demand), np.nan), axis=1)
         partial = np.isnan(ratio).any(axis=1)
@@ -271,14 +271,14 @@ class Answers:
 
 
 def answers_of(tree: xr.DataTree) -> Answers:
-    """The answers of the fullest model under the motions of a tree of results."""
+    """Return the results of the most complete model under the motions of a tree of results."""
     summary = tree["summary"].to_dataset()
     swept = "directions" in tree.children
     return swept_answers(summary, tree["directions"].to_dataset()) if swept else Answers(summary)
 
 
 def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
-    """The answers of the fullest model under pairs of channels, whose directions are the records of /summary."""
+    """Return the results of the most complete model under pairs of channels, whose directions are rows of /summary."""
     events = [str(event) for event in summary["event"].values]
     index = directions["record_index"].transpose("pair", "direction").values
     kept = np.flatnonzero((index >= 0).any(axis=1))
@@ -289,7 +289,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """A variable of /summary or /directions of one model, by record or pair, body and demand if it has them."""
+    """Return a variable of /summary or /directions for one model, along record or pair, body and demand if present."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
@@ -303,7 +303,7 @@ def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.
 
 
 def bodies_of(summary: xr.Dataset) -> list[Body]:
-    """The bodies of results: every block, once for each of its restitutions, unless they are all the same."""
+    """Return the bodies of results: every block, once for each of its different restitutions."""
     values = summary["restitution"].transpose("block", ...).values
     values = values.reshape(values.shape[0], -1)
     found = []
@@ -314,20 +314,20 @@ def bodies_of(summary: xr.Dataset) -> list[Body]:
 
 
 def fullest_model(summary: xr.Dataset) -> str:
-    """The model nearest to the full equation of motion."""
+    """Return the model closest to the full equation of motion."""
     return fullest(str(model) for model in summary["model"].values)
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """The smallest of how far was searched where no overturning was found; NaN where one was found everywhere."""
+    """Smallest end of search among those without overturning; NaN if overturning was found in all."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
 
 def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
-    """The margin of every column of tables with a row for each motion."""
+    """Return the margin of every column of tables with one row per motion."""
     known = ~np.isnan(least)
-    # A search that ended below 1 has shown nothing of what lies between.
+    # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)
     told = known & ~weak
     shown = np.where(told | ~told.any(axis=0), least, np.nan)
@@ -354,9 +354,9 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Median of every column over what is not NaN; NaN where all is."""
+    """Median of every column over values other than NaN; NaN if there are none."""
     count = (~np.isnan(values)).sum(axis=0)
-    ordered = np.sort(values, axis=0)  # NaN comes last
+    ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):
         return np.full(count.shape, np.nan)
     middle = np.take_along_axis(ordered, np.stack([(count - 1) // 2, count // 2]), axis=0)

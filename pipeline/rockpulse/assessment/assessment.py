@@ -1,4 +1,4 @@
-"""From records, or the design sequence of a site, and bodies to the tree of results."""
+"""Assessment of bodies under records, or under the design sequence of a site."""
 
 import math
 import os
@@ -13,7 +13,7 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import extract, solver_options
-from rockpulse.assessment.tree import EVENT, build_tree, nothing, record_part, template
+from rockpulse.assessment.tree import EVENT, build_tree, empty_rows, empty_tree, record_part
 from rockpulse.config.bodies import Bodies, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ConfigError, Failure
@@ -23,12 +23,12 @@ from rockpulse.record.components import Pair
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark
 from rockpulse.run.analysis import Analysis, Blocks, Part, Records, Watch, Work, run
 from rockpulse.selection.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
+from rockpulse.warning_text import WarningText
 
 
 def assess(
@@ -44,14 +44,14 @@ def assess(
     ----------
     records : path, Record, or iterable of either
         Files, folders, globs and zip archives, read by ``[records]`` as by :func:`rockpulse.read_all`; or all channels,
-        as :func:`rockpulse.read` returns them. Vertical channels and, unless asked for, structural ones
-        are listed, not assessed; ``[records] components`` says whether pairs of horizontal channels are rotated.
+        as :func:`rockpulse.read` returns them. Vertical channels and, by default, structural ones are listed, not
+        assessed; ``[records] components`` says whether pairs of horizontal channels are rotated.
     config : Config or path, optional
-        Options; the defaults without.
+        Options; by default the default settings.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     failures : iterable of Failure
-        Files and channels that reading has left out, to be stored with the results.
+        Files and channels that were skipped on reading, to be stored with the results.
     progress : callable, optional
         Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
 
@@ -64,8 +64,8 @@ def assess(
     Raises
     ------
     ConfigError
-        Without a body, for two records of one id, or a table of events that does not fit. A record that cannot be
-        assessed is a row of /failures instead.
+        Without a body, for two records with the same id, or a table of events that does not match the records. A record
+        that cannot be assessed is a row of /failures instead.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def assess(
 
 
 class Assessment(Analysis):
-    """The answer of every model for every body under every motion."""
+    """Computes the response of every body to every record by every model."""
 
     name = "assess"
     doing = "assessing"
@@ -94,31 +94,31 @@ class Assessment(Analysis):
 
     @property
     def work(self) -> Work:
-        """Assess all bodies."""
+        """Return the function that assesses all bodies under one record."""
         return partial(assess_motion, bodies=self.bodies, config=self.config)
 
     @cached_property
     def nothing(self) -> Part:
-        """Every variable that grows with the motions, without a row."""
-        return nothing(self.bodies, self.config)
+        """Empty variables of a record without results."""
+        return empty_rows(self.bodies, self.config)
 
     def dimension_of(self, name: str) -> str:
-        """The first dimension of a variable, given by its path."""
+        """Return the first dimension of a variable, given by its path."""
         group, _, name = name.rpartition("/")
         return ASSESSMENT_GROUPS[group][name].dims[0]
 
     @property
     def template(self) -> xr.DataTree:
-        """The tree of results without a motion."""
-        return template(self.bodies, self.config)
+        """Return the tree of results without records."""
+        return empty_tree(self.bodies, self.config)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """The parts one after the other, and for a sweep the statistics over direction."""
+        """Join the parts, and for a sweep compute the statistics over direction."""
         return build_tree(parts, self.bodies, self.config, failures, swept_directions(planned, self.config))
 
 
 def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
-    """Assess all bodies under one motion; a ValueError says that it has no intense phase, or a model refuses it."""
+    """Assess all bodies under one record; raise ValueError if it has no intense phase or a model refuses it."""
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
@@ -128,7 +128,7 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
         return record_part(assessment)
 
 
-#: The name of a design sequence in place of the id of a record, unless it is given another.
+#: Default name of a design sequence, used instead of the id of a record.
 NAME = "design sequence"
 
 
@@ -139,31 +139,31 @@ def assess_sequence(
     name: str = NAME,
     source: str = "",
 ) -> xr.DataTree:
-    """Assess bodies under the design of a site: one sequence of impulses for all of them, or one for each.
+    """Assess bodies under the design of a site: one sequence of impulses for all bodies, or one for each.
 
     Parameters
     ----------
     sequence : ImpulseSequence or DesignSpectrum
         One sequence, or a design spectrum, as :func:`rockpulse.load_design` reads them.
     config : Config or path, optional
-        Sections site, models, search and the bodies are used; a [[demand]] is one on the PGA, which a sequence has not.
+        Sections site, models, search and the bodies are used; a [[demand]] is not, as a sequence has no PGA.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     name, source : str
-        Id of the row in place of a record, and file that the sequence comes from.
+        Id of the row, instead of a record's, and source file of the sequence.
 
     Returns
     -------
     xarray.DataTree
-        As :func:`rockpulse.assess` returns it, with one row whose columns of a record are empty. The models that need a
-        record (impulsive, linear, nonlinear) are left out, with a warning; under a design spectrum, by which every body
-        has a sequence of its own, resonance and the columns of the sequence too.
+        A tree as from :func:`rockpulse.assess`, with one row whose record columns are empty. Models that need a record
+        (impulsive, linear, nonlinear) are left out, with a warning; for a design spectrum, where every body has its own
+        sequence, also resonance and the columns of the sequence.
 
     Raises
     ------
     ConfigError
-        Without a body, for several sequences or one that ends by no limit, for bodies outside the design spectrum, or
-        where ``[models] use`` names no model that the design can be given to.
+        Without a body, for several sequences or an endless one, for bodies outside the design spectrum, or if
+        ``[models] use`` names no model that can use the design.
 
     Examples
     --------
@@ -210,7 +210,7 @@ def assess_sequence(
         uncertainty=replace(asked_for.uncertainty, probability=False, azimuth=False),
         demands=(),
     )
-    # The ground is at rest: the models in use take the sequence and nothing else.
+    # A zero record: the remaining models use only the sequence.
     rest = Record(np.zeros(2), dt=1.0, id=name, source=source)
     none = np.zeros(0)
     waves = HalfWaves(none, none, none, none, none, none, dt=rest.dt, record_id=name)
@@ -222,7 +222,7 @@ def assess_sequence(
         verb = "is" if len(dropped) == 1 else "are"
         warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
     if asked_for.demands:
-        warnings.append(Remark("demand_not_compared"))
+        warnings.append(WarningText("demand_not_compared"))
     done = replace(done, scene=replace(done.scene, record=replace(done.record, warnings=tuple(warnings))))
     tree = build_tree([record_part(done) | {EVENT: np.array([""])}], gathered, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"

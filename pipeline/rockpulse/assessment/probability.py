@@ -1,4 +1,4 @@
-"""The probability of overturning of every body under one record; bodies do not change each other's numbers."""
+"""The probability of overturning of every body under one record; the result of a body does not depend on the others."""
 
 from collections.abc import Sequence
 from dataclasses import fields
@@ -11,8 +11,8 @@ from rocking.spectrum.body_probability import overturning_probability
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum.probability import Uncertainty
 from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spectrum_lanes
-from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.scene import senses
+from rockpulse.assessment.site_demands import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
@@ -20,19 +20,19 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: Probability of uplift at the largest factor below which a body counts as one that never moves.
+#: A body whose probability of uplift at the largest factor is below this counts as always at rest.
 NEVER = 1e-6
-#: Bodies that a spectrum serves, by the side on which they turn, and the restitutions or rebounds of its lanes.
+#: Side of rotation of the bodies covered by a spectrum, and range of restitutions or rebounds of its lanes.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 
 def record_probability(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
-    """Probability of overturning of bodies under a record, as it is and brought to each demand; and its spectrum.
+    """Compute the probability of overturning under a record, unscaled and at each demand; and the record's spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND are of all lanes, (b x c,) and (b x c, d): NaN without a probability, and
-    beyond FARTHEST or `[search] factor_max`. Demands are compared with the strengths of `channels`, else of the record.
+    The variables of PROBABILITY and AT_DEMAND have all lanes, (b x c,) and (b x c, d): NaN without a probability, and
+    beyond FARTHEST or `[search] factor_max`. Demands are compared with the strength of `channels`, or of the record.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -46,7 +46,7 @@ def record_probability(
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
-    """Put the values of b bodies in; the spectrum where one of them is read from it."""
+    """Fill in the values of b bodies; return the spectrum if one of them uses it."""
     record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
     found = senses(bodies, record, bodies.cases)
     origin = np.concatenate([np.arange(found.count), found.both])
@@ -107,7 +107,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
 
 def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
-    """Least and most C of each of b bodies: the ends of its list, or the shares of its one value."""
+    """Range of C of each of b bodies: the ends of its list, or the shares of its single value."""
     restitution = bodies.per_case(np.asarray(bodies.lanes.restitution, dtype=float))
     low, high = restitution.min(axis=1), restitution.max(axis=1)
     least, most = uncertainty.restitution

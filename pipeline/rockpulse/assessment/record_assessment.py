@@ -1,4 +1,4 @@
-"""The effect of one record on every body, before it becomes rows of the results."""
+"""The response of every body to one record, before it is stored as rows of the results."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.scene import aloft, joined_responses, places_of, senses, turned
 from rockpulse.assessment.spectra import stored_spectrum_values
-from rockpulse.config.bodies import Bodies, Place
+from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS
@@ -27,31 +27,31 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 
 
-class Rows(NamedTuple):
+class ModelRows(NamedTuple):
     """The rows that one model gives to a table of the results."""
 
-    model: int  # its place in /summary
-    lane: np.ndarray  # of each row, and below the body and the restitution case that the lane stands for
+    model: int  # its index in /summary
+    lane: np.ndarray  # lane of each row, and below its body and restitution case
     block: np.ndarray
     case: np.ndarray
-    source: Any  # what the columns are taken from
-    cycle: np.ndarray  # in a table of half-cycles the number of each, from 0
+    source: Any  # source of the columns
+    cycle: np.ndarray  # in a table of half-cycles the index of each, from 0
 
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The effect of one record on every lane: bodies times restitution cases, the cases of one body side by side."""
+    """The response to one record of every lane: bodies times restitution cases, with the cases of one body adjacent."""
 
-    scene: Scene  # the conditioned record and what was extracted from it
+    scene: Scene  # the conditioned record with its half-waves and sequence
     bodies: Bodies
     config: Config
-    responses: dict[str, Response]  # by model, of all lanes, and so are the following
+    responses: dict[str, Response]  # by model, for all lanes, as are the following
     scales: dict[str, ScaleIntervals]
     applicable: dict[str, np.ndarray]
-    probability: dict[str, np.ndarray]  # of overturning, by variable, of all lanes
-    strength: dict[str, np.ndarray]  # of the motion over that of the bodies, by variable, of all lanes
-    spectrum: OverturningSpectrum | None = None  # None where no body is read from it
-    shaken: bool = True  # False where a sequence of impulses stands in place of a record
+    probability: dict[str, np.ndarray]  # probability of overturning by variable, for all lanes
+    strength: dict[str, np.ndarray]  # strength of the motion over that of the bodies, by variable, for all lanes
+    spectrum: OverturningSpectrum | None = None  # None if no body uses it
+    shaken: bool = True  # False if a sequence of impulses replaces the record
 
     @property
     def record(self) -> Record:
@@ -60,7 +60,7 @@ class RecordAssessment:
 
     @cached_property
     def spectra(self) -> dict[str, np.ndarray]:
-        """The variables of the overturning spectrum; NaN at frequency parameters that no body is read at."""
+        """Variables of the overturning spectrum; NaN at frequency parameters that no body uses."""
         found = {name: np.full([AXIS_SIZES[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if self.spectrum is not None:
             places = np.searchsorted(RATES, self.spectrum.p)
@@ -71,17 +71,17 @@ class RecordAssessment:
 
     @property
     def sequence(self) -> ImpulseSequence | None:
-        """The calibrated sequence; None where the record gave none, or every body has one of its own."""
+        """The calibrated sequence; None if the record gave none, or every body has its own."""
         sequence = self.scene.sequence
         return None if sequence is None or sequence.shape else sequence
 
     def per_lane(self, values: np.ndarray) -> np.ndarray:
-        """(b x c, ...) values as (b, c, ...)."""
+        """Reshape values (b x c, ...) to (b, c, ...)."""
         return values.reshape(len(self.bodies.names), self.bodies.cases, *values.shape[1:])
 
     @cached_property
-    def half_cycles(self) -> list[Rows]:
-        """The rows of the half-cycles of all models that have a table of them."""
+    def half_cycles(self) -> list[ModelRows]:
+        """Rows of the half-cycles of all models that have such a table."""
         found = []
         for place, response in enumerate(self.responses.values()):
             if (table := response.half_cycles) is not None:
@@ -90,30 +90,30 @@ class RecordAssessment:
         return found
 
     @cached_property
-    def intervals(self) -> list[Rows]:
-        """The rows of the intervals of overturning of all models."""
+    def intervals(self) -> list[ModelRows]:
+        """Rows of the overturning intervals of all models."""
         return [self._rows(place, one.lane, one) for place, one in enumerate(self.scales.values())]
 
     @cached_property
-    def histories(self) -> list[Rows]:
-        """The rows of the lanes of all models that have histories."""
+    def histories(self) -> list[ModelRows]:
+        """Rows of the lanes of all models that have histories."""
         return [
             self._rows(place, np.arange(len(self.bodies.names) * self.bodies.cases), response)
             for place, response in enumerate(self.responses.values())
             if response.rotation is not None and response.velocity is not None
         ]
 
-    def _rows(self, model: int, lane: np.ndarray, source: Any, cycle: np.ndarray | None = None) -> Rows:
+    def _rows(self, model: int, lane: np.ndarray, source: Any, cycle: np.ndarray | None = None) -> ModelRows:
         cases = self.bodies.cases
-        return Rows(model, lane, lane // cases, lane % cases, source, np.zeros(0, int) if cycle is None else cycle)
+        return ModelRows(model, lane, lane // cases, lane % cases, source, np.zeros(0, int) if cycle is None else cycle)
 
 
 def assess_scene(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = (), pair: Pair | None = None
 ) -> RecordAssessment:
-    """Assess all bodies under one record, which was perhaps rotated from `pair`; ValueError if a model refuses it."""
+    """Assess all bodies under one record, which may be rotated from `pair`; raise ValueError if a model refuses it."""
     places = places_of(bodies, scene.record, pair, config)
-    of_record = places[0][0] == Place(None, ())  # on the ground, without a direction of its own
+    of_record = places[0][0] == FeltMotion(None, ())  # on the ground, without its own direction
     if len(places) == 1 and of_record:
         return _assess_at(scene, bodies, config, channels, 1.0)
     parts, record = [], scene.record
@@ -122,13 +122,13 @@ def assess_scene(
         there = aloft(below, place, config)
         stronger = there.record.pga / below.record.pga
         parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
-    warnings = dict.fromkeys(remark for part in parts for remark in part.record.warnings)
+    warnings = dict.fromkeys(warning for part in parts for warning in part.record.warnings)
     record = replace(record, warnings=(*record.warnings, *(one for one in warnings if one not in record.warnings)))
     steps = [round(record.dt / part.record.dt) for part in parts]
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(table: str) -> dict[str, np.ndarray]:
-        """One of the tables of all lanes by variable, from those of the parts."""
+        """Join one table by variable of all lanes from the tables of the parts."""
         tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
         return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 
@@ -154,7 +154,7 @@ def assess_scene(
 def _assess_at(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
 ) -> RecordAssessment:
-    """Assess bodies that stand on the same ground or floor, whose peak is `stronger` than that of the ground."""
+    """Assess bodies on the same ground or floor; `stronger` is the peak there over that of the ground."""
     lanes, sides = bodies.lanes, senses(bodies, scene.record)
     warnings: list[str] = []
     responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
@@ -166,7 +166,7 @@ def _assess_at(
                 f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
             )
     for model in responses:
-        # In the column of the sequence a mark says it, record by record and body by body.
+        # The column of the sequence marks it for each record and body.
         rule = MODELS[model].rule(scene) if MODELS[model].fitted else None
         if rule is not None and (outside := np.count_nonzero(~rule.applicable(lanes))):
             warnings.append(
@@ -196,7 +196,7 @@ def _assess_at(
 
 
 def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
-    """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
+    """Return the strength of the motion at the bodies over their own, and the friction that it requires."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
     found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}

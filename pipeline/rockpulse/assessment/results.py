@@ -1,4 +1,4 @@
-"""Results in Python: read whole or opened, and their verdicts and margins as tables, ``tree.rockpulse``."""
+"""Results in Python: loading or opening files, and the accessor ``tree.rockpulse`` with verdicts and margins."""
 
 import math
 import os
@@ -17,9 +17,9 @@ from rockpulse.assessment.verdict import BodyVerdict, Grade, verdicts
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.storage.hdf5 import results_file
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 
-#: Colours of the verdicts in a picture, and the bodies that are drawn.
+#: Colours of the verdicts in a picture, and largest number of bodies in it.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
 DRAWN = 20
 #: Height of a body in the picture [px].
@@ -35,7 +35,7 @@ class Results(Shown):
     Parameters
     ----------
     tree : xarray.DataTree
-        Of :func:`rockpulse.assess`, or read from a file.
+        Results of :func:`rockpulse.assess`, or read from a file.
 
     Examples
     --------
@@ -52,21 +52,22 @@ class Results(Shown):
         self._tree = tree
 
     def verdicts(self) -> pd.DataFrame:
-        """The verdict on every body over all records, as the overview and the report give it.
+        """Return the verdict on every body over all records, as in the overview and the report.
 
         Returns
         -------
         pandas.DataFrame
             One row for each body, or for each restitution of a body that has several. `verdict` is "stays", "rocks",
-            "may overturn", "not known", "overturns" or "no verdict"; it follows from `probability`, that of overturning
-            over earthquakes [-], at the worst of the site's demands if there are any, with its interval of 90 % (`low`,
-            `high`). `overturned` of the `motions` overturn the body as they are. `worst` is the record with the
-            smallest factor, or empty. For each demand there are `verdict at NAME` and `probability at NAME`.
+            "may overturn", "not known", "overturns" or "no verdict"; it follows from `probability`, the probability of
+            overturning over earthquakes [-], at the worst of the site's demands if there are any, with its interval of
+            90 % (`low`, `high`). `overturned` is the number of the `motions` that overturn the body without scaling.
+            `worst` is the record with the smallest factor, or empty. Each demand has `verdict at NAME` and `probability
+            at NAME`.
 
         Raises
         ------
         ResultsError
-            For a tree that holds no assessment.
+            For a tree without an assessment.
         """
         rows = []
         for one in self._verdicts:
@@ -86,26 +87,26 @@ class Results(Shown):
         return pd.DataFrame(rows, index=self._bodies())
 
     def margin(self, demand: str | None = None) -> pd.DataFrame:
-        """How much stronger the records may be, or how much of a demand each body bears.
+        """Return the scale factor on the records, or the multiple of a demand, that each body survives.
 
         Parameters
         ----------
         demand : str, optional
-            Name of a demand of the configuration; the factor on the records as they are without.
+            Name of a demand of the configuration; by default the factor is on the unscaled records.
 
         Returns
         -------
         pandas.DataFrame
             One row for each body: the `smallest` and the `median` over the motions of the factor at which the
-            probability of overturning is 10 %, else of the safety factor [-]: inf where none was found, NaN where it is
-            not known. `smallest_is_bound` and `median_is_bound` say that it may be larger, for the model cannot answer
-            there; `searched_up_to` how far was searched where none was found. `motion` is the record, or the pair of
-            channels, of the smallest; `unknown` counts the motions without an answer.
+            probability of overturning is 10 %, else of the safety factor [-]: inf if none was found, NaN if it is
+            unknown. `smallest_is_bound` and `median_is_bound` mark lower bounds, where the model gives no result;
+            `searched_up_to` is the end of the search if none was found. `motion` is the record, or the pair of
+            channels, of the smallest; `unknown` counts the motions without a result.
 
         Raises
         ------
         ResultsError
-            For a tree that holds no assessment, or a demand that it does not have.
+            For a tree without an assessment, or an unknown demand.
         """
         answers = self._answers
         if demand is not None and demand not in answers.demands:
@@ -129,7 +130,7 @@ class Results(Shown):
     def _answers(self) -> Answers:
         if not self._assessed:
             found = str(self._tree.attrs.get("kind", ASSESSMENT))
-            what = named(found) if found != ASSESSMENT else "a tree without the group summary"
+            what = kind_in_words(found) if found != ASSESSMENT else "a tree without the group summary"
             raise ResultsError(f"expected results of rockpulse.assess, found {what}")
         return answers_of(self._tree)
 
@@ -153,7 +154,7 @@ class Results(Shown):
         return facts | {"model": self._answers.model} | {word: str(count) for word, count in counts.items()}
 
     def _picture(self) -> Picture | None:
-        """The probability of overturning of every body, with its interval, in the colour of its verdict."""
+        """Draw the probability of overturning of every body, with its interval, in the colour of its verdict."""
         if not self._assessed or not self._verdicts:
             return None
         shown = self._verdicts[:DRAWN]
@@ -172,7 +173,7 @@ class Results(Shown):
 
 
 def registered(tree: xr.DataTree) -> xr.DataTree:
-    """The tree, with :class:`Results` made known to xarray as the accessor ``rockpulse`` of all trees."""
+    """Register :class:`Results` in xarray as the accessor ``rockpulse`` of all trees, and return the tree."""
     if not hasattr(xr.DataTree, "rockpulse"):
         xr.register_datatree_accessor("rockpulse")(Results)
     return tree
@@ -194,16 +195,16 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     Raises
     ------
     ResultsError
-        For a file that is no HDF5, is damaged, was not written by rockpulse, or has another major schema version.
+        For a file that is not HDF5, is damaged, was not written by rockpulse, or has another major schema version.
     OSError
-        Where the file cannot be opened.
+        If the file cannot be opened.
     """
     return registered(results_file.load(path))
 
 
 @contextmanager
 def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
-    """Open results without reading them: numbers are read when they are asked for, and not after the end.
+    """Open results in a ``with`` block without reading them; numbers are read on demand while the block lasts.
 
     Parameters
     ----------
@@ -213,12 +214,12 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
     Yields
     ------
     xarray.DataTree
-        As :func:`load` returns it. What is to be kept has to be read within the block, by ``.load()`` or ``.values``.
+        A tree as from :func:`load`. Read data that you need later inside the block, by ``.load()`` or ``.values``.
 
     Raises
     ------
     ResultsError, OSError
-        As :func:`load`. Damage to numbers shows when they are read, as the OSError of HDF5.
+        As :func:`load`. Damaged numbers raise an OSError of HDF5 when they are read.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""One record made ready for the models: for all bodies, for those on floors or turned, and for those before a wall."""
+"""Preparation of one record for the models: also for bodies on floors, in other directions, or beside a wall."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from rocking.body.supports import floor_motion
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals
 from rockpulse.config.block_settings import FloorSettings
-from rockpulse.config.bodies import Bodies, Place
+from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
@@ -23,51 +23,53 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
-from rockpulse.remark import Remark
 from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.sequences.estimators import record_sequence
+from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """A record as read, and its vertical channel, conditioned and as :func:`extract`; RockpulseError if refused."""
+    """Condition a record and its vertical channel, and :func:`extract` the scene; raises RockpulseError if refused."""
     up = None if vertical is None else condition(vertical, **config.conditioning)
     return extract(condition(record, **config.conditioning), config, up)
 
 
 def extract(conditioned: Record, config: Config, up: Record | None = None) -> Scene:
-    """Half-waves and sequence of a conditioned record; too few half-waves for a sequence are a warning."""
+    """Extract half-waves and sequence of a conditioned record; too few half-waves for a sequence give a warning."""
     lift = None
     if up is not None:
         lift = align(up, conditioned)
-        warnings = (*conditioned.warnings, *(Remark("of_vertical", remark=warning) for warning in up.warnings))
-        conditioned = replace(conditioned, warnings=warnings).with_note(Remark("vertical_acceleration", record=up.id))
+        warnings = (*conditioned.warnings, *(WarningText("of_vertical", warning=warning) for warning in up.warnings))
+        conditioned = replace(conditioned, warnings=warnings).with_note(
+            WarningText("vertical_acceleration", record=up.id)
+        )
         if (missing := uncovered(up, conditioned)) > up.dt:
-            conditioned = conditioned.with_warning(Remark("vertical_short", missing=missing))
+            conditioned = conditioned.with_warning(WarningText("vertical_short", missing=missing))
     waves = half_waves(conditioned, **config.half_waves)
     phase = intense_phase(conditioned, **config.intense_phase)
     try:
         sequence = record_sequence(waves, phase=phase, **config.sequence.statistics)
     except RecordRefused as error:
         sequence = None
-        conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))
+        conditioned = conditioned.with_warning(WarningText("no_sequence", reason=str(error)))
     rule = RULE_POINT if config.sequence.method == "rule" else ""
     return Scene(conditioned, lift, waves, phase, sequence, rule=rule, **solver_options(config))
 
 
 def solver_options(config: Config) -> dict[str, Any]:
-    """The options of a scene that the configuration has for all models."""
+    """Return the options of a scene that the configuration sets for all models."""
     models, search = config.models, config.search
     own = {"gain": models.gain, "histories": models.histories}
     return own | {"factor_max": search.factor_max, "points": search.points, "step": search.step}
 
 
-#: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
+#: The motion of a floor ends when its oscillations are below this share of gravity: a thousandth of the uplift of a
 #: body of slenderness 10.
 QUIET = 1e-4
 
 
-def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
-    """The motions that bodies feel, each with the numbers of its bodies; RecordRefused for a missing direction."""
+def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
+    """Return the places of bodies, each with the indices of its bodies; raise RecordRefused for a missing direction."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -81,16 +83,16 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
     return found
 
 
-def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Scene:
-    """The scene in the direction of a place, from the channels that its record was rotated from."""
+def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
+    """Return the scene in the direction of a place, rotated from the two channels of the record."""
     if place.azimuth is None:
         return scene
     assert pair is not None
     return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
 
 
-def aloft(scene: Scene, place: Place, config: Config) -> Scene:
-    """The scene on the floor of a place; the vertical motion is that of the ground."""
+def aloft(scene: Scene, place: FeltMotion, config: Config) -> Scene:
+    """Return the scene on the floor of a place; the vertical motion is that of the ground."""
     if not place.floors:
         return scene
     record, found = scene.record, floor_record(scene.record, place.floors)
@@ -103,7 +105,7 @@ def aloft(scene: Scene, place: Place, config: Config) -> Scene:
 
 
 def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
-    """The motion of a floor under a conditioned record, by the modes of its building."""
+    """Compute the motion of a floor under a conditioned record, from the modes of its building."""
     period, damping, share = ([getattr(one, name) for one in floors] for name in ("period", "damping", "participation"))
     found = floor_motion(record.acceleration, record.dt, period, damping, share, quiet=QUIET * STANDARD_GRAVITY)
     return replace(record, acceleration=found.acceleration, dt=found.dt)
@@ -112,7 +114,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Responses of some lanes each, at their places, as one; a part has `steps` samples for each of the ground."""
+    """Join responses of parts of the lanes; a part has `steps` samples for each sample of the ground."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
         motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
@@ -120,17 +122,17 @@ def joined_responses(
     return Response.join(whole, lanes, sum(places.size for places in lanes))
 
 
-#: Degrees between the azimuths of a record and of a body's fall, or the opposite one, up to which the sense is known;
-#: else a body before a wall, which falls away from it only, is assessed in both, and the worse answer counts.
+#: Largest angle between the azimuths of a record and of a body's fall (or its opposite) at which the sense is known
+#: [degrees]; else a body beside a wall is assessed in both senses, and the worse result counts.
 SAME_DIRECTION = 30.0
 
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Lanes (m,) of bodies, each in the sense of the record, with a second lane where that is not known."""
+    """Lanes (m,) of bodies in the sense of the record, with a second lane if the sense is unknown."""
 
-    block: Block  # the m lanes and, after them, the other sense of
-    both: np.ndarray  # those at these places
+    block: Block  # the m lanes, followed by the other sense of
+    both: np.ndarray  # the lanes at these indices
 
     @property
     def count(self) -> int:
@@ -138,7 +140,7 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """The worse of both answers of each lane: overturning, no answer, then the larger rotation."""
+        """Return the worse response of both senses of each lane: overturning, no result, then the larger rotation."""
         if self.both.size == 0:
             return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
@@ -146,16 +148,16 @@ class Senses:
         return response.take(self._chosen(rank))
 
     def smaller(self, found: ScaleIntervals) -> ScaleIntervals:
-        """The intervals of the sense with the smaller factor."""
+        """Return the intervals of the sense with the smaller factor."""
         rank = -np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor)
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
     def likelier(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
-        """Places in ``block``, of each lane, of the higher probability; of two alike that of the smaller factor."""
+        """Index in ``block`` of each lane's sense with the higher probability, or if equal with the smaller factor."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:
-        """Of each lane the one of its two, by place in ``block``, whose rank is higher."""
+        """Return the index in ``block`` of each lane's sense with the higher rank."""
         places = np.arange(self.count)
         second = self.count + np.arange(self.both.size)
         places[self.both] = np.where(rank[second] > rank[self.both], second, self.both)
@@ -163,13 +165,13 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """1 where a record acts towards the fall of a body, -1 against it, both where an azimuth [degrees] is NaN."""
+    """Return 1 if a record acts towards the fall of a body, -1 against it, both if an azimuth [degrees] is NaN."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 
 
 def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
-    """The lanes of bodies in the senses of a record; every `step`-th lane only."""
+    """Return the lanes of bodies in the senses of a record, or only every `step`-th lane."""
     lanes = bodies.lanes.take(slice(None, None, step))
     leaning = np.asarray(lanes.side) != 0
     if not np.any(leaning):

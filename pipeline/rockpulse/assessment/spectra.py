@@ -1,4 +1,4 @@
-"""The overturning spectrum S(p, C), the impulse that a slender block takes from a record, and the rocking spectrum."""
+"""The overturning spectrum S(p, C), the effective impulse of a record on a slender block, and the rocking spectrum."""
 
 from collections.abc import Callable, Sequence
 from typing import Literal
@@ -21,11 +21,11 @@ from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
 from rockpulse.storage.variables.summary import ANSWER
 
-#: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
+#: Angle of the blocks that represent all slender ones [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1
 
 
-#: What marches the lanes of a record, by the words of `method`; the rule takes half-waves that are there already.
+#: Functions that march the lanes of a record, by `method`; the rule can use known half-waves.
 LANES: dict[str, Callable[..., SpectrumLanes]] = {
     "nonlinear": lambda record, rates=RATES, threads=None, waves=None: spectrum_lanes(
         record.acceleration, record.dt, rates, threads
@@ -44,7 +44,7 @@ def overturning_spectrum(
     uncertainty: Uncertainty | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """The overturning spectrum of a record, with the probability of overturning.
+    """Compute the overturning spectrum of a record, with the probability of overturning.
 
     Parameters
     ----------
@@ -55,12 +55,12 @@ def overturning_spectrum(
     restitution : sequence of float, length c
         Nominal restitutions C [-], 0.75 to 1 with the default uncertainty.
     method : {"nonlinear", "rule"}
-        The nonlinear equation, or the rule of :func:`rockpulse.load_rule` from the half-waves of the record alone.
+        The nonlinear equation, or the rule of :func:`rockpulse.load_rule`, which uses only the record's half-waves.
     uncertainty : Uncertainty, optional
-        Of factor, restitution and geometry; that of :class:`rockpulse.models.Uncertainty` without. The rule was fitted
-        under that one and takes no other.
+        Uncertainty of factor, restitution and geometry; by default that of :class:`rockpulse.models.Uncertainty`, the
+        only one that the rule accepts.
     threads : int, optional
-        Threads that share the work; None for all available cores. The answer does not depend on it.
+        Threads that share the work; None for all available cores. The result does not depend on it.
 
     Returns
     -------
@@ -104,10 +104,10 @@ def overturning_spectrum(
 def stored_spectrum_values(
     spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
 ) -> dict[str, np.ndarray]:
-    """The variables of :data:`~rockpulse.storage.variables.probability.SPECTRUM` of a spectrum, at nominal C (c,)."""
+    """Return a spectrum's :data:`~rockpulse.storage.variables.probability.SPECTRUM` variables at nominal C (c,)."""
     least, most = (share * restitution for share in spectrum.uncertainty.restitution)
     if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
-        # The lanes do not reach down to wide ranges of a low nominal C, and are not dense enough for narrow ones.
+        # The lanes do not cover wide ranges around a low nominal C, and are too sparse for narrow ranges.
         sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
         found = {name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if not np.all(outside):
@@ -135,20 +135,20 @@ def stored_spectrum_values(
 
 
 def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:
-    """The probability of overturning of blocks, and the factors that it grows with, from an overturning spectrum.
+    """Read the probability of overturning of blocks, and factors at fixed probabilities, from an overturning spectrum.
 
     Parameters
     ----------
     spectrum : xarray.Dataset
-        Of :func:`overturning_spectrum`, or one record of /spectra of a results file.
+        Result of :func:`overturning_spectrum`, or one record of /spectra of a results file.
     block : Block
         One block, which counts as (1,), or (m,) slender free-standing ones inside the p and C of the spectrum.
 
     Returns
     -------
     dict of str to (m,) ndarray
-        `overturning_probability` under the record as it is, `factor_10`, `factor_50` and `capacity_mean` [-], the names
-        of /summary. ln S and P are linear in ln p and in C between the values of the spectrum.
+        `overturning_probability` under the unscaled record, `factor_10`, `factor_50` and `capacity_mean` [-], named as
+        in /summary. ln S and P are linear in ln p and in C between the values of the spectrum.
 
     Raises
     ------
@@ -175,13 +175,13 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
 
 
 def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Factors on a record, (l,), and the probability at each that a block overturns; NaN in gaps."""
+    """Return factors on a record (l,) and the probability at each that a block overturns; NaN in gaps."""
     capacity, probability = _at_blocks(spectrum, block)
     return capacity[0] * spectrum["level"].values, probability[0]
 
 
 def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """The mean capacity (m,) of blocks and the probability (m, l) at the levels of the spectrum times it."""
+    """Return the mean capacity (m,) of blocks and the probability (m, l) at the spectrum's levels times it."""
     block = block.lanes()
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)
@@ -210,7 +210,7 @@ def rocking_spectrum(
     gravity: float = STANDARD_GRAVITY,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """Largest rotation of blocks of every p and alpha under one record, by the nonlinear equation.
+    """Compute the largest rotation of blocks of every p and alpha under one record, by the nonlinear equation.
 
     Parameters
     ----------
@@ -221,15 +221,15 @@ def rocking_spectrum(
     alpha : sequence of float, length b
         Critical angles [rad].
     restitution : float or "housner"
-        Velocity ratio C of an impact; Housner's goes with alpha.
+        Velocity ratio C of an impact; "housner" depends on alpha.
     scale : float
         Factor on the record [-].
     vertical : (n,) array_like, optional
         Vertical ground acceleration on the record's samples [m/s2].
     gravity : float
-        At the blocks [m/s2].
+        Acceleration of gravity at the blocks [m/s2].
     threads : int, optional
-        Threads that share the blocks; None for all available cores. The answer does not depend on it.
+        Threads that share the blocks; None for all available cores. The result does not depend on it.
 
     Returns
     -------
@@ -240,7 +240,7 @@ def rocking_spectrum(
     Raises
     ------
     ValueError
-        For a p, alpha or restitution that no block has.
+        For a p, alpha or restitution that is impossible for a block.
 
     References
     ----------
@@ -255,7 +255,7 @@ def rocking_spectrum(
     """
     rates, angles = np.asarray(p, dtype=float), np.asarray(alpha, dtype=float)
     grid = [values.ravel() for values in np.meshgrid(angles, rates, indexing="ij")]
-    # The grid is no body of the user's, so no remark on one is logged.
+    # The blocks of the grid are not the user's bodies, so their warnings are not logged.
     block = Block.from_parameters(p=grid[1], alpha=grid[0], restitution=restitution, gravity=gravity, log=False)
     response = recorded_response(block, record.acceleration, record.dt, scale=scale, vertical=vertical, threads=threads)
     shape, dims = (angles.size, rates.size), ("alpha_c", "p")

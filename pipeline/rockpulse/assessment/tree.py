@@ -1,8 +1,8 @@
-"""The tree of results, put together from the assessed records (docs/schema.md).
+"""Assembly of the tree of results from the assessed records (docs/schema.md).
 
-.. note:: Median and largest over direction are as RotD50 and RotD100 (Boore 2010, doi:10.1785/0120090400). A direction
-   without an answer may have any value from 0 to overturning: a median, largest or smallest that it could change is
-   NaN.
+.. note:: Median and largest over direction are defined as RotD50 and RotD100 (Boore 2010, doi:10.1785/0120090400). A
+   direction without a result may have any value from 0 to overturning: a median, largest or smallest that depends on it
+   is NaN.
 """
 
 import base64
@@ -32,14 +32,14 @@ def direction_statistics(
     pairs: Mapping[str, Sequence[str]],
     with_probability: bool = False,
 ) -> xr.Dataset:
-    """The node /directions, from /summary: statistics over the directions of `pairs`, record ids in order by name."""
+    """Compute the node /directions from /summary: statistics over the directions of `pairs` (record ids by name)."""
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
     pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
     index = np.array([[place.get(record, -1) for record in records] for records in pairs.values()], dtype=int)
     index = index.reshape(len(pairs), len(azimuths))
 
     def swept(name: str) -> np.ndarray:
-        """(pair, direction, ...) values; NaN where the direction was not assessed."""
+        """Return values (pair, direction, ...); NaN if the direction was not assessed."""
         values = summary[name].values.astype(float)
         return np.concatenate([values, np.full((1, *values.shape[1:]), np.nan)])[index]
 
@@ -52,7 +52,7 @@ def direction_statistics(
 
     peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
     over = swept("outcome") == Outcome.OVERTURNS
-    # Of several directions that overturn the one that does it first.
+    # Among several directions that overturn, the first in time.
     first = np.where(over, np.nan_to_num(swept("overturning_time"), nan=np.inf), np.inf)
     largest, at = largest_over(peaks, first)
     smallest, factor_at = smallest_over(factors)
@@ -75,14 +75,14 @@ def direction_statistics(
 
 
 def median_over(values: np.ndarray) -> np.ndarray:
-    """Median over the second of the dimensions (a, d, ...) of values from 0 to inf; NaN where missing ones decide."""
+    """Median over the second axis of values (a, d, ...) from 0 to inf; NaN if it depends on missing values."""
     unknown = np.isnan(values)
     low, high = (np.median(np.where(unknown, bound, values), axis=1) for bound in (0.0, np.inf))
     return np.where(low == high, low, np.nan)
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Largest value over axis 1 of (a, d, ...), and its place or -1; of several inf that of the smallest `first`."""
+    """Largest value over axis 1 of (a, d, ...), and its index or -1; of several inf that with the smallest `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -92,7 +92,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest value over the second of the dimensions (a, d, ...), NaN where one is, and its place or -1."""
+    """Smallest value over axis 1 of (a, d, ...), NaN if one is missing, and its index or -1."""
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
 
@@ -101,7 +101,7 @@ def _at(azimuths: np.ndarray, place: np.ndarray) -> np.ndarray:
     return np.append(azimuths, np.nan)[place]
 
 
-#: The one variable that grows with the records and is in no part: a record alone does not tell it.
+#: The only variable along the records that is not in the parts, as it depends on all records.
 EVENT = "/summary/event"
 
 
@@ -112,8 +112,8 @@ def build_tree(
     failures: Sequence[Failure],
     swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
-    """One tree from the parts of all records in order; `swept` has the record ids of the directions by pair."""
-    arrays = joined_parts([nothing(bodies, config), *parts])
+    """Build one tree from the parts of all records in order; `swept` has the record ids of the directions by pair."""
+    arrays = joined_parts([empty_rows(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in _variables(config).items():
         group, _, name = path.rpartition("/")
@@ -135,18 +135,18 @@ def build_tree(
     return tree
 
 
-def template(bodies: Bodies, config: Config) -> xr.DataTree:
-    """The tree without a record: what does not depend on the records, and every other variable empty."""
+def empty_tree(bodies: Bodies, config: Config) -> xr.DataTree:
+    """Return the tree without records: variables that depend on records are empty."""
     return build_tree([], bodies, config, [], {} if config.records.components == "sweep" else None)
 
 
-def nothing(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
-    """Every variable that grows with the records, without a row, by its path."""
+def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
+    """Return every variable that grows with the records, with zero rows, by path."""
     return {path: _absent(one, 0, bodies, config) for path, one in _variables(config).items() if one.dims[0] in GROWING}
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
-    """Parts one after the other; indices of records count on from `records_before`, those of each part from 0."""
+    """Join parts; record indices, which count from 0 in each part, continue from `records_before`."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
     return {
         path: np.concatenate(
@@ -159,7 +159,7 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
-    """The rows that one record adds to the results, by path ("/summary/pga"), without its earthquake."""
+    """Return the rows that one record adds to the results, by path ("/summary/pga"), without its earthquake."""
     return {
         path: _of_record(variable, one)
         for path, variable in _variables(one.config).items()
@@ -177,7 +177,7 @@ def _of_record(variable: StoredVariable, one: RecordAssessment) -> np.ndarray:
 
 
 def _variables(config: Config) -> dict[str, StoredVariable]:
-    """The variables of an assessment, less those of /failures and /directions, by path."""
+    """Return the variables of an assessment except those of /failures and /directions, by path."""
     return {
         f"{group}/{name}": variable
         for group in ("/summary", "/half_cycles", "/overturning_intervals", "/spectra", "/records")
@@ -192,7 +192,7 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """The dimensions in the file, of which a single restitution has none."""
+    """Return the dimensions in the file; a single restitution has no dimension."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 
@@ -201,7 +201,7 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
-    """So many rows without a value."""
+    """Return `rows` rows of missing values."""
     own = {"block": len(bodies.names), "case": bodies.cases}
     sizes = own | {"model": len(config.models.use), "demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))

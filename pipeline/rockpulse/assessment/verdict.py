@@ -1,4 +1,4 @@
-"""The verdict on every body over all motions: the probability that they overturn it, and the words for it."""
+"""The verdict on every body over all records: the probability of overturning, and its grade."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -10,51 +10,51 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
-from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.model_table import is_upper_bound
 
-#: Probabilities of overturning from which on a body may overturn, and overturns [-].
+#: Smallest probabilities for the grades "may overturn" and "overturns" [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
-#: Fewest earthquakes of records brought to a demand from which a verdict is given.
+#: Smallest number of earthquakes, of records scaled to a demand, for a verdict.
 FEWEST_AT_DEMAND = 5
-#: What the rounding of a mean may take from a probability, and that of uplift below which a body stays at rest [-].
+#: Rounding tolerance of a mean probability, and probability of uplift below which a body stays at rest [-].
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
 class Standing(IntEnum):
-    """The answer of a model for a body under one record, from best to worst."""
+    """The result for a body under one record, from best to worst."""
 
-    STANDS = auto()  #: neither the record nor, where it was searched, a weaker copy overturns it
-    UNKNOWN = auto()  #: the model cannot say, or not reliably
-    WEAKER_OVERTURNS = auto()  #: it survives the record as it is, a weaker copy overturns it
+    STANDS = auto()  #: neither the record nor, if searched, a scaled-down copy overturns it
+    UNKNOWN = auto()  #: the model gives no result, or no reliable one
+    WEAKER_OVERTURNS = auto()  #: it survives the record, but a scaled-down copy overturns it
     OVERTURNS = auto()  #: the record overturns it
 
 
 class Grade(IntEnum):
-    """The verdict on a body under all motions, from best to worst."""
+    """The verdict on a body under all records, from best to worst."""
 
     STAYS = auto()  #: no motion lifts it
     ROCKS = auto()  #: the probability of overturning is below 0.05
-    MAY_OVERTURN = auto()  #: from 0.05 to 0.5; the worst that an upper-bound type input can show
-    NOT_KNOWN = auto()  #: the motions that are not known decide
+    MAY_OVERTURN = auto()  #: from 0.05 to 0.5; the worst grade for upper-bound inputs
+    NOT_KNOWN = auto()  #: depends on records without a result
     OVERTURNS = auto()  #: 0.5 or more
 
     @property
     def word(self) -> str:
-        """The verdict as it is shown."""
+        """The verdict as shown to users."""
         return self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)
 class DemandVerdict:
-    """A body under the motions brought to one demand."""
+    """The verdict on a body under the records scaled to one demand."""
 
     name: str
-    grade: Grade  # NOT_KNOWN where the earthquakes are fewer than FEWEST_AT_DEMAND
-    share: Share  # the probability over the earthquakes of the motions that can be brought to the demand
+    grade: Grade  # NOT_KNOWN for fewer earthquakes than FEWEST_AT_DEMAND
+    share: Share  # probability over the earthquakes of the records that can be scaled to the demand
     earthquakes: int
-    left_out: int  # motions that lie farther from the demand than a factor of FARTHEST
-    margin: Margin  # in the factor over the one that brings the motion to the demand
+    left_out: int  # number of records farther from the demand than a factor of FARTHEST
+    margin: Margin  # margin in the factor over the one that scales the record to the demand
 
     @property
     def few(self) -> bool:
@@ -64,40 +64,40 @@ class DemandVerdict:
 
 @dataclass(frozen=True)
 class BodyVerdict:
-    """One body over all motions, by the model that is counted."""
+    """The verdict on one body over all records, by the most complete model."""
 
     body: Body
     grade: Grade
-    share: Share  # the probability over earthquakes, which the grade follows from
-    overturned: int  # motions that overturn it as they are
-    at_rest: int  # motions that do not lift it
-    margin: Margin  # in the factor
-    governing: int  # row of /summary with the smallest factor, else of the first motion that overturns it, else -1
+    share: Share  # probability over earthquakes, which determines the grade
+    overturned: int  # number of unscaled records that overturn it
+    at_rest: int  # number of records that do not lift it
+    margin: Margin  # margin in the scale factor
+    governing: int  # row of /summary with the smallest factor, else of the first record that overturns it, else -1
     demands: tuple[DemandVerdict, ...]
 
     @property
     def deciding(self) -> DemandVerdict | None:
-        """The demand that the verdict rests on, the one of the worst grade; None where the site has none."""
+        """The demand with the worst grade, which determines the verdict; None without demands."""
         return max(self.demands, key=lambda one: (one.grade, one.share.value), default=None)
 
     @property
     def overall(self) -> Grade:
-        """The worst grade of the demands of the site; without a demand that under the motions as they are."""
+        """Worst grade over the demands of the site; without demands, the grade under the unscaled records."""
         return self.grade if self.deciding is None else self.deciding.grade
 
     @property
     def word(self) -> str:
-        """The verdict as it is shown."""
+        """The verdict as shown to users."""
         return "no verdict" if self.deciding is not None and self.deciding.few else self.overall.word
 
     @property
     def decides(self) -> Share:
-        """The probability that the verdict rests on."""
+        """The probability that determines the verdict."""
         return self.share if self.deciding is None else self.deciding.share
 
 
 def standings(answers: Answers) -> np.ndarray:
-    """The :class:`Standing` of every body under every record, (records, bodies)."""
+    """Return the :class:`Standing` of every body under every record, (records, bodies)."""
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
     for doubtful, _ in _doubts(answers):
@@ -108,7 +108,7 @@ def standings(answers: Answers) -> np.ndarray:
 
 
 def why_unknown(answers: Answers) -> np.ndarray:
-    """(records, bodies) why an answer is not known, or not to be relied on, by a code; empty without a doubt."""
+    """Code (records, bodies) of the reason for a missing or unreliable result; empty for reliable results."""
     found = np.full(answers["outcome"].shape, "", dtype=object)
     for doubtful, why in _doubts(answers):
         found[doubtful] = why
@@ -119,7 +119,7 @@ def why_unknown(answers: Answers) -> np.ndarray:
 
 
 def verdicts(answers: Answers) -> list[BodyVerdict]:
-    """The verdict on every body over the motions of the answers."""
+    """Return the verdict on every body over the motions of the results."""
     motions, single = answers.motions, standings(answers)
     moved = answers["outcome"] != Outcome.AT_REST
     lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
@@ -144,7 +144,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
 
 
 def _grade(share: Share, bound: bool) -> Grade:
-    """The word for a probability, perhaps of an upper bound; not known where unknown motions decide between two."""
+    """Grade a probability, or an upper bound; NOT_KNOWN if records without a result could change the grade."""
     worst = Grade.MAY_OVERTURN if bound else Grade.OVERTURNS
     low, high = (
         worst if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
@@ -154,7 +154,7 @@ def _grade(share: Share, bound: bool) -> Grade:
 
 
 def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
-    """The verdict on every body against one demand."""
+    """Return the verdict on every body for one demand."""
     motions, left_out = answers.motions, too_far(answers, demand)
     kept = motions.kept(left_out)
     shares, events = motions.shares(chances(answers, demand), left_out), motions.event_counts(kept).tolist()
@@ -168,13 +168,13 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
 
 
 def too_far(answers: Answers, demand: str) -> np.ndarray:
-    """(records, bodies) True where a record has to be scaled too far to a demand: it is left out of the verdict."""
+    """Mask (records, bodies) of records that are too far from a demand to be scaled; they do not count."""
     factor = answers.to_demand(demand)
     return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
 
 
 def chances(answers: Answers, demand: str | None = None) -> np.ndarray:
-    """(records, bodies) probability that a record, as it is or at a demand, overturns a body; NaN where not known."""
+    """Probability (records, bodies) that a record, unscaled or at a demand, overturns a body; NaN if unknown."""
     if answers.probable:
         return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
     if demand is not None:
@@ -184,9 +184,9 @@ def chances(answers: Answers, demand: str | None = None) -> np.ndarray:
 
 
 def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
-    """(records, bodies) 1 where by its safety factor a body overturns at the demand, 0 where not, NaN if not known."""
+    """1 if by its safety factor a body overturns at the demand, 0 if not, NaN if unknown: (records, bodies)."""
     ratio = answers.ratios(demand)
-    # A search that ends below the demand has shown nothing of what lies between.
+    # A search that ends below the demand gives no information on the factors up to it.
     unknown = np.isnan(ratio) | ((ratio < 1.0) & answers.bound)
     unknown |= np.isinf(ratio) & ~(answers.proven(demand) >= 1.0)
     unknown |= answers["applicable"] == 0
@@ -194,7 +194,7 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """Reasons not to rely on an answer by their codes, the gravest last."""
+    """Return masks of reasons for doubt about a result by their codes, the most serious last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     outside, unresolved = answers["applicable"] == 0, answers["outcome"] == Outcome.UNRESOLVED
     return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
@@ -208,7 +208,7 @@ def _governing(factor: np.ndarray, standing: np.ndarray) -> int:
 
 
 class Sliding(NamedTuple):
-    """A body whose friction does not hold it under `above` of `total` records, of which one asks for `most`."""
+    """A body that may slide: `above` of `total` records require more friction than it has, at most `most`."""
 
     body: Body
     above: int
@@ -218,7 +218,7 @@ class Sliding(NamedTuple):
 
 
 def worse_screens(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
-    """Every body on a pedestal that is assessed alone and as one with it: its name, and the worse verdict of both."""
+    """Return the name and the worse verdict of every body that is assessed with and without its pedestal."""
     whole = answers.summary["pedestal_of"].values.tolist()
     for alone in dict.fromkeys(filter(None, whole)):
         screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
@@ -227,7 +227,7 @@ def worse_screens(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tu
 
 
 def sliding(answers: Answers) -> Iterator[Sliding]:
-    """Every body that some records ask for more friction than it has."""
+    """Return every body with less friction than some records require."""
     friction = answers.summary["friction"].values
     for lane, body in enumerate(answers.bodies):
         required, own = answers["friction_required"][:, lane], float(friction[body.place])

@@ -1,4 +1,4 @@
-"""``rockpulse assess``: records or a design sequence and blocks in, a results file and a table of verdicts out."""
+"""``rockpulse assess``: assess blocks under records or a design sequence; write results and print verdicts."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import BATCH, configured, from_records, resolved
 from rockpulse.commands.parser import Verb
-from rockpulse.commands.running import batch_options, nothing_written, recorded, told
+from rockpulse.commands.running import batch_options, nothing_written, print_overview, recorded
+from rockpulse.commands.shared_options import BATCH, configured, from_records, resolved
 from rockpulse.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def _run(args: argparse.Namespace) -> int:
         return f"{overview(tree)}\n\nresults: {args.output}"
 
     if args.sequence is not None:
-        return told(_under_sequence(args, config), args, overview)
+        return print_overview(_under_sequence(args, config), args, overview)
 
     from rockpulse.run.batch import assess_files
     from rockpulse.storage.hdf5.results_file import open_results
@@ -45,11 +45,11 @@ def _run(args: argparse.Namespace) -> int:
     if report.path is None:
         return nothing_written(report.failures, "assessed", args.quiet)
     with open_results(report.path) as file, file.reading():
-        return told(file.tree("summary", "directions", "failures"), args, overview)
+        return print_overview(file.tree("summary", "directions", "failures"), args, overview)
 
 
 def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
-    """The results of the bodies under the design sequence of a site file, written."""
+    """Assess bodies under the design sequence of a site file and write the results."""
     from rockpulse.storage.hdf5.atomic import check_target
     from rockpulse.storage.hdf5.results_file import load, save
     from rockpulse.studies.site.calibration import load_design

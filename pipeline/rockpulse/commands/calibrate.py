@@ -1,11 +1,11 @@
-"""``rockpulse calibrate``: make the design of a site from its records, and show its uncertainty."""
+"""``rockpulse calibrate``: calibrate the design of a site on its records, and show its uncertainty."""
 
 import argparse
 import sys
 
-from rockpulse.commands.arguments import BATCH, from_records, resolved
 from rockpulse.commands.parser import Verb
-from rockpulse.commands.running import batch_options, nothing_written, recorded, told
+from rockpulse.commands.running import batch_options, nothing_written, print_overview, recorded
+from rockpulse.commands.shared_options import BATCH, from_records, resolved
 from rockpulse.commands.terminal import tell
 
 
@@ -28,7 +28,7 @@ def _run(args: argparse.Namespace) -> int:
         why = first if args.quiet else f"{error}\nrockpulse"
         tell(f"rockpulse: {why}: nothing was written", sys.stderr)
         return 1
-    return told(load(args.output), args, lambda tree: f"{site_overview(tree)}\n\nsite: {args.output}")
+    return print_overview(load(args.output), args, lambda tree: f"{site_overview(tree)}\n\nsite: {args.output}")
 
 
 VERB = Verb(

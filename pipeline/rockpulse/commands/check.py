@@ -1,10 +1,10 @@
-"""``rockpulse check``: what codes say of bodies, beside what the time histories say."""
+"""``rockpulse check``: check bodies by design codes, and compare with time histories."""
 
 import argparse
 from pathlib import Path
 
-from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import QUIET
 from rockpulse.commands.terminal import tell
 from rockpulse.config import CODES
 from rockpulse.errors import ConfigError, ResultsError
@@ -13,10 +13,10 @@ from rockpulse.errors import ConfigError, ResultsError
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.files import check_file, write_files
-    from rockpulse.storage.export.table_file import csv_bytes
-    from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+    from rockpulse.storage.export.table_file import table_csv
+    from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.check.bodies import check
+    from rockpulse.studies.check.check import check
     from rockpulse.views.text.check import check_overview
 
     if args.output is not None:
@@ -25,7 +25,9 @@ def _run(args: argparse.Namespace) -> int:
         raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
     tree = None if args.results is None else load(args.results)
     if tree is not None and (kind := str(tree.attrs["kind"])) != ASSESSMENT:
-        raise ResultsError(f"{args.results}: expected {named(ASSESSMENT)} of rockpulse, found {named(kind)}")
+        raise ResultsError(
+            f"{args.results}: expected {kind_in_words(ASSESSMENT)} of rockpulse, found {kind_in_words(kind)}"
+        )
     if args.config is not None:
         config = load_config(args.config)
     else:
@@ -33,7 +35,7 @@ def _run(args: argparse.Namespace) -> int:
         config = config_from_text(str(tree.attrs["configuration"]))
     found = check(config, args.code or CODES, tree)
     if args.output is not None:
-        write_files({Path(args.output): csv_bytes(found.to_dataframe().reset_index())})
+        write_files({Path(args.output): table_csv(found.to_dataframe().reset_index())})
     if not args.quiet:
         tell(check_overview(found) + (f"\n\ntable: {args.output}" if args.output else ""))
     return 0

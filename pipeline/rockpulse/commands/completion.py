@@ -1,4 +1,4 @@
-"""``rockpulse completion``: a script that lets a shell complete verbs, options, kinds and file names."""
+"""``rockpulse completion``: print a shell script that completes verbs, options, kinds and file names."""
 
 import argparse
 from collections.abc import Iterator
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 
-#: How the script is put to use.
+#: Help text on installing the script.
 HOW = {
     "bash": "rockpulse completion bash > ~/.local/share/bash-completion/completions/rockpulse",
     "zsh": "rockpulse completion zsh > ~/.zfunc/_rockpulse     (~/.zfunc in fpath, before compinit)",
@@ -14,7 +14,7 @@ HOW = {
     "powershell": "rockpulse completion powershell >> $PROFILE",
 }
 
-#: What stands in the help for names of files.
+#: Placeholders of file names in the help.
 FILES = frozenset(
     "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )
@@ -41,7 +41,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Every action of a parser and of the parsers of its verbs."""
+    """Yield every action of a parser and of the parsers of its verbs."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):

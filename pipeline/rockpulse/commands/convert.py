@@ -1,13 +1,13 @@
-"""``rockpulse convert``: records of any format in, AT2, CSV or miniSEED out."""
+"""``rockpulse convert``: convert records of any format to AT2, CSV or miniSEED."""
 
 import argparse
 import sys
 
-from rockpulse.commands.arguments import QUIET, READING, reading_options
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import QUIET, READING, reading_options
 from rockpulse.commands.terminal import progress_bars, tell
 
-#: Reasons of a kind that is no failure.
+#: Kinds of skipped records that are not failures.
 LISTED = 3
 
 
@@ -20,7 +20,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.text.left_out import rows_not_used
 
     options = reading_options(args)
-    writer = check_output(args.output, args.format)  # a name that tells no format is better known before the reading
+    writer = check_output(args.output, args.format)  # reports a name without a known format before reading
     with progress_bars(args.quiet)(desc="reading", unit=" files") as bar:
         records, failures = read_all(
             args.paths, options.units, on_file=lambda *_: bar.update(), dt=options.dt, response=args.response

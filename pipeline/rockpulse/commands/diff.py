@@ -1,17 +1,17 @@
-"""``rockpulse diff``: the changes between two results files."""
+"""``rockpulse diff``: show the changes between two results files."""
 
 import argparse
 import math
 
-from rockpulse.commands.arguments import count
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import parse_count
 from rockpulse.commands.terminal import tell
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.hdf5.results_file import open_results
+    from rockpulse.views.diff.difference_overview import difference_overview
     from rockpulse.views.diff.differences import compare_results
-    from rockpulse.views.diff.overview import difference_overview
 
     with open_results(args.first) as first, open_results(args.second) as second:
         limit = args.limit or (20 if args.full else 3)
@@ -56,7 +56,7 @@ VERB = Verb(
             "--limit N": (
                 "most flipped verdicts, factors and capacities that crossed 1, that are named; default: 3, with --full "
                 "20",
-                {"type": count},
+                {"type": parse_count},
             ),
             "--full": "every variable, name and line that differs; default: one screen of them",
         },

@@ -1,12 +1,12 @@
-"""``rockpulse export``: answers of a results file as a table, with a README of its columns."""
+"""``rockpulse export``: write a results file as a table, with a README of its columns."""
 
 from __future__ import annotations
 
 import argparse
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import SELECTION, read_selection
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import SELECTION, read_selection
 from rockpulse.commands.terminal import progress_bars, tell
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _demands(file: ResultsFile, table: LongTable) -> str:
-    """The demands, which have a dimension of their own and then no column in the table."""
-    from rockpulse.assessment.demand import stored_demands
+    """Return the names of the demands if they are a dimension without a column in the table."""
+    from rockpulse.assessment.site_demands import stored_demands
 
     if "demand_acceleration" not in table.left_out:
         return ""

@@ -1,13 +1,13 @@
-"""``rockpulse formats``: the file formats that are read, and the signs by which they are recognised."""
+"""``rockpulse formats``: list the readable file formats, and the features by which they are recognised."""
 
 import argparse
 
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 
-#: Columns of the terminal that the list stays within.
+#: Width of the list in columns of the terminal.
 WIDTH = 100
-#: Further lines of a format begin here.
+#: Indent of further lines of a format.
 _INDENT = "    "
 
 

@@ -1,13 +1,13 @@
-"""``rockpulse fragility``: records and blocks in, fragility curves with their bands out."""
+"""``rockpulse fragility``: compute fragility curves of blocks under records, with their bands."""
 
 from __future__ import annotations
 
 import argparse
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import BATCH, from_records, resolved
 from rockpulse.commands.parser import Verb
-from rockpulse.commands.running import batch_options, nothing_written, recorded, told
+from rockpulse.commands.running import batch_options, nothing_written, print_overview, recorded
+from rockpulse.commands.shared_options import BATCH, from_records, resolved
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +31,7 @@ def _run(args: argparse.Namespace) -> int:
         unused = rows_not_used(failure_rows(tree))
         return "\n\n".join(filter(None, (fragility_overview(tree), unused, f"results: {args.output}")))
 
-    return told(load(report.path), args, overview)
+    return print_overview(load(report.path), args, overview)
 
 
 VERB = Verb(

@@ -1,4 +1,4 @@
-"""``rockpulse init-config``: the annotated template of a configuration."""
+"""``rockpulse init-config``: write an annotated template of a configuration."""
 
 import argparse
 import json
@@ -12,12 +12,12 @@ from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError
 
-#: Columns between which the comments of the template stand.
+#: First and last column of the comments of the template.
 BEGIN, END = 28, 122
 
 
-def template() -> str:
-    """Every key of the configuration with its default and its meaning; models and measures by their tables."""
+def config_template() -> str:
+    """Return the template: every key with default and meaning, with models and measures from their tables."""
     from rockpulse.config.study_settings import HAZARD_UNITS
     from rockpulse.model_table import DEFAULT_MODELS, MODELS, NAMES, UPPER_BOUND
     from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING
@@ -41,7 +41,7 @@ def _meaning(measure: Any) -> str:
 
 
 def _filled(line: str, told: dict[str, str]) -> str:
-    """A line of the template with the names between braces filled in, its comment over as many lines as that takes."""
+    """Fill in the names between braces in a line of the template, and wrap its comment."""
     filled = re.sub(r"\{(\w+)\}", lambda name: told[name[1]], line)
     if filled == line or "\n" in filled or not filled.startswith("# ", BEGIN):
         return filled
@@ -50,7 +50,7 @@ def _filled(line: str, told: dict[str, str]) -> str:
 
 
 def _run(args: argparse.Namespace) -> int:
-    text = template()
+    text = config_template()
     if args.output is None:
         tell(text.removesuffix("\n"))
         return 0

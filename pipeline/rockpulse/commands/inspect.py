@@ -1,4 +1,4 @@
-"""``rockpulse inspect``: the contents of a results file."""
+"""``rockpulse inspect``: show the contents of a results file."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import SELECTION, count, read_selection
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import SELECTION, parse_count, read_selection
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ResultsError
 
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
-#: Files of other verbs by their characteristic group: words for the file, and the module of its text.
+#: Files of other verbs by their characteristic group: description of the file, and module that prints it.
 SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
-#: Options that ask for a list of cases.
+#: Options that request a list of cases.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
-#: Options that say in another way which cases come first, or how many, or ask for another list.
+#: Options that set order or number of cases in another way, or request another list.
 BESIDE_WORST = ("sort", "limit", "records", "blocks")
-#: Cases in a list unless more are asked for.
+#: Default number of cases in a list.
 CASES = 20
 NOTHING = "nothing failed and nothing was skipped"
 
@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """The parts that the options ask for, in the order of the help; the overview where they ask for none."""
+    """Return the requested parts in the order of the help, by default the overview."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
@@ -64,7 +64,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
-    """Records and blocks one by one; a list of cases where a pattern names several."""
+    """Show single records and blocks, or a list of cases if a pattern matches several."""
     from rockpulse.storage.export.row_selection import positions_matching
     from rockpulse.views.text.overview import block_details, record_details
 
@@ -124,7 +124,7 @@ VERB = Verb(
             "--failures": "what failed or was skipped, and why",
             "--records": "list the records",
             "--blocks": "list the blocks",
-            "--worst N": ("the N cases of smallest safety factor", {"type": count}),
+            "--worst N": ("the N cases of smallest safety factor", {"type": parse_count}),
             **SELECTION,
         },
     ),

@@ -1,4 +1,4 @@
-"""A verb of the command line as data, and the parser: options by their full names, and advice for unknown words."""
+"""Verbs of the command line as data, and a parser that takes only full option names and suggests known words."""
 
 import argparse
 import sys
@@ -11,27 +11,27 @@ from typing import Any, NoReturn, TypeAlias
 from rockpulse.foreign_text import escaped
 from rockpulse.option import hint
 
-#: Arguments of a verb: by flags and the word for the value, "-o --output FILE", the help, perhaps with keywords of
-#: ``add_argument``. Without a flag it is positional, without a value a switch; "NAME ..." may be repeated and gives a
-#: list; "FILE !" is required.
+#: Arguments of a verb: flags and value, such as "-o --output FILE", with the help or keywords of ``add_argument``.
+#: Without a flag an argument is positional, without a value a switch; "NAME ..." may be repeated and gives a list;
+#: "FILE !" is required.
 Options: TypeAlias = Mapping[str, str | tuple[str, Mapping[str, Any]]]
 
 
 class Either(dict[str, "str | tuple[str, Mapping[str, Any]]"]):
-    """Options of which no more than one is given."""
+    """Options that exclude each other."""
 
 
 @dataclass(frozen=True)
 class Verb:
     """One verb of the command line."""
 
-    name: str  # the word that calls it
-    summary: str  # its line in the list of verbs
-    description: str  # the head of its own help
-    options: tuple[Options, ...]  # its arguments, in the order of the help
-    # returns the exit code; raises RockpulseError or OSError for faults that the user can mend
+    name: str  # name of the verb
+    summary: str  # line in the list of verbs
+    description: str  # introduction of its help
+    options: tuple[Options, ...]  # arguments, in the order of the help
+    # returns the exit code; raises RockpulseError or OSError for errors that the user can correct
     run: Callable[[argparse.Namespace], int]
-    examples: tuple[str, ...] = ()  # command lines that show its use
+    examples: tuple[str, ...] = ()  # example command lines
 
     def add_to(self, subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
         """Add a parser for the verb to the subparsers of the program."""
@@ -47,7 +47,7 @@ class Verb:
 
 
 def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
-    """The flags, or the name, and the keywords that the words of an option stand for."""
+    """Return the flags or the name, and the keywords for ``add_argument``, of an option given as text."""
     parts = words.split()
     flags = [part for part in parts if part.startswith("-")]
     metavar = next((part for part in parts if not part.startswith("-") and part not in ("...", "!")), None)
@@ -73,13 +73,13 @@ class Parser(argparse.ArgumentParser):
             self.description = fill(self.description, get_terminal_size().columns - 2)
         self._given: list[str] = []
 
-    # argparse types what it returns by an overload for each way of calling it.
+    # argparse declares its return type by overloads.
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
-        """Parse as ArgumentParser does; a word left over is an error of this parser, which knows its options."""
+        """Parse as ArgumentParser does; report an unknown word by this parser, which knows the options of its verb."""
         self._given = list(sys.argv[1:] if args is None else args)
         for word in self._given:
             meant = self._option_string_actions.get(f"-{word}")
-            if meant is not None and meant.nargs != 0:  # argparse would read -output as -o with the value "utput"
+            if meant is not None and meant.nargs != 0:  # argparse would parse -output as -o with the value "utput"
                 self.error(f"unrecognized arguments: {word}")
         found, left = super().parse_known_args(self._given, namespace)
         if left:
@@ -89,7 +89,7 @@ class Parser(argparse.ArgumentParser):
         return found, left
 
     def error(self, message: str) -> NoReturn:
-        """Leave as ArgumentParser does, with a message that suggests the known words closest to unknown ones."""
+        """Exit as ArgumentParser does, with a message that suggests known words for unknown ones."""
         super().error("".join([message, *self._hints(message)]))
 
     def _print_message(self, message: str, file: Any = None) -> None:
@@ -107,4 +107,4 @@ class Parser(argparse.ArgumentParser):
                 yield near if name in message or not near else f"; {name} is not known{near}"
             elif verbs:
                 yield "" if word in verbs else hint(word, verbs)
-                return  # what follows is for the verb to judge
+                return  # later words are checked by the verb

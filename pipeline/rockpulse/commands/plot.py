@@ -1,4 +1,4 @@
-"""``rockpulse plot``: a picture of a results file."""
+"""``rockpulse plot``: draw a picture of a results file."""
 
 import argparse
 from typing import Any
@@ -9,7 +9,7 @@ from rockpulse.errors import ConfigError
 
 
 class _List(argparse.Action):
-    """Print the kinds of pictures and leave, as --version does."""
+    """Option that prints the kinds of pictures and exits, as --version does."""
 
     def __init__(self, option_strings: Any, dest: str, **options: Any) -> None:
         super().__init__(option_strings, dest, nargs=0, **options)
@@ -17,7 +17,7 @@ class _List(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         from rockpulse.views.plots.kinds import kind_list
 
-        tell(kind_list())  # perhaps into `| head`
+        tell(kind_list())  # standard output may be closed, as in `| head`
         parser.exit()
 
 

@@ -1,4 +1,4 @@
-"""``rockpulse report``: make one file of a results file to hand over, a page of HTML or a PDF."""
+"""``rockpulse report``: write the report of a results file as a page of HTML or a PDF."""
 
 import argparse
 

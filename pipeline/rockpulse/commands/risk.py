@@ -1,12 +1,12 @@
-"""``rockpulse risk``: a fragility file, or results and an inventory, and a hazard in, annual frequencies out."""
+"""``rockpulse risk``: compute annual frequencies from a hazard and a fragility file, or results and an inventory."""
 
 import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
 
-from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import QUIET
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError
 
@@ -14,7 +14,7 @@ from rockpulse.errors import ConfigError
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.files import check_file, write_files
-    from rockpulse.storage.export.table_file import csv_bytes
+    from rockpulse.storage.export.table_file import table_csv
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.risk.frequency import risk, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
@@ -32,7 +32,7 @@ def _run(args: argparse.Namespace) -> int:
             f"--age: it says that bodies still stand, so expected --limit-state overturning, found {limit_state}"
         )
     files = [] if args.output is None else [Path(args.output)]
-    if files and args.bodies is None:  # the share of each bin of levels
+    if files and args.bodies is None:  # share of each bin of levels
         files.append(files[0].with_name(f"{files[0].stem}_levels{files[0].suffix}"))
     for path in files:
         check_file(path, args.overwrite)
@@ -65,7 +65,7 @@ def _run(args: argparse.Namespace) -> int:
     else:
         contents = [text.risk_table(found, standing), text.levels_table(found)]
         told, warnings = text.risk_overview(found), text.risk_warnings(found)
-    write_files({path: csv_bytes(table) for path, table in zip(files, contents, strict=False)})
+    write_files({path: table_csv(table) for path, table in zip(files, contents, strict=False)})
     if not args.quiet:
         told += f"\n\n{text.standing_overview(standing)}" if standing is not None else ""
         tell(told + (f"\n\ntable: {', '.join(map(str, files))}" if files else ""))

@@ -1,4 +1,4 @@
-"""The course of a verb that works through many records: its log, the message of a stop, and what is told at its end."""
+"""Execution of a verb that processes many records: log file, message of a stopped run, and final output."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
 
 
 def batch_options(args: argparse.Namespace) -> BatchOptions:
-    """The options by which the batch is carried out."""
+    """Return the options of the batch."""
     from rockpulse.run.options import BatchOptions
 
     return BatchOptions(
@@ -44,37 +44,37 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
 
 
 class _Escaping(logging.Formatter):
-    """Lines of a log with control characters as escapes."""
+    """Log formatter that escapes control characters."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """The line, or the lines, of a record."""
+        """Format a log record as one or several lines."""
         return escaped(super().format(record))
 
 
 class _LogFile(logging.FileHandler):
-    """A log that ends where it can no longer be written, for the reason `failed`; the work goes on."""
+    """A log file that stops after a write error, stored in `failed`, while the run continues."""
 
     failed = ""
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Remember why a line could not be written, and write no further one."""
+        """Store the reason why a line could not be written, and stop writing."""
         fault = sys.exception()
         if not isinstance(fault, OSError):
             super().handleError(record)
         elif not self.failed:
             self.failed = fault.strerror or str(fault)
-            with suppress(OSError):  # what it holds cannot be written
+            with suppress(OSError):  # the buffered lines cannot be written
                 self.close()
             self.stream = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
 
 
 @contextmanager
 def recorded(args: argparse.Namespace) -> Iterator[None]:
-    """Within it, write the log file that is asked for, and treat SIGTERM like Ctrl-C."""
+    """Context manager that writes the requested log file and treats SIGTERM like Ctrl-C."""
     with ExitStack() as meanwhile:
         if args.log_file is not None:
             meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))
-        if threading.current_thread() is threading.main_thread():  # signals are the main thread's
+        if threading.current_thread() is threading.main_thread():  # only the main thread can handle signals
             meanwhile.callback(signal.signal, signal.SIGTERM, signal.signal(signal.SIGTERM, _end))
         yield
 
@@ -104,7 +104,7 @@ def _logged(log: Path, output: Path) -> Iterator[None]:
 def _check_log(log: Path, output: Path) -> None:
     if log.absolute() == output.absolute():
         raise ConfigError(f"--log-file {log}: expected another file than the output; choose another name")
-    if log.is_fifo():  # who opens one that nobody reads from waits for ever
+    if log.is_fifo():  # opening a pipe without a reader would block
         try:
             os.close(os.open(log, os.O_WRONLY | os.O_NONBLOCK))
         except OSError as error:
@@ -120,21 +120,21 @@ def _check_log(log: Path, output: Path) -> None:
 
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
-    """Tell why not one record could be used, in a quiet run in one line; the exit code."""
+    """Print why no record could be used, with --quiet in one line, and return the exit code."""
     from rockpulse.views.shared.files_used import count_files
     from rockpulse.views.text.left_out import rows_not_used
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
     told = f"rockpulse: not one record could be {what}, nothing was written"
-    # Where nothing failed, records that were too weak are why.
+    # If nothing failed, the records were too weak.
     weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
     why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))
     tell("\n".join(filter(None, (listed, f"{told}: {why}" if why else told))), sys.stderr)
     return 1
 
 
-def told(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
-    """Print the overview, or with --quiet one line on what failed; the exit code."""
+def print_overview(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
+    """Print the overview, or with --quiet one line on failures, and return the exit code."""
     from rockpulse.views.shared.files_used import files_used
 
     failed = files_used(tree).line

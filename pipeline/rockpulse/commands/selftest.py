@@ -1,10 +1,10 @@
-"""``rockpulse selftest``: the solvers of this installation on stored cases, against answers of 24 digits."""
+"""``rockpulse selftest``: run the solvers of this installation on stored cases with results of 24 digits."""
 
 import argparse
 import math
 
-from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import QUIET
 from rockpulse.commands.terminal import tell
 
 #: Columns of the table and their widths.
@@ -38,7 +38,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _line(cells: list[str]) -> str:
-    widths = zip(cells, HEADS.values(), strict=False)  # some cases are not for solve_ivp
+    widths = zip(cells, HEADS.values(), strict=False)  # some cases cannot be solved by solve_ivp
     return " ".join(cell.ljust(-width) if width < 0 else cell.rjust(width) for cell, width in widths)
 
 
@@ -51,7 +51,7 @@ def _cost(value: float) -> str:
 
 
 def _machine() -> str:
-    """Versions, processor and threads."""
+    """Describe versions, processor and threads."""
     import platform
     from importlib.metadata import version
     from pathlib import Path

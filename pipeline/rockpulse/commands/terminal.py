@@ -1,4 +1,4 @@
-"""Words for the user on the terminal, who may have left: texts, progress bars, and what is wrong with a file."""
+"""Output on the terminal, which may be closed: texts, progress bars, and descriptions of file errors."""
 
 import argparse
 import errno
@@ -16,7 +16,7 @@ from rockpulse.foreign_text import escaped
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
-    """Print a text with control characters as escapes; what nobody reads any more, as in ``| head``, is dropped."""
+    """Print a text with control characters escaped; text for a closed pipe, as in ``| head``, is dropped."""
     file = sys.stdout if file is None else file
     try:
         print(escaped(text), file=file, flush=True)
@@ -25,23 +25,23 @@ def tell(text: str, file: TextIO | None = None) -> None:
 
 
 def forsake(file: TextIO) -> None:
-    """Have the rest of what is written to standard output or standard error go nowhere."""
+    """Discard all further text to standard output or standard error."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, file.fileno())
     os.close(nowhere)
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """``tqdm.tqdm`` on standard error: silent where that is asked for, or where it is no terminal."""
+    """Return ``tqdm.tqdm`` on standard error, disabled if `quiet` or if it is not a terminal."""
     from tqdm import tqdm
 
-    # Of a terminal without a size tqdm would show nothing at all.
+    # On a terminal without a size tqdm would show nothing.
     sized = quiet or not sys.stderr.isatty() or os.get_terminal_size(sys.stderr.fileno()).columns > 0
     return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": 80, "nrows": 24}))
 
 
 class _KernelLines(logging.Handler):
-    """Prints what the cache of compiled kernels says, above a progress bar; that it compiles only on a terminal."""
+    """Print the warnings of the kernel cache above a progress bar, and the start of a compilation on terminals only."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print the line of a record."""
@@ -53,8 +53,8 @@ class _KernelLines(logging.Handler):
 
 
 @contextmanager
-def kernels_told(quiet: bool) -> Iterator[None]:
-    """Within it, compiling and faults of the cache of compiled kernels are told on standard error, unless quiet."""
+def kernel_messages(quiet: bool) -> Iterator[None]:
+    """Context manager that prints the messages of the kernel cache on standard error, unless `quiet`."""
     logger, handler = logging.getLogger("rockpulse.kernels"), _KernelLines()
     if not quiet:
         logger.addHandler(handler)
@@ -66,7 +66,7 @@ def kernels_told(quiet: bool) -> Iterator[None]:
         logger.setLevel(logging.NOTSET)
 
 
-#: The command that would make a missing file, by the argument that names the file.
+#: Command that makes a missing file, by the argument that names the file.
 MISSING = {
     "config": "rockpulse init-config -o FILE writes one to fill in",
     "sequence": "rockpulse calibrate writes one",
@@ -79,11 +79,11 @@ MISSING = {
 
 #: Arguments that name results to read.
 RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
-#: Differences of a results file that a message names.
+#: Largest number of differences of a results file in a message.
 SAID = 3
 #: Arguments that name a file to write.
 WRITTEN = ("output", "log_file")
-#: Arguments whose name is left out where a message begins with the file.
+#: Arguments whose name is omitted in messages that begin with the file.
 BARE = ("results", "first", "second")
 
 
@@ -110,7 +110,7 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
 
 
 def differing_results(args: argparse.Namespace) -> str:
-    """How the results that a verb was to read differ from what was written; empty if none does, or none is read."""
+    """Describe how the results that a verb reads differ from what was written; empty without differences."""
     from rockpulse.storage.hdf5.verification import verify
 
     named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]
@@ -121,7 +121,7 @@ def differing_results(args: argparse.Namespace) -> str:
             found = verify(path, inputs=False)
         except RockpulseError as error:
             return str(error)
-        if found.variables and found.differences:  # without checksums nothing is compared
+        if found.variables and found.differences:  # without checksums no comparison is possible
             changed = [one for one in found.differences if one.startswith("variable ")] or [*found.differences]
             return (
                 f"{path} is not as it was written ({'; '.join(changed[:SAID])}); 'rockpulse verify {path}' lists every "

@@ -5,7 +5,7 @@ import argparse
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import progress_bars, tell
 
-#: Input files that are named where they are not found.
+#: Largest number of missing input files in a message.
 LISTED = 5
 
 

@@ -1,4 +1,4 @@
-"""The bodies of a configuration as the user gives them, what holds them and what they stand on; the model's blocks."""
+"""Settings of the bodies of a configuration, their restraints and supports, and their conversion to blocks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rocking.body.limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
+from rocking.body.limits import LARGEST_SIZE, radius_of_rectangle, size_problem
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, choice, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
 
 logger = logging.getLogger("rockpulse")
-#: Full sizes above the largest one that is not doubted are taken for millimetres from here on, below for centimetres.
+#: An unusually large size is taken for millimetres from this number on, and for centimetres below it.
 _MILLIMETRES = 500.0
 
 
@@ -61,10 +61,10 @@ _CORNERS = ("b_1", "b_2", "centre", "gyration")
 
 @dataclass(frozen=True)
 class _OfModel(Section):
-    """What the model has under the same name and with the same keys."""
+    """Base of settings that have the same keys as a class of the model."""
 
     def made(self) -> Any:
-        """The same for the model."""
+        """Return the object of the model."""
         import rocking
 
         cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))
@@ -73,7 +73,7 @@ class _OfModel(Section):
 
 @dataclass(frozen=True)
 class TieSettings(_OfModel):
-    """A tie or restrainer, as :class:`rocking.Tie` has it; without a yield force or ultimate elongation it has none."""
+    """A tie or restrainer (:class:`rocking.Tie`); yield force and ultimate elongation are optional."""
 
     heading = "[[block.tie]]"
     height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
@@ -87,9 +87,9 @@ class TieSettings(_OfModel):
 
 @dataclass(frozen=True)
 class FloorSettings(Section):
-    """A mode of the building under a body, as :func:`rocking.floor_motion` has it, with the mass of the floor.
+    """A mode of the building under a body, as for :func:`rocking.floor_motion`, with the mass of the floor.
 
-    `level` is its height over that of the building [-], which a check of codes asks for.
+    `level` is the height of the floor over that of the building [-], needed for code checks.
     """
 
     heading = "[[block.floor]]"
@@ -102,7 +102,7 @@ class FloorSettings(Section):
 
 @dataclass(frozen=True)
 class LoadSettings(_OfModel):
-    """A roof or floor that rests on a body, as :class:`rocking.Load` has it."""
+    """A roof or floor that rests on a body (:class:`rocking.Load`)."""
 
     heading = "[[block.load]]"
     weight: float = number(dataclasses.MISSING, low=0.0, above=True, unit="N")
@@ -113,7 +113,7 @@ class LoadSettings(_OfModel):
 
 @dataclass(frozen=True)
 class ThrustSettings(_OfModel):
-    """A constant horizontal force, as :class:`rocking.Thrust` has it."""
+    """A constant horizontal force on a body (:class:`rocking.Thrust`)."""
 
     heading = "[[block.thrust]]"
     force: float = number(dataclasses.MISSING, unit="N")
@@ -123,9 +123,9 @@ class ThrustSettings(_OfModel):
 
 @dataclass(frozen=True)
 class PedestalSettings(Section):
-    """A rectangular part that a body stands on, in the middle of its top, and that may rock with it as one body.
+    """A rectangular pedestal under the centre of a body, which may rock together with it as one body.
 
-    `friction` is that at its own base, by which sliding of the whole is checked.
+    `friction` is the coefficient at the base of the pedestal, used to check sliding of both together.
     """
 
     heading = "[[block.pedestal]]"
@@ -136,18 +136,18 @@ class PedestalSettings(Section):
 
 
 def floors_as_text(floors: Sequence[FloorSettings]) -> str:
-    """Modes of a building as a text of JSON; empty for the ground."""
+    """Return the modes of a building as JSON text; empty for the ground."""
     return json.dumps([vars(one) for one in floors]) if floors else ""
 
 
 def floors_from_text(told: str) -> list[FloorSettings]:
-    """Modes from :func:`floors_as_text`."""
+    """Read modes from the text of :func:`floors_as_text`."""
     return [FloorSettings(**one) for one in json.loads(told)] if told else []
 
 
 @dataclass(frozen=True)
 class BlockSettings(Section):
-    """One body: by its full width and height, by its corners, or by p and alpha, with its radius where it is known.
+    """One body: given by full width and height, by its corners, or by p and alpha with an optional radius.
 
     Attributes
     ----------
@@ -156,45 +156,44 @@ class BlockSettings(Section):
     width, height : float or None
         Full size in the plane of rocking [m].
     p, alpha, radius : float or None
-        Frequency parameter [1/s] and critical angle [rad] of a body that is no rectangle, and R from the corner to the
-        centre of mass [m], by which its angular momentum is judged; without it that of the rectangle with the same
-        alpha.
+        Frequency parameter [1/s] and critical angle [rad] of a body of another shape, and R from the corner to the
+        centre of mass [m] for its angular momentum; by default that of the rectangle with the same alpha.
     restitution : float, str or tuple of float
-        Velocity ratio of an impact [-], "housner" (the most that angular momentum allows), or several values to be
-        assessed side by side.
+        Velocity ratio of an impact [-], "housner" (the largest that angular momentum allows), or several values that
+        are assessed in parallel.
     gravity : float
         Acceleration of gravity at the block [m/s2].
     b_1, b_2, centre, gyration : float or None
-        A body without symmetry, as :meth:`rocking.Block.from_corners` has it [m]: the horizontal distances of its
-        corners from the centre of mass, the height of that and the radius of gyration about it.
+        An asymmetric body (:meth:`rocking.Block.from_corners`) [m]: the horizontal distances of its corners from the
+        centre of mass, the height of the centre of mass and the radius of gyration about it.
     offset, lean : float
         Distance of the centre of mass of a rectangle from the middle of its base towards theta > 0 [m], and tilt to
         that side [rad].
     one_sided : bool
-        Whether it leans on a wall and falls away from it only.
+        Whether the body leans on a wall and can fall only away from it.
     rebound : float, str, tuple of float or None
-        Of such a body, in place of the restitution: the share of its speed that a return to the wall leaves [-], or
-        "sorrentino", which stands where none is given.
+        For a one-sided body, instead of the restitution: the share of speed after a return to the wall [-], or
+        "sorrentino" (default).
     facing, azimuth : float or None
-        Azimuths, clockwise from north [degrees], towards which such a body falls, and in which the body rocks, for
-        pairs of channels; without an azimuth the `facing`, else that of [records].
+        Azimuth, clockwise from north [degrees], towards which a one-sided body falls, and azimuth in which the body
+        rocks, for pairs of channels; by default `facing`, else the azimuth of [records].
     friction : float or None
-        Coefficient at the base, by which sliding is checked [-].
+        Coefficient of friction at the base, used to check sliding [-].
     mass, density, length : float or None
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
     ties, loads, thrusts, floors, pedestals : tuple
-        In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]: the modes of
-        the building under it, and the parts that it stands on, from its foot downwards: it is assessed alone, and as
-        one body with each of them and those above.
+        In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]: floors are the
+        modes of the building under the body, pedestals the parts below it from top to bottom: it is assessed alone, and
+        as one body with the first pedestal, the first two, and so on.
     confirm_size : bool
-        Take also a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body by p and
-        alpha is measured as the rectangle with its R and alpha.
+        Accept a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body given by p
+        and alpha is judged as the rectangle with its R and alpha.
 
     Raises
     ------
     ConfigError
-        Unless exactly one of the three descriptions is given, with sizes that are positive, for a size that is doubted
-        and not confirmed, and for a key that does not go with the others.
+        Unless exactly one of the three descriptions is given, with positive sizes, for an unusual size that is not
+        confirmed, and for a key that is not allowed with the others.
 
     Examples
     --------
@@ -234,7 +233,7 @@ class BlockSettings(Section):
 
     @property
     def where(self) -> str:
-        """The name of this block in messages."""
+        """Name of this block in messages."""
         return f'[[block]] "{self.name}"' if _is_name(self.name) else self.heading
 
     def __post_init__(self) -> None:
@@ -274,7 +273,7 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """The model's block, one lane or one per restitution of a list, its warnings logged; ConfigError if refused."""
+        """Make the block, one lane or one per restitution, and log its warnings; raise ConfigError if it is refused."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
@@ -298,7 +297,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """The body as one with its first pedestal, with the first two..., by name; ConfigError without a mass."""
+        """Return the body combined with its first pedestal, the first two, ..., by name; ConfigError without a mass."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
@@ -316,7 +315,7 @@ class BlockSettings(Section):
 
 
 def require_pairs(blocks: Iterable[BlockSettings], records: RecordSettings) -> None:
-    """Raise ConfigError for a body with a direction of its own where channels are taken as they were recorded."""
+    """Raise ConfigError for a body with its own direction if channels are used as recorded."""
     own = [block.where for block in blocks if block.azimuth is not None]
     if own and records.components == "horizontal":
         raise ConfigError(
@@ -326,7 +325,7 @@ def require_pairs(blocks: Iterable[BlockSettings], records: RecordSettings) -> N
 
 
 def _doubt(block: BlockSettings) -> str:
-    """The doubt about the size of a body, and what to give instead; an empty text where there is none."""
+    """Say why the size of a body looks wrong, and what to give instead; empty for usual sizes."""
     if block.width is not None and block.height is not None:
         width, height = block.width, block.height
         larger = "millimetres?" if max(width, height) >= _MILLIMETRES else "centimetres?"
@@ -347,12 +346,12 @@ def _doubt(block: BlockSettings) -> str:
         source = "p and alpha" if block.radius is None else "radius and alpha"
         found = f"{source} of a rectangle of {width:.3g} x {height:.3g} m."
         advice = "give p = sqrt(M g R/I_0) in 1/s, alpha in rad, the radius in m"
-    doubt = doubt_of_size(width, height)
+    doubt = size_problem(width, height)
     return doubt and f"{found} A body {doubt} is taken only where that is confirmed: {advice}"
 
 
 def parse_block_option(option: str, confirm_size: bool = False) -> BlockSettings:
-    """A block from ``NAME=WIDTHxHEIGHT`` with full sizes in m; ConfigError for other texts and doubted sizes."""
+    """Parse ``NAME=WIDTHxHEIGHT`` with full sizes in m; ConfigError for other texts and unusual sizes."""
     name, equals, size = option.rpartition("=")
     width, times, height = size.lower().partition("x")
     if not (equals and times):

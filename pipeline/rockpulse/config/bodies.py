@@ -1,4 +1,4 @@
-"""The bodies of an assessment, as a configuration or Python gives them, as the lanes of one :class:`rocking.Block`."""
+"""The bodies of an assessment, from a configuration or from Python, as the lanes of one :class:`rocking.Block`."""
 
 from __future__ import annotations
 
@@ -15,53 +15,53 @@ from rockpulse.config.block_settings import BlockSettings, FloorSettings, requir
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 
-#: Mass of a body over that of its floor above which it would change the floor's motion noticeably [-].
+#: If the mass of a body over that of its floor is above this, it would change the floor's motion noticeably [-].
 LIGHT = 0.05
 
 
-class Place(NamedTuple):
-    """The motion that a body feels, beside the record itself."""
+class FeltMotion(NamedTuple):
+    """The direction and the floor that determine the motion under a body."""
 
-    azimuth: float | None  #: direction of the pair of channels that it is taken in [degrees]; None for the record's own
-    floors: tuple[FloorSettings, ...]  #: modes of the building that it stands on; none on the ground
+    azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for the record's own
+    floors: tuple[FloorSettings, ...]  #: modes of the building under the body; empty on the ground
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Named bodies in the order of the configuration, and the lanes that stand for them."""
+    """Named bodies in the order of the configuration, and their lanes."""
 
     names: tuple[str, ...]
-    #: len(names) x `cases` lanes, the cases of one body next to each other.
+    #: len(names) x `cases` lanes, with the cases of one body adjacent.
     lanes: Block
     #: Restitution values per body; 1 unless a list was given (a single value is then repeated).
     cases: int
-    #: Full sizes of each body [m]; NaN for one given by p and alpha.
+    #: Full sizes of each body [m]; NaN for a body given by p and alpha.
     width: np.ndarray
     height: np.ndarray
-    #: Azimuth towards which each body before a wall falls [degrees]; NaN where it is not known.
+    #: Azimuth towards which each one-sided body falls [degrees]; NaN if unknown.
     facing: np.ndarray
-    #: Direction of its own in which each body is shaken by a pair of channels [degrees]; NaN for that of the records.
+    #: Azimuth to which pairs of channels are rotated for each body [degrees]; NaN for that of the records.
     azimuth: np.ndarray
-    #: Coefficient of friction at the base of each body [-]; NaN where it was not given.
+    #: Coefficient of friction at the base of each body [-]; NaN if not given.
     friction: np.ndarray
-    #: Modes of the building under each body; none for one on the ground.
+    #: Modes of the building under each body; empty on the ground.
     floors: tuple[tuple[FloorSettings, ...], ...]
-    #: Name of the body that each takes together with its pedestal; empty for all others.
+    #: Name of the body that is combined with its pedestal; empty for other bodies.
     pedestal_of: tuple[str, ...]
-    #: Remarks on each body, one a line.
+    #: Warnings on each body, one per line.
     warnings: tuple[str, ...]
 
-    def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
-        """The motions that bodies feel, with their numbers, the record's own (`within` degrees of `azimuth`) first."""
+    def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
+        """Group body indices by place, the record's own place (`within` degrees of `azimuth`) first."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
-            own.append(Place(direction if other else None, floors))
+            own.append(FeltMotion(direction if other else None, floors))
         every = sorted(dict.fromkeys(own), key=lambda place: (place.azimuth is not None, len(place.floors)))
         return [(one, np.flatnonzero([place == one for place in own])) for one in every]
 
     def chosen(self, places: np.ndarray) -> Bodies:
-        """Some of the bodies."""
+        """Select bodies by index."""
         lanes = (places[:, np.newaxis] * self.cases + np.arange(self.cases)).reshape(-1)
         some: dict[str, Any] = {
             name: getattr(self, name)[places] for name in ("width", "height", "facing", "azimuth", "friction")
@@ -75,7 +75,7 @@ class Bodies:
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
     def apart(self) -> tuple[list[str], Block, np.ndarray]:
-        """Names, lanes and body of each restitution as a body of its own, "wall C 0.9"; ConfigError for equal names."""
+        """Split restitutions into bodies such as "wall C 0.9": names, lanes, body; ConfigError for equal names."""
         names, kept = [], []
         for place, (name, own) in enumerate(
             zip(self.names, self.per_case(np.asarray(self.lanes.restitution)), strict=True)
@@ -95,7 +95,7 @@ class Bodies:
 
 
 def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodies:
-    """Line up the bodies of a configuration or Python, a Block (c,) as c restitutions of one; ConfigError if none."""
+    """Collect the bodies of a configuration or Python, a Block (c,) as c restitutions of one; ConfigError if none."""
     bodies = list(given_bodies(blocks))
     if records is not None:
         require_pairs([one for _, one in bodies if isinstance(one, BlockSettings)], records)
@@ -148,20 +148,20 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
 
 
 def refuse_aloft(bodies: Bodies, why: str) -> None:
-    """Raise ConfigError where a body stands on a floor, and say why that cannot be."""
+    """Raise ConfigError with the reason `why` if a body stands on a floor."""
     names = [name for name, floors in zip(bodies.names, bodies.floors, strict=True) if floors]
     if names:
         raise ConfigError(f"[[block.floor]] of {', '.join(names)}: {why}; leave such bodies out, or their floors")
 
 
 def _told(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
-    """A key of each body; NaN where it was not given, or the body is a Block."""
+    """Return the value of a key for each body; NaN if it was not given or the body is a Block."""
     values = [given[name][key] if name in given else None for name in named]
     return np.array([np.nan if value is None else value for value in values], dtype=float)
 
 
 def _heavy(body: BlockSettings, block: Block) -> list[str]:
-    """A remark on a body that is heavy beside its floor."""
+    """Return a warning for a body that is heavy compared with its floor."""
     masses = [floor.mass for floor in body.floors if floor.mass is not None]
     mass = float(np.max(block.mass))
     if not masses or not mass > LIGHT * min(masses):
@@ -172,7 +172,7 @@ def _heavy(body: BlockSettings, block: Block) -> list[str]:
     ]
 
 
-#: Bodies: by their names full (width, height) in m, Blocks or BlockSettings; or BlockSettings in a row.
+#: Bodies: a mapping of names to full (width, height) in m, Blocks or BlockSettings; or a sequence of BlockSettings.
 Blocks: TypeAlias = Mapping[str, tuple[float, float] | Block | BlockSettings] | Sequence[BlockSettings]
 
 EXPECTED = (
@@ -182,7 +182,7 @@ EXPECTED = (
 
 
 def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
-    """Every body with its name, sizes as settings; a ConfigError says what was expected."""
+    """Return every body with its name, with sizes converted to settings; ConfigError for other input."""
     if isinstance(blocks, Mapping):
         for name, body in blocks.items():
             yield name, _named(name, body)
@@ -211,6 +211,6 @@ def _named(name: Any, body: Any) -> Block | BlockSettings:
 
 
 def _found(value: Any) -> str:
-    """What was found, with its type and as much of it as fits a line."""
+    """Describe a wrong value by its type and the part of it that fits on a line."""
     text = repr(value)
     return f"{type(value).__name__} {text if len(text) <= 60 else text[:57] + '...'}"

@@ -1,4 +1,4 @@
-"""The configuration of an assessment: a strict TOML file, or the same sections built in Python."""
+"""The configuration of an assessment: a strictly checked TOML file, or the same sections built in Python."""
 
 import dataclasses
 import os
@@ -16,15 +16,15 @@ from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
 
-#: Sections of which there may be several.
+#: Sections that may occur several times.
 SEVERAL = ("block", "demand")
-#: What messages call a configuration that results hold.
+#: Name of a stored configuration in messages.
 STORED = "the configuration stored in the results"
 
 
 @dataclass(frozen=True)
 class Config:
-    """Everything an assessment needs beside the records.
+    """The settings of an assessment, all inputs besides the records.
 
     Attributes
     ----------
@@ -34,12 +34,12 @@ class Config:
     blocks, demands : tuple of BlockSettings, tuple of DemandSettings
         The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file.
     folder : Path
-        The folder that ``records.paths`` is relative to, that of the file. Not part of the comparison or of the text.
+        Folder of the file, to which ``records.paths`` is relative. Not part of comparison or text.
 
     Raises
     ------
     ConfigError
-        For two blocks or two demands of one name, and for sections that do not go together.
+        For two blocks or two demands with the same name, and for sections that contradict each other.
 
     Examples
     --------
@@ -93,15 +93,15 @@ class Config:
 
     @property
     def has_probability(self) -> bool:
-        """Whether a probability of overturning is worked out: it is asked for, and a full model is in use."""
+        """Whether a probability of overturning is computed: it is requested, and a full model is in use."""
         return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
-        """``records.paths`` as they are found from the current folder."""
+        """``records.paths`` relative to the current folder."""
         return [located(path, self.folder) for path in self.records.paths]
 
     def as_text(self) -> str:
-        """The resolved configuration as TOML; it loads back to an equal Config."""
+        """Return the resolved configuration as TOML, which loads back to an equal Config."""
         parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
         parts += [_as_toml(entry.heading, entry) for entry in (*self.blocks, *self.demands)]
         return "\n".join(parts)
@@ -122,13 +122,13 @@ def _require_different(heading: str, names: list[str]) -> None:
 
 
 def located(path: str, folder: Path) -> Path:
-    """A path or pattern that counts from a folder, as found from elsewhere; the folder's name is no pattern."""
+    """Join a path or pattern to the folder to which it is relative; the folder's name is not used as a pattern."""
     found = folder / path
     return Path(escape(str(folder))) / path if has_magic(path) and not os.path.lexists(found) else found
 
 
 def config_from_text(text: str) -> Config:
-    """The configuration that results hold as text, as :meth:`Config.as_text` made it; a ResultsError for another."""
+    """Read the configuration stored in results, as :meth:`Config.as_text` wrote it; ResultsError for other text."""
     try:
         return _build(stored_sections(text), Path())
     except ConfigError as error:
@@ -136,7 +136,7 @@ def config_from_text(text: str) -> Config:
 
 
 def stored_sections(text: str) -> dict[str, Any]:
-    """The sections of the configuration that results hold as text; a ResultsError where these are no sections."""
+    """Return the sections of the configuration stored in results; ResultsError if it has none."""
     found = parse_toml(text, STORED, ResultsError)
     for name, values in found.items():
         several = name in SEVERAL and isinstance(values, list)
@@ -146,7 +146,7 @@ def stored_sections(text: str) -> dict[str, Any]:
 
 
 def given_config(config: Config | str | os.PathLike[str] | None) -> Config:
-    """The configuration that was given or that a file holds, the defaults without one; else a ConfigError."""
+    """Return the given configuration, that of a file, or the defaults for None; else raise ConfigError."""
     if config is None:
         return Config()
     if isinstance(config, (str, os.PathLike)):
@@ -162,7 +162,7 @@ def load_config(path: str | Path) -> Config:
     Parameters
     ----------
     path : str or Path
-        The file; relative ``records.paths`` in it count from its folder.
+        The file; ``records.paths`` in it are relative to its folder.
 
     Returns
     -------
@@ -171,16 +171,16 @@ def load_config(path: str | Path) -> Config:
     Raises
     ------
     ConfigError
-        For a pipe or a device, a file of more than 1 MB or that is no TOML, an unknown section or key, a wrong type,
-        a value that is not allowed, or a logo that is no small PNG.
+        For a pipe or a device, a file above 1 MB or that is not TOML, an unknown section or key, a wrong type, a value
+        that is not allowed, or a logo that is not a small PNG.
     OSError
-        Where the file cannot be opened.
+        If the file cannot be opened.
     """
     path = Path(path)
     document = parse_toml(read_text(path, TOML_LIMIT, "a TOML file"), str(path))
     try:
         config = _build(document, path.parent)
-        logo_bytes(config.report, config.folder)  # a logo that cannot be taken over is told before any work
+        logo_bytes(config.report, config.folder)  # an unusable logo is reported before any work
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
     return config
@@ -223,7 +223,7 @@ def _section(cls: type[Section], values: Any) -> Any:
 
 
 def _toml_key(item: dataclasses.Field[Any]) -> str:
-    """The key of a field; one that holds sections has the last word of their heading, as `file` of [[records.file]]."""
+    """Return the TOML key of a field; nested sections use the last word of their heading, as in [[records.file]]."""
     cls = item.metadata.get("entries")
     return item.name if cls is None else str(cls.heading).strip("[]").rpartition(".")[2]
 

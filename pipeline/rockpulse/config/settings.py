@@ -1,4 +1,4 @@
-"""The sections of the configuration: their keys, defaults and allowed values, one dataclass a section."""
+"""The sections of the configuration: one dataclass per section with keys, defaults and allowed values."""
 
 import math
 from dataclasses import MISSING, dataclass
@@ -11,21 +11,21 @@ from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quot
 
 #: Spacings of the secondary impulses.
 SPACINGS = ("end", "middle", "start", "open", "continuous")
-#: Words of `weights`, which also takes the name of a table.
+#: Values of `weights`, which may also be the name of a table.
 WEIGHTS = ("equal", "event")
-#: Most processes of one machine.
+#: Largest number of processes on one machine.
 MOST_WORKERS = 10_000
 
 
 def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "drop it") -> ConfigError:
-    """The error on some keys that belong to other words of another key."""
+    """Return the error for keys that are only allowed with other values of another key."""
     they = "they belong" if "," in keys else "it belongs"
     return ConfigError(f'{section.where} {keys}: {they} to {key} = {words}, found {key} = "{section[key]}"; {advice}')
 
 
 @dataclass(frozen=True)
 class SiteSettings(Section):
-    """The subject of the study; free text that goes into the results."""
+    """Name and description of the study, free text that is stored in the results."""
 
     heading = "[site]"
     name: str = text()
@@ -34,13 +34,13 @@ class SiteSettings(Section):
 
 @dataclass(frozen=True)
 class RecordSettings(Section):
-    """The records that are read, their unit where the file does not say it, and the part of them that is stored.
+    """The records to read, their unit if the file does not state it, and the stored part of them.
 
-    `confirm` holds patterns of the ids of channels whose peak above 5 g is right; `files` the units and intervals of
-    some files only, in TOML [[records.file]].
+    `confirm` has patterns of the ids of channels whose peak above 5 g is correct; `files` has units and intervals of
+    single files, in TOML [[records.file]].
 
-    The azimuth is the direction in which the body rocks: for a wall or façade the one perpendicular to its plane, 45
-    degrees for a façade that looks north-east. 45 and 225 are the same for a body that rocks to both sides.
+    The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, 45 degrees for a
+    façade that faces north-east. 45 and 225 are the same for a body that rocks to both sides.
     """
 
     heading = "[records]"
@@ -100,7 +100,7 @@ class ConditioningSettings(Section):
 
 @dataclass(frozen=True)
 class HalfWaveSettings(Section):
-    """The lobes that count as half-waves; keyword arguments of :func:`rockpulse.half_waves`."""
+    """Criteria for half-waves; keyword arguments of :func:`rockpulse.half_waves`."""
 
     heading = "[half_waves]"
     threshold: float = number(0.0, low=0.0, high=1.0)
@@ -110,7 +110,7 @@ class HalfWaveSettings(Section):
 
 @dataclass(frozen=True)
 class IntensePhaseSettings(Section):
-    """The part of the record that is calibrated on; keyword arguments of :func:`rockpulse.intense_phase`."""
+    """The part of the record used for calibration; keyword arguments of :func:`rockpulse.intense_phase`."""
 
     heading = "[intense_phase]"
     method: str = choice("D5-95", ("D5-95", "D5-75", "bracketed", "window"))
@@ -132,10 +132,10 @@ class IntensePhaseSettings(Section):
 
 @dataclass(frozen=True)
 class SequenceSettings(Section):
-    """Options of a record's sequence; all but the method are arguments of :func:`rockpulse.record_sequence`.
+    """Options of a record's sequence; all except the method are arguments of :func:`rockpulse.record_sequence`.
 
-    The method "rule" gives every body a sequence of its own, by the conservative point of the rule; "statistics" one
-    for all bodies, from the half-waves of the record.
+    The method "rule" gives every body its own sequence, by the conservative point of the rule; "statistics" gives one
+    sequence for all bodies, from the half-waves of the record.
     """
 
     heading = "[sequence]"
@@ -160,7 +160,7 @@ _NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str)
 
 @dataclass(frozen=True)
 class DemandSettings(Section):
-    """The demand of the site in one limit state: the strength that records are brought to, and bodies are judged at.
+    """The demand of the site in one limit state: the strength to which records are scaled to judge bodies.
 
     `acceleration` is another way to write `measure = "pga"` with its `value`.
     """
@@ -198,9 +198,9 @@ class DemandSettings(Section):
 
 @dataclass(frozen=True)
 class CalibrationSettings(Section):
-    """The way from the records of a site to its design sequence (:func:`rockpulse.calibrate`).
+    """Options of the calibration of a site on its records (:func:`rockpulse.calibrate`).
 
-    Without `weights` earthquakes are alike with the method "spectrum", and records are with "statistics".
+    By default earthquakes have equal weights with the method "spectrum", and records with "statistics".
     """
 
     heading = "[calibration]"
@@ -226,7 +226,7 @@ class CalibrationSettings(Section):
 
     @property
     def weighting(self) -> str:
-        """The weights in use: the given ones, or those of the method."""
+        """The weights in use: the given ones, or the default of the method."""
         if self.weights is not None:
             return self.weights
         return "event" if self.method == "spectrum" else "equal"
@@ -234,7 +234,7 @@ class CalibrationSettings(Section):
 
 @dataclass(frozen=True)
 class RunSettings(Section):
-    """The way in which the work is carried out."""
+    """Options of the execution of a run."""
 
     heading = "[run]"
     workers: str | int = choice("all", ("all",), most=MOST_WORKERS)

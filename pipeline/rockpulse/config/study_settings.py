@@ -1,4 +1,4 @@
-"""Sections of what is asked beside the verdicts: [uncertainty], [fragility], [hazard], [check] and [report]."""
+"""Sections of the configuration for studies: [uncertainty], [fragility], [hazard], [check] and [report]."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENC
 if TYPE_CHECKING:
     from rocking.spectrum.probability import Uncertainty
 
-#: Limit states that are no rotation.
+#: Limit states other than rotations.
 UPLIFT, OVERTURNING = "uplift", "overturning"
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-#: Units of the levels of the measures that a hazard is given in.
+#: Units of the levels of each measure of a hazard.
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
-#: Largest logo [bytes]: as text it is an attribute of the results file, of which HDF5 takes 64 kB.
+#: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
-#: What every PNG begins with.
+#: First bytes of every PNG file.
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def _are_numbers(value: Any, count: int = 0) -> bool:
-    """Whether it is a list of numbers above 0, of one or more or of so many."""
+    """Whether it is a list of numbers above 0, with at least one or exactly `count` of them."""
     numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
     return numbers and (len(value) == count if count else bool(value))
 
@@ -75,22 +75,22 @@ _LEVELS = KeyType("a list of positive numbers that ascend", _ascend, _floats)
 
 @dataclass(frozen=True)
 class UncertaintySettings(Section):
-    """The uncertainty under which the probability of overturning is stated, and whether there is one.
+    """The uncertainty of the probability of overturning, and whether it is computed.
 
-    It is of the nonlinear model: without `nonlinear` among the models there is none. A body whose restitution
-    is a list has the range from its least to its largest value in place of `restitution`.
+    The probability is that of the nonlinear model, and is not computed without it. A body whose restitution is a list
+    has the range of its values instead of `restitution`.
     """
 
     heading = "[uncertainty]"
     probability: bool = boolean(True)
-    factor: float = number(0.10, low=0.02, high=1.0)  # as the solver takes it
+    factor: float = number(0.10, low=0.02, high=1.0)  # as the solver checks it
     restitution: tuple[float, float] = key((0.9, 1.0), _RANGE)
     geometry: float = number(0.05, low=0.0, high=1.0)
     azimuth: bool = boolean(False)
     spectrum: str = choice("bodies", ("bodies", "all"))
 
     def of_draws(self) -> Uncertainty:
-        """The same for the solver."""
+        """Return the uncertainty in the form of the solver."""
         from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
@@ -100,7 +100,7 @@ class UncertaintySettings(Section):
 class FragilitySettings(Section):
     """Limit states, measures and fits of :func:`rockpulse.fragility`.
 
-    `selection` is a table of records that were chosen elsewhere, with their factors or levels and weights, in place of
+    `selection` is a table of records selected by other software, with their factors or levels and weights; it replaces
     `stripe_levels`, `factors` and `pga_min`.
 
     Raises
@@ -133,11 +133,10 @@ class FragilitySettings(Section):
 
 @dataclass(frozen=True)
 class HazardSettings(Section):
-    """The hazard of the site: the file of a curve, or the power law k0 x^-k; and the time that is asked about.
+    """The hazard of the site, from the file of a curve or as power law k0 x^-k, and the exposure time.
 
-    `longitude` and `latitude` choose the site in a file of several. `measure` and `unit` are those of the power law,
-    the unit that in SI without; a file names its own. `soil_factor` brings the levels of a hazard on rock to the ground
-    of the site.
+    `longitude` and `latitude` select the site in a file of several. `measure` and `unit` apply to the power law, by
+    default in SI; a file states its own. `soil_factor` converts levels on rock to the ground of the site.
 
     Raises
     ------
@@ -175,25 +174,25 @@ class CheckSettings(Section):
     spectrum : str
         "ntc": NTC 2018, 3.2.3.2.1; "en_1998_1" and "en_1998_2": EN 1998-1, 3.2.2.2, types 1 and 2; "table": `file`.
     ag : float or None
-        Peak acceleration on rock [g], of the limit state that is checked; with the importance factor in it.
+        Peak acceleration on rock [g] in the limit state that is checked, including the importance factor.
     f0, tc_star : float or None
         F_0 [-] and T_C* [s] of an NTC spectrum.
     ground, topography : str
-        Categories; the topography is that of NTC.
+        Ground type, and topographic category of NTC.
     file : str or None
-        Table "period [s],sa [g]" from a period of 0, that of the ground's peak with its soil.
+        Table "period [s],sa [g]" from a period of 0, at which sa is the peak ground acceleration on soil.
     limit_state : str
-        Of Circolare 7/2019: "slv" or "slc".
+        Limit state of Circolare 7/2019: "slv" or "slc".
     q, confidence_factor : float
-        Behaviour factor of the linear checks and FC. FC is that of knowledge level LC1 unless the masonry's crushing is
-        in the multiplier (Circolare 7/2019, C8.7.1.2.1.3).
+        Behaviour factor of the linear checks, and FC. FC is that of knowledge level LC1 unless the multiplier accounts
+        for crushing of the masonry (Circolare 7/2019, C8.7.1.2.1.3).
     q_a, gamma_a : float
         Behaviour factor and importance factor of a non-structural element (EN 1998-1, 4.3.5).
 
     Raises
     ------
     ConfigError
-        For a table without its file, a file without "table", and a spectrum with only some of its numbers.
+        For a table without a file, a file without "table", and a spectrum with missing parameters.
     """
 
     heading = "[check]"
@@ -229,7 +228,7 @@ class CheckSettings(Section):
 
     @property
     def given(self) -> bool:
-        """Whether there is a demand."""
+        """Whether a demand is given."""
         return self.ag is not None or self.file is not None
 
 
@@ -245,7 +244,7 @@ class ReportSettings(Section):
 
 
 def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
-    """The logo, whose path counts from a folder, or empty; ConfigError for one too large, not there, or no PNG."""
+    """Read the logo, whose path is relative to a folder; ConfigError if it is missing, too large or not a PNG."""
     if report.logo is None:
         return b""
     path = folder / report.logo

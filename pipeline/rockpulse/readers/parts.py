@@ -13,7 +13,7 @@ from rockpulse.errors import Failure
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
-from rockpulse.remark import Remark, code_of, find
+from rockpulse.warning_text import WarningText, code_of, find
 
 _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
 
@@ -40,7 +40,7 @@ class PartRule:
         name = self.name.fullmatch(file.path.stem)
         if not name:
             return records
-        times, note = self.first_times(file), Remark("part_of_record", part=int(name[2]))
+        times, note = self.first_times(file), WarningText("part_of_record", part=int(name[2]))
         parts = []
         for record in records:
             first_time = times[record.component]

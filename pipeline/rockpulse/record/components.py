@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.errors import Failure, some
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 _REASONS = {
     "vertical": "vertical channel: read, not assessed as horizontal",
@@ -83,14 +83,14 @@ def select_horizontal(
     for record in records:
         kind = record.orientation
         if kind == "structural" and structural and np.isfinite(record.azimuth):
-            horizontal.append(record.with_warning(Remark("on_structure")))
+            horizontal.append(record.with_warning(WarningText("on_structure")))
         elif kind == "vertical" or kind == "structural":
             reason = _UPWARDS if kind == "structural" and structural else _REASONS[kind]
             if kind == "structural" and configured and not structural:
                 reason += _TAKEN
             failures.append(Failure(record.source, "select", f"{record.id}: {reason}", kind))
         elif kind == "unknown":
-            horizontal.append(record.with_warning(Remark("orientation_unknown")))
+            horizontal.append(record.with_warning(WarningText("orientation_unknown")))
         else:
             horizontal.append(record)
     return horizontal, failures

@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark, code_of, find
+from rockpulse.warning_text import WarningText, code_of, find
 
 #: The pre-event window ends where the energy about its own mean reaches this share of the whole record's.
 QUIET_SHARE = 1e-6
@@ -171,10 +171,10 @@ def _watched(record: Record) -> Record:
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
     record = record if warnings == record.warnings else replace(record, warnings=warnings)
     drifts = abs(final) > DRIFT_SHARE * peak
-    return _warned(record, Remark("baseline_drift", velocity=final, pgv=peak)) if drifts else record
+    return _warned(record, WarningText("baseline_drift", velocity=final, pgv=peak)) if drifts else record
 
 
-def _warned(record: Record, warning: Remark) -> Record:
+def _warned(record: Record, warning: WarningText) -> Record:
     logger.warning("%s: %s", record.id, warning)
     return record.with_warning(warning)
 
@@ -223,7 +223,7 @@ def _auto(record: Record, pre_event: float | None) -> Record:
     if record.processed is False:
         return _pre_event(record, pre_event)
     record = _polynomial(record, 0, "mean")
-    return record if find(record.warnings, "baseline_guessed") else _warned(record, Remark("baseline_guessed"))
+    return record if find(record.warnings, "baseline_guessed") else _warned(record, WarningText("baseline_guessed"))
 
 
 #: Functions that subtract the baseline of a record, by name.

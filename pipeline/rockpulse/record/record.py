@@ -66,7 +66,7 @@ class Record(Shown):
     event, event_id : str
         Name of the earthquake as in the file, and its identifier at the agency; empty where unknown.
     warnings : tuple of str
-        Warnings for the user; those that have a code are of :class:`rockpulse.remark.Remark`.
+        Warnings for the user; those that have a code are of :class:`rockpulse.warning_text.WarningText`.
     processing : tuple of str
         Conditioning steps applied so far, in order.
     magnitude, magnitude_type : float, str

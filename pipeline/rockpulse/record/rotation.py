@@ -22,7 +22,7 @@ from rockpulse.record.components import Pair, offset
 from rockpulse.record.conditioning import QUIET_LENGTH, condition, quiet_samples
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
-from rockpulse.remark import Remark, code_of, remarked
+from rockpulse.warning_text import WarningText, code_of, has_warning
 
 #: Two channels need at least this sine between them: below it (10 degrees) their noise is multiplied by more than 6.
 SMALLEST_SINE = 0.17
@@ -89,7 +89,7 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         header_peak=float("nan"),
         # Whether the velocity drifts is a matter of the direction.
         warnings=tuple(
-            text for text in _of_both(first, second, "warnings") if not remarked(code_of(text), "baseline_drift")
+            text for text in _of_both(first, second, "warnings") if not has_warning(code_of(text), "baseline_drift")
         ),
         processing=(*_of_both(first, second, "processing"), note),
     )
@@ -194,7 +194,7 @@ def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
     """Texts of both channels: once where both have it, else with the name of the channel in front."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
-        text if text in mine and text in others else Remark("of_channel", channel=record.channel, remark=text)
+        text if text in mine and text in others else WarningText("of_channel", channel=record.channel, warning=text)
         for record, texts in ((first, mine), (second, others))
         for text in texts
         if record is first or text not in mine
@@ -244,7 +244,7 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
     options, note = _with_common_window(cut, options)
     noted = [channel.with_note(note) if note else channel for channel in cut.channels]
     if pair.first.source != pair.second.source and None in (pair.first.start_time, pair.second.start_time):
-        noted = [channel.with_warning(Remark("start_assumed")) for channel in noted]
+        noted = [channel.with_warning(WarningText("start_assumed")) for channel in noted]
     first, second = (condition(channel, **options) for channel in noted)
     if not math.isclose(first.dt, second.dt, rel_tol=1e-9):
         raise RecordRefused(

@@ -1,6 +1,6 @@
-"""Many records: surveyed, planned, worked on by processes, kept in a journal, and assembled into one file.
+"""Runs over many records: survey, plan, worker processes, journal, and assembly of one file.
 
-The way of a run: `survey` reads every file once and keeps all but the samples; `analysis` plans on these what is
-assessed; `tasks` are carried out by the `crew`, each reading the samples of its records again; every finished one is
-durable in the `journal`, from which `assembly` writes the results in bounded memory (docs/decisions/014-batch.md).
+Steps of a run: `survey` reads every file once and keeps everything except the samples; `analysis` plans the work;
+workers (`crew`) execute the `tasks`, each reading the samples of its records again; every finished task is stored
+durably in the `journal`, from which `assembly` writes the results in bounded memory (docs/decisions/014-batch.md).
 """

@@ -1,4 +1,4 @@
-"""The analysis of a set of records in this process: plan the motions, work on each, collect the tree of results."""
+"""Analysis of a set of records in this process: plan the records, process each, collect the tree of results."""
 
 import logging
 import os
@@ -31,33 +31,33 @@ from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 __all__ = ["Analysis", "Blocks", "Part", "Plan", "Records", "Watch", "Work", "joined", "run", "worked"]
 logger = logging.getLogger("rockpulse")
-#: What an analysis is given: channels, or the files, folders, globs and zip archives that they are read from.
+#: Input of an analysis: channels, or the files, folders, globs and zip archives to read them from.
 Records: TypeAlias = str | os.PathLike[str] | Record | Iterable[str | os.PathLike[str]] | Iterable[Record]
-#: The arrays that one motion adds to the results, by variable; the first dimension is the one that grows.
+#: The arrays that one record adds to the results, by variable; the first dimension grows.
 Part = Mapping[str, np.ndarray]
-#: Measures the time of a step, by its name: ``with watch("solve"): ...``
+#: Measures the time of a named step: ``with watch("solve"): ...``
 Watch = Callable[[str], AbstractContextManager[Any]]
-#: From a motion to its part; a ValueError that it raises becomes a row of /failures.
+#: Function from a record to its part; a ValueError that it raises becomes a row of /failures.
 Work = Callable[[Motion, Watch], Part]
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The planned motions and their earthquakes."""
+    """The planned records and their earthquakes."""
 
     planned: list[PlannedMotion]  # in the order of the results
-    events: dict[str, str]  # earthquake by name of the motion
-    failures: list[Failure]  # rows of the records that are left out
+    events: dict[str, str]  # earthquake by id of the record
+    failures: list[Failure]  # rows of /failures of the records that are left out
 
 
 class Analysis(ABC):
-    """An analysis of every motion of a set of records, and of all their parts together."""
+    """Base class of an analysis: the work on every record of a set, and the collection of the parts."""
 
-    name: ClassVar[str]  # the verb, and the stage in rows of failures
-    doing: ClassVar[str]  # the verb as a progress bar shows it
-    kind: ClassVar[str]  # of the results, an attribute of their root
+    name: ClassVar[str]  # the command, and the stage in rows of failures
+    doing: ClassVar[str]  # the command in a progress bar
+    kind: ClassVar[str]  # kind of the results, an attribute of their root
     in_order_of_ids: ClassVar[bool] = True  # whether the records are sorted by id
-    event_name: ClassVar[str] = "event"  # variable of a part with the earthquake of its motion
+    event_name: ClassVar[str] = "event"  # variable of a part with the earthquake of its record
 
     def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         self.config = config
@@ -66,26 +66,26 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def work(self) -> Work:
-        """The function that makes the part of a motion; small, and picklable."""
+        """Return the function that makes the part of a record; small and picklable."""
 
     @property
     @abstractmethod
     def nothing(self) -> Part:
-        """Every array of a part, and the earthquake, in its type and shape and without a row."""
+        """Return every array of a part, and the earthquake, with their types and shapes and zero rows."""
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """The tree of results from the parts of all motions, in the order of the plan."""
+        """Return the tree of results from the parts of all records, in the order of the plan."""
 
     def described(self, tree: xr.DataTree, title: str) -> xr.DataTree:
-        """Sets the attributes of the root; `title` is the default of the name of the site."""
+        """Set the attributes of the root; `title` is the default name of the site."""
         site = self.config.site
         tree.attrs |= {"kind": self.kind, "title": site.name or title, "site_description": site.description}
         tree.attrs["configuration"] = self.config.as_text()
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plans the motions and groups them by earthquake; ConfigError for equal ids and tables that do not fit."""
+        """Plan the records and group them by earthquake; ConfigError for equal ids or tables that do not match."""
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
         if twice:
@@ -101,7 +101,7 @@ class Analysis(ABC):
         return Plan(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
 
     def dimension_of(self, name: str) -> str:
-        """The dimension along which an array of a part grows."""
+        """Return the dimension along which an array of a part grows."""
         return "record"
 
     def fits(self, part: Part) -> bool:
@@ -120,7 +120,7 @@ class Analysis(ABC):
         return all(len(every) == 1 for every in lengths.values())
 
     def of_event(self, part: Part, event: str) -> Part:
-        """Adds the earthquake to a part."""
+        """Add the earthquake to a part."""
         rows = len(part["record"]) if "record" in part else 1
         return {**part, self.event_name: np.array([event] * rows)}
 
@@ -131,7 +131,7 @@ def run(
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
-    """Carries out an analysis in this process; `progress` wraps the list of planned motions, as ``tqdm.tqdm`` does."""
+    """Run an analysis in this process; `progress` wraps the list of planned records, as ``tqdm.tqdm`` does."""
     plan = analysis.plan(*_given(records, failures, analysis.config.records))
     rows, parts = list(plan.failures), []
     for one in plan.planned if progress is None else progress(plan.planned):
@@ -146,7 +146,7 @@ def run(
 def _given(
     records: Records, failures: Iterable[Failure], options: RecordSettings
 ) -> tuple[list[Record], list[Failure]]:
-    """The records, read first if they are paths, and the failures with those of reading."""
+    """Return the records, reading paths first, and the failures including those of reading."""
     one = isinstance(records, (str, os.PathLike, Record))
     every: list[Any] = [records] if one else list(cast(Iterable[Any], records))
     if every and all(isinstance(item, (str, os.PathLike)) for item in every):
@@ -166,7 +166,7 @@ def _given(
 def worked(
     planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = nullcontext
 ) -> Iterator[Part | Failure]:
-    """Yields the part of every motion of a channel or pair, or a row of failures for each channel that is not used."""
+    """Yield the part of every record of a channel or pair, or a failure for each channel that is not used."""
     try:
         with watch("condition"):
             motions = conditioned_motions(planned, config)
@@ -190,7 +190,7 @@ def worked(
     for motion in motions:
         try:
             part = work(motion, watch)
-        except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
+        except ValueError as error:  # RockpulseError, and errors of models for invalid numbers
             yield _failure(motion.record, stage, error)
         else:
             yield part
@@ -204,7 +204,7 @@ def _failure(record: Record, stage: str, error: Exception) -> Failure:
 
 
 def joined(parts: Sequence[Part]) -> dict[str, np.ndarray]:
-    """The arrays of all parts one after the other, sorted by the variable "record"."""
+    """Join the arrays of all parts, sorted by the variable "record"."""
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     order = np.argsort(whole["record"], kind="stable")
     return {name: values[order] for name, values in whole.items()}

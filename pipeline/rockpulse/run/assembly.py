@@ -1,4 +1,4 @@
-"""The results file written from the parts of the records, in bounded memory, whole or not at all."""
+"""Writes the results file from the parts of the records, atomically and in bounded memory."""
 
 import os
 from collections import defaultdict
@@ -25,15 +25,15 @@ from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.probability import MEAN
 
-#: Attribute of the root: the run that wrote the file, as its journal names it.
+#: Attribute of the root: id of the run that wrote the file, as in its journal.
 RUN_ID = "run_id"
-#: Attribute of the root: SHA-256 of all that the run was asked for, as :func:`rockpulse.run.tasks.digest_of` makes it.
+#: Attribute of the root: SHA-256 of all inputs of the run, as :func:`rockpulse.run.tasks.digest_of` makes it.
 RUN_DIGEST = "run_digest"
-#: Size of the values that are written at once [bytes].
+#: Size of values that are written at once [bytes].
 CHUNK = 32 * 1024**2
-#: Overhead of an array in memory, and of a text in the file [bytes].
+#: Overhead per array in memory, and per text in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
-#: Variables of /summary from which /directions is made: of the record, and of its answers.
+#: Variables of /summary from which /directions is computed: of the record, and of its results.
 SWEPT_RECORD = ("record", PGA, "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
 SWEPT_PROBABILITY = ("overturning_probability",)
@@ -41,7 +41,7 @@ SWEPT_PROBABILITY = ("overturning_probability",)
 
 @dataclass(frozen=True)
 class JournalParts:
-    """The parts of finished tasks in an open journal, in the order of the keys; can be iterated repeatedly."""
+    """Repeatable iterator over the parts of finished tasks in an open journal, in the order of the keys."""
 
     journal: Journal
     analysis: Analysis
@@ -62,7 +62,7 @@ def write_results(
     overwrite: bool,
     digest: str,
 ) -> int:
-    """Writes the results of a run; returns the number of motions, and writes nothing for none."""
+    """Write the results of a run and return the number of records; without records no file is written."""
     analysis, run = parts.analysis, {RUN_ID: parts.journal.run_id, RUN_DIGEST: digest}
     if isinstance(analysis, Assessment):
         if not any(True for _ in parts):
@@ -87,17 +87,17 @@ def assemble(
     run: Mapping[str, str] | None = None,
     chunk: int = CHUNK,
 ) -> int:
-    """Writes the file that :func:`rockpulse.save` would write of the whole tree; returns the number of records.
+    """Write the file that :func:`rockpulse.save` would write from the whole tree; return the number of records.
 
-    `template` is the tree without a record. The `parts`, in the order of the rows, are iterated twice, first for their
-    sizes; an iterator raises TypeError. At most `chunk` bytes of arrays, or the largest part, are in memory; `run` are
-    attributes for :func:`run_of`. Raises ResultsError if the file exists or cannot be written; an old file stays.
+    `template` is the tree without records. The `parts`, in the order of the rows, are iterated twice, first for their
+    sizes; an iterator raises TypeError. At most `chunk` bytes of arrays, or the largest part, are in memory; `run` has
+    the attributes for :func:`run_of`. Raises ResultsError if the file exists or cannot be written; an old file is kept.
     """
     if iter(parts) is parts:
         raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
     records: list[str] = []
-    lengths: dict[str, int] = defaultdict(int)  # of each variable that grows
-    size = 0  # that the values take in the file, about [bytes]
+    lengths: dict[str, int] = defaultdict(int)  # total size of each variable that grows
+    size = 0  # approximate size of the values in the file [bytes]
     for part in parts:
         records += part["/summary/record"].tolist()
         for name, values in part.items():
@@ -120,7 +120,7 @@ def assemble(
 
 
 def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Id and digest of the run that has written a file; empty texts without one."""
+    """Return id and digest of the run that wrote a file; empty texts if unknown."""
     import h5py
 
     if not Path(path).is_file() or not h5py.is_hdf5(path):
@@ -144,7 +144,7 @@ def _stored_bytes(values: np.ndarray) -> int:
 def _lay_out(
     writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
 ) -> None:
-    """Creates every variable in its full size, and writes those that do not grow."""
+    """Create every variable in its full size, and write those that do not grow."""
     for node in template.subtree:
         dataset = node.to_dataset(inherit=False)
         if node.path == "/":
@@ -177,7 +177,7 @@ def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
 def _write_directions(
     writer: TreeWriter, empty: xr.Dataset, pairs: Mapping[str, Sequence[str]], records: Sequence[str], chunk: int
 ) -> None:
-    """Writes the statistics over direction, some pairs at a time."""
+    """Write the statistics over direction, some pairs at a time."""
     place = {record: number for number, record in enumerate(records)}
     azimuths = empty["direction_azimuth"].values.tolist()
     answers = empty["median_rotation_ratio"]

@@ -1,4 +1,4 @@
-"""A batch from paths to its file: survey, plan, work, assembly; finished records are never lost."""
+"""A batch run from paths to a results file: survey, plan, work, assembly; finished records are never lost."""
 
 import logging
 import os
@@ -19,22 +19,22 @@ from rockpulse.run.crew import Crew, WorkerLost
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted
-from rockpulse.run.survey import Located, gather, survey_file
+from rockpulse.run.survey import Located, gather_survey, survey_file
 from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 logger = logging.getLogger("rockpulse")
 PathLike = str | os.PathLike[str]
 Paths = PathLike | Iterable[PathLike]
-#: Files or records for which one more process is started; below, threads of this process share the bodies of each.
+#: Number of files or records per process; for fewer, threads of this process share the bodies of each.
 ITEMS_PER_WORKER = 8
 
 
 def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
     """Assess bodies under all records of some files, and write the results.
 
-    The results are those of :func:`rockpulse.assess`, with the samples of a few records only in memory. Each finished
-    record is kept in ``<output>.journal``.
+    The results equal those of :func:`rockpulse.assess`, but only the samples of a few records are in memory. Each
+    finished record is kept in ``<output>.journal``.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
     Raises
     ------
     ConfigError
-        For invalid bodies or an invalid scheduler, a table of events that does not fit, or a pattern of
-        ``config.records.files`` that chooses no file.
+        For invalid bodies or an invalid scheduler, a table of events that does not match the records, or a pattern of
+        ``config.records.files`` that matches no file.
     ResultsError
         If the output exists, cannot be written, or is being written by another process.
     StoppedAtFailure
@@ -67,29 +67,29 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
 
 
 def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate`); write the file.
+    """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate`) and write the file.
 
-    Arguments, outcome and errors are those of :func:`assess_files`; a table of weights that does not fit raises
-    ConfigError, records that make no site RecordRefused.
+    Arguments, result and errors are as in :func:`assess_files`; a table of weights that does not match the records
+    raises ConfigError, records without a design RecordRefused.
     """
-    # Imports scipy.stats, a third of the time in which a worker of an assessment starts.
+    # Imports scipy.stats, which would add a third to the start time of a worker.
     from rockpulse.studies.site.calibration import SiteCalibration
 
     return _Batch(SiteCalibration(config), output, options or BatchOptions()).carried_out(paths)
 
 
 def fragility_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Fit fragility curves to all records of some files (:func:`rockpulse.fragility`); write the file.
+    """Fit fragility curves to all records of some files (:func:`rockpulse.fragility`) and write the file.
 
-    Arguments, outcome and errors are those of :func:`assess_files`.
+    Arguments, result and errors are as in :func:`assess_files`.
     """
-    from rockpulse.studies.fragility.analysis import FragilityAnalysis
+    from rockpulse.studies.fragility.fragility import FragilityAnalysis
 
     return _Batch(FragilityAnalysis(config), output, options or BatchOptions()).carried_out(paths)
 
 
 class _Batch:
-    """One batch: its journal, its workers, and its tasks as soon as they are known."""
+    """One batch with its journal, its workers, and its tasks once they are known."""
 
     journal: Journal
     tasks: Sequence[Task] = ()
@@ -99,22 +99,22 @@ class _Batch:
         self.report = BatchReport()
 
     def carried_out(self, paths: Paths) -> BatchReport:
-        """Does everything from the paths to the file."""
+        """Run the whole batch from the paths to the file."""
         output, options = self.output, self.options
-        # A resumed run may find its own file, even a finished one.
+        # A resumed run may find its own file, even finished.
         check_target(output, options.overwrite or options.resume, self.analysis.kind)
-        if options.scheduler is not None:  # its workers run in other folders
+        if options.scheduler is not None:  # the workers run in other folders
             given = [paths] if isinstance(paths, str | os.PathLike) else paths
             paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
         found, rows = find_files(paths, (output, journal_path(output), *options.written))
         check_patterns(found, self.analysis.config.records.files)
         with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as resources:
             self.journal = journal
-            remove_parts(output)  # of killed runs
+            remove_parts(output)  # temporary files of killed runs
             try:
                 if self.worked(found, rows, resources):
                     return self.report
-            except RecordRefused:  # the records make no site
+            except RecordRefused:  # the records give no design
                 self.leave_without_output()
                 raise
             except BaseException as error:
@@ -143,7 +143,7 @@ class _Batch:
         return report
 
     def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
-        """Survey, plan, work and assembly; true if an earlier run has left nothing to do."""
+        """Survey, plan, work and assembly; True if an earlier run has finished everything."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
         replace = options.overwrite or run_id == journal.run_id
@@ -153,7 +153,7 @@ class _Batch:
         every, rows, unread = self.surveyed(crew, found, rows)
         plan = analysis.plan([one.record for one in every], rows)
         self.tasks = tasks_of(plan.planned, every, analysis.config, analysis.name)
-        del every  # the tasks have all of it, and a batch is large
+        del every  # the tasks contain all of it; this frees memory
         for row in plan.failures:
             if row.kind == "failed":
                 logger.error("%s", row.reason)
@@ -161,7 +161,7 @@ class _Batch:
                 options.tell(row.reason)
         self.stop_at(plan.failures)
         asked = digest_of(self.tasks, plan.events, analysis.config, analysis.name)
-        if before:  # the run that wrote the file has left no journal
+        if before:  # the run that wrote the file has removed its journal
             check_target(output, before == asked, analysis.kind)
             journal.remove()
             options.tell(f"{output}: the run had ended before, nothing was left to do")
@@ -177,7 +177,7 @@ class _Batch:
         return False
 
     def crew_for(self, items: int, resources: ExitStack, before: Crew | None = None) -> Crew:
-        """Workers for a number of items, with compiled kernels; the crew `before` is kept if it is large enough."""
+        """Return workers for a number of items, with compiled kernels; the workers `before` are kept if enough."""
         options = self.options
         if options.executor is not None:
             return before or resources.enter_context(Crew.through(options.executor))
@@ -192,14 +192,14 @@ class _Batch:
             return before
         if workers == 1:
             return resources.enter_context(Crew.inline())
-        resources.close()  # of those before
-        warm_up(self.analysis)  # once, here, not once in every worker
+        resources.close()  # of the earlier workers
+        warm_up(self.analysis)  # compile here once instead of in every worker
         return resources.enter_context(Crew.local(int(workers)))
 
     def surveyed(
         self, crew: Crew, found: Sequence[Found], failures: Sequence[Failure]
     ) -> tuple[list[Located], list[Failure], int]:
-        """All channels without samples, the rows of failures, and the number of files that may be read again."""
+        """Return all channels without samples, the rows of failures, and the number of files that may be read again."""
         look = partial(survey_file, options=read_options(self.analysis.config))
         surveys, rows, unread = [], list(failures), 0
         self.stop_at(rows)
@@ -216,15 +216,15 @@ class _Batch:
                     _log(survey.messages)
                     self.stop_at(survey.failures)
                 bar.update(1)
-        return *gather(found, surveys, rows), unread
+        return *gather_survey(found, surveys, rows), unread
 
     def missing(self) -> list[Task]:
-        """The tasks without results; raises StoppedAtFailure with `strict` for a failure of an earlier run."""
+        """Return the tasks without results; with `strict` raise StoppedAtFailure for a failure of an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
         own, told = set(self.finished()), journal.failures()
 
         def is_result(key: str, parts: Sequence[bytes]) -> bool:
-            # others may be of other options
+            # other tasks may belong to other options
             return key not in own or ((bool(parts) or key in told) and all(_is_part(part, analysis) for part in parts))
 
         damaged = journal.drop_damaged(is_result) if options.resume else []
@@ -249,7 +249,7 @@ class _Batch:
         return missing
 
     def work(self, crew: Crew, missing: Sequence[Task]) -> None:
-        """Does every missing task into the journal; a task whose worker is lost is a row of failures."""
+        """Execute the missing tasks and store them in the journal; a task whose worker dies is a row of failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
         lost: dict[str, list[Failure]] = {}
@@ -272,12 +272,12 @@ class _Batch:
         report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
 
     def finished(self) -> list[str]:
-        """Keys of the tasks with results of the same files and options in the journal, in order."""
+        """Return the sorted keys of tasks with results for the same files and options in the journal."""
         before = self.journal.finished()
         return [task.key for task in self.tasks if before.get(task.key) == task.fingerprint]
 
     def kept(self, strict: bool = False) -> str:
-        """The message of a run that stops; removes a journal without finished records."""
+        """Return the message of a run that stops; remove a journal without finished records."""
         journal, every = self.journal, self.journal.complete
         if not journal.in_place:
             return f"nothing is kept, for {journal.path} was removed while the run was at work"
@@ -293,7 +293,7 @@ class _Batch:
         return f"{count} finished {are} kept in {journal.path}: the same command with --resume goes on from there{past}"
 
     def leave_without_output(self) -> None:
-        """Removes the journal of a run that writes nothing, unless other records are in it."""
+        """Remove the journal of a run that writes no file, unless it contains other records."""
         others = self.journal.complete - {task.key for task in self.tasks}
         if others:
             are = f"{self.journal.path} keeps {len(others)} finished records of other files"
@@ -304,18 +304,18 @@ class _Batch:
             self.journal.remove()
 
     def tell_all(self, text: str) -> None:
-        """Writes a message to the log and to the user."""
+        """Write a message to the log and to the user."""
         logger.warning("%s", text)
         self.options.tell(text)
 
     def stop_at(self, failures: Iterable[Failure]) -> None:
-        """Raises StoppedAtFailure with `strict` at the first failed row."""
+        """With `strict`, raise StoppedAtFailure at the first failed row."""
         failed = [row for row in failures if row.kind == "failed"] if self.options.strict else []
         if failed:
             raise StoppedAtFailure(f"stopped at the first failure (--strict): {failed[0].reason}")
 
 
-def _is_part(packed: bytes, analysis: Analysis) -> bool:  # anybody can write other bytes with a right checksum
+def _is_part(packed: bytes, analysis: Analysis) -> bool:  # bytes with a correct checksum may still be foreign
     try:
         return analysis.fits(unpack(packed))
     except (ValueError, TypeError, RecursionError):

@@ -1,4 +1,4 @@
-"""The workers of a batch: this process, processes of this machine or a cluster; no item is lost when one dies."""
+"""The workers of a batch: this process, local processes or a cluster; no item is lost if a worker dies."""
 
 import logging
 import re
@@ -19,53 +19,53 @@ from rockpulse.version import __version__
 logger = logging.getLogger("rockpulse")
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-#: An address of a dask scheduler.
+#: Pattern of the address of a dask scheduler.
 ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
-#: Items submitted per worker, so that none is idle while the parent writes; on a cluster the transfer takes longer than
-#: a short record.
+#: Number of items submitted per worker, so that none is idle while the parent writes; on a cluster the transfer may
+#: take longer than a short record.
 AHEAD, AHEAD_ON_CLUSTER = 2, 8
-#: Interval at which a scheduler is asked for its workers [s].
+#: Interval between queries for the workers of a scheduler [s].
 ASK_EVERY = 1.0
 
 
 @dataclass(frozen=True)
 class WorkerLost:
-    """The result of an item whose worker died at each try."""
+    """The result of an item whose worker died at every attempt."""
 
     reason: str  # how the worker ended
 
 
 @dataclass(eq=False)
 class Crew:
-    """Workers for the length of a ``with`` block, at whose end they are killed; made by one of the class methods."""
+    """Workers that live as long as a ``with`` block; made by one of the class methods."""
 
-    executor: Executor | None  # None: this process
-    count: Callable[[], int]  # number of items in work at once
-    deaths: tuple[type[Exception], ...] = ()  # errors of a future whose worker died
-    tries: int = 1  # of an item whose worker died
-    owned: bool = True  # whether the crew shuts the executor down
+    executor: Executor | None  # None for this process
+    count: Callable[[], int]  # number of items processed at the same time
+    deaths: tuple[type[Exception], ...] = ()  # errors by which a future reports a dead worker
+    tries: int = 1  # number of attempts for an item whose worker died
+    owned: bool = True  # whether the executor is shut down at the end
     ahead: int = AHEAD
     handed_out: set[Future[Any]] = field(default_factory=set)
 
     @classmethod
     def inline(cls) -> Self:
-        """A crew of this process alone, with all its threads."""
+        """Use only this process, with all its threads."""
         return cls(None, lambda: 1)
 
     @classmethod
     def local(cls, workers: int) -> Self:
-        """A number of processes of this machine, each with its kernels on one thread."""
+        """Use local processes, each with one thread for its kernels."""
         if workers < 1:
             raise ValueError(f"workers: expected a whole number of at least 1, got {workers!r}")
         return cls(WorkerProcesses(workers), lambda: workers, deaths=(WorkerDied,), tries=2)
 
     @classmethod
     def scheduler(cls, address: str, timeout: float = 20.0) -> Self:
-        """The workers of a running dask.distributed cluster, each item with its kernels on one thread.
+        """Use the workers of a running dask.distributed cluster, with one thread for the kernels of each item.
 
-        The scheduler itself repeats an item whose worker died (its option ``allowed-failures``). Raises ConfigError
-        without the package ``distributed``, if no scheduler answers at the address, such as ``tcp://10.0.0.1:8786``,
-        within the timeout [s], or if a worker has another version of rockpulse.
+        The scheduler repeats an item whose worker died (its option ``allowed-failures``). Raises ConfigError if the
+        package ``distributed`` is missing, no scheduler responds at the address, such as ``tcp://10.0.0.1:8786``,
+        within the timeout [s], or a worker has another version of rockpulse.
         """
         if not ADDRESS.fullmatch(address):
             raise ConfigError(
@@ -77,19 +77,19 @@ class Crew:
 
     @classmethod
     def through(cls, executor: Executor) -> Self:
-        """Any executor, which the caller shuts down."""
+        """Use any executor, which the caller shuts down."""
         return cls(executor, available_cores, owned=False)
 
     @property
     def size(self) -> int:
-        """Number of items in work at once; on a cluster it changes with the workers."""
+        """Number of items processed at the same time; on a cluster it changes with the workers."""
         return self.count()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        # A traceback keeps `run` alive, so that its own `finally` does not run.
+        # A traceback keeps the generator `run` alive, so that its `finally` would not run.
         for future in list(self.handed_out):
             future.cancel()
         if self.executor is not None and self.owned:
@@ -98,11 +98,11 @@ class Crew:
     def run(
         self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
-        """Yields each item and the result of a picklable function for it, in order of completion.
+        """Yield each item with the result of a picklable function, in order of completion.
 
-        A few items per worker are taken ahead of the results. An item whose worker died is tried a second time, alone
-        and after all others, then its result is :class:`WorkerLost`. Raises the error of the function with the worker's
-        traceback in its notes, ConnectionError if the cluster is lost.
+        A few items per worker are submitted ahead. An item whose worker died is repeated once, alone and after all
+        others; after that its result is :class:`WorkerLost`. Raises the error of the function with the worker's
+        traceback in its notes, and ConnectionError if the cluster is lost.
         """
         if self.executor is None:
             yield from ((item, function(item)) for item in items)
@@ -146,12 +146,12 @@ class Crew:
 
 
 def version() -> str:
-    """The version of rockpulse in this process."""
+    """Return the version of rockpulse in this process."""
     return __version__
 
 
 class _Cluster(Executor):
-    """The workers of a running dask.distributed cluster as an executor; errors as in :meth:`Crew.scheduler`."""
+    """Executor of the workers of a running dask.distributed cluster; errors as in :meth:`Crew.scheduler`."""
 
     def __init__(self, address: str, timeout: float) -> None:
         try:
@@ -164,7 +164,7 @@ class _Cluster(Executor):
         self.deaths, self._address = (KilledWorker,), address
         self._threads, self._ask_again = 1, 0.0
         with ExitStack() as left:
-            # dask logs tracebacks of what it also raises.
+            # dask logs tracebacks of errors that it also raises.
             for handler in list(logging.getLogger("distributed").handlers):
                 handler.addFilter(_nothing)
                 left.callback(handler.removeFilter, _nothing)
@@ -183,7 +183,7 @@ class _Cluster(Executor):
         self._executor = self._client.get_executor(pure=False)
 
     def size(self) -> int:
-        """Threads of all workers, asked for every second as it takes as long as a short record; at least 1."""
+        """Number of threads of all workers, at least 1; cached for a second, as a query is slow."""
         now = time.monotonic()
         if now >= self._ask_again:
             try:
@@ -196,12 +196,12 @@ class _Cluster(Executor):
         return self._threads
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Calls ``fn(*args, **kwargs)`` on a worker."""
+        """Call ``fn(*args, **kwargs)`` on a worker."""
         future: Future[Any] = self._executor.submit(fn, *args, **kwargs)
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Cancels the rest and disconnects."""
+        """Cancel the remaining items and disconnect."""
         self._executor.shutdown(wait=False)
         self._left.close()
 

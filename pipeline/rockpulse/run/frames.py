@@ -1,4 +1,4 @@
-"""Packed arrays, and files of frames (a JSON head, a body of bytes, checksums): damage costs only its own frames."""
+"""Packed arrays, and files of frames (JSON head, body of bytes, checksums), where damage affects single frames."""
 
 import json
 import math
@@ -11,18 +11,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: First bytes of packed arrays, and the kinds of numpy types that are packed: numbers and texts, no objects.
+#: First bytes of packed arrays, and kinds of numpy types that can be packed: numbers and texts, no objects.
 MAGIC, KINDS = b"RPA1", "biufU"
-#: First bytes of a frame; the byte after the letters is the version.
+#: First bytes of a frame: letters and a version byte.
 MARK = b"\x89RPJ\x03\r\n\x1a"
-#: The start of a frame: the mark, the sizes of head and body, and a CRC of both sizes and of the head.
+#: Start of a frame: the first bytes, the sizes of head and body, and a CRC of both sizes and of the head.
 START = struct.Struct("<8sQQI")
-#: Largest head, and size of the blocks in which a mark is searched [bytes].
+#: Largest head, and size of the blocks in which the start of a frame is searched [bytes].
 HEAD, READ_AT_ONCE = 64 * 1024**2, 1024**2
 
 
 def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Named arrays of numbers or texts as bytes for :func:`unpack`; TypeError for other arrays.
+    """Convert named arrays of numbers or texts to bytes for :func:`unpack`; TypeError for other arrays.
 
     ``RPA1``, the length of the header (8 bytes, little-endian), the header (JSON: name, numpy type, shape of each
     array), and the values in C order.
@@ -35,7 +35,7 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
 
 
 def unpack(packed: bytes) -> dict[str, np.ndarray]:
-    """The arrays of :func:`pack`, read-only; ValueError for other bytes."""
+    """Return the arrays of :func:`pack`, read-only; ValueError for other bytes."""
     begin = len(MAGIC) + 8
     if packed[: len(MAGIC)] != MAGIC or len(packed) < begin:
         raise ValueError("expected packed arrays, found other bytes")
@@ -59,19 +59,19 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
 
 
 class Frame(NamedTuple):
-    """A frame with a sound head; its body may be damaged."""
+    """A frame with a valid head; its body may be damaged."""
 
     head: dict[str, Any]
-    body: int  # place of the body in the file
+    body: int  # position of the body in the file
     sizes: tuple[tuple[int, int], ...]  # size and CRC of each part of the body
 
     @property
     def end(self) -> int:
-        """The place of its end in the file."""
+        """Position of the end of the frame in the file."""
         return self.body + sum(size for size, _ in self.sizes)
 
     def parts(self, file: FileIO) -> tuple[bytes, ...] | None:
-        """The parts of the body; None if they are damaged."""
+        """Read the parts of the body; None if they are damaged."""
         parts, place = [], self.body
         for size, crc in self.sizes:
             parts.append(_read(file, place, size))
@@ -82,7 +82,7 @@ class Frame(NamedTuple):
 
 
 def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes]) -> Frame:
-    """Writes a frame at a place of a file durably; at an OSError nothing of it is left."""
+    """Write a frame durably at a position of a file; after an OSError nothing of it remains."""
     sizes = tuple((len(part), zlib.crc32(part)) for part in parts)
     text = json.dumps({**head, "parts": sizes}).encode()
     body = sum(map(len, parts))
@@ -99,7 +99,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """The frames of a file with sound heads, the end of the last one, and the number of gaps, without a cut-off end."""
+    """Return the frames with valid heads, the end of the last one, and the number of gaps before a truncated end."""
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0
@@ -116,7 +116,7 @@ def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
 
 
 def _frame(file: FileIO, place: int, size: int) -> Frame | None:
-    """The whole frame at a place, if there is one."""
+    """Return the complete frame at a position, or None."""
     start = _read(file, place, START.size)
     if len(start) < START.size or not start.startswith(MARK):
         return None
@@ -130,14 +130,14 @@ def _frame(file: FileIO, place: int, size: int) -> Frame | None:
     try:
         head = json.loads(text)
         sizes = tuple((int(part), int(checksum)) for part, checksum in head.pop("parts"))
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):  # made by somebody else
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):  # written by another program
         return None
     whole = all(part >= 0 for part, _ in sizes) and sum(part for part, _ in sizes) == body
     return Frame(head, begin, sizes) if whole else None
 
 
 def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
-    """Whether a frame begins at a place whose end was never written."""
+    """Whether a frame starts at a position but was not written to its end."""
     start = _read(file, place, START.size)
     if len(start) < START.size:
         return start[: len(MARK)] == MARK[: len(start)]
@@ -146,7 +146,7 @@ def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
 
 
 def _next_mark(file: FileIO, place: int, size: int) -> int:
-    """The place of the next mark of a frame; the size of the file without one."""
+    """Return the position of the next start of a frame, or the size of the file."""
     while place < size:
         block = _read(file, place, READ_AT_ONCE)
         if (found := block.find(MARK)) >= 0:
@@ -162,14 +162,14 @@ def _crc(length: int, body: int, text: bytes) -> int:
 
 
 def _write(file: FileIO, content: bytes) -> None:
-    """Writes all bytes: the system takes at most 2 GB at a time, and less near a limit."""
+    """Write all bytes in several calls: the system writes at most 2 GB at a time, and less near a limit."""
     left = memoryview(content)
     while left:
         left = left[file.write(left) :]
 
 
 def _read(file: FileIO, place: int, size: int) -> bytes:
-    """The bytes from a place on, as many as there are."""
+    """Read up to `size` bytes from a position on."""
     file.seek(place)
     pieces = []
     while size and (piece := file.read(size)):

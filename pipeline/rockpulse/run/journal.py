@@ -1,7 +1,7 @@
-"""The journal of a run: every finished task, durable at once, in one file beside the output.
+"""The journal of a run: a file beside the output in which every finished task is stored durably at once.
 
-The file, ``results.h5.journal``, holds frames (`rockpulse.run.frames`), one for the run and one for each outcome. The
-run locks it exclusively; the lock ends with the process. The journal does not inspect the parts that it keeps.
+The file, ``results.h5.journal``, consists of frames (`rockpulse.run.frames`), one for the run and one for each task.
+The run locks it exclusively; the lock ends with the process. The journal does not inspect the parts that it stores.
 """
 
 import os
@@ -22,10 +22,10 @@ from rockpulse.run.frames import MARK, Frame, append, frames_of
 from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
-#: Fingerprint of a task that broke off for lack of its file or of memory, or by a fault of the program: a resumed run
-#: tries it again.
+#: Fingerprint of a task that was aborted by an unreadable file, lack of memory or a program error; a resumed run
+#: repeats it.
 UNFINISHED = ""
-#: Longest wait for the lock of a process that begins or ends, and interval between two tries [s].
+#: Longest wait for a lock while a process starts or ends, and interval between attempts [s].
 PATIENCE, PAUSE = 1.0, 0.02
 
 if sys.platform == "win32":
@@ -39,12 +39,12 @@ else:
     import fcntl
 
     def _lock(file: FileIO) -> None:
-        """Lock this opening of the file; other openings neither have nor end the lock."""
+        """Lock this file handle; other handles of the file do not share or release the lock."""
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def open_locked(path: Path) -> FileIO | None:
-    """Opens or creates a file and locks it; None if another process has the lock, OSError if it cannot be opened."""
+    """Open or create a file and lock it; None if another process has the lock, OSError if it cannot be opened."""
     file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666), "r+")
     end = time.monotonic() + PATIENCE
     try:
@@ -64,7 +64,7 @@ def open_locked(path: Path) -> FileIO | None:
 
 
 def holder(path: Path) -> str:
-    """The process that has locked a file, if the operating system knows it."""
+    """Return the process that has locked a file, if the operating system reports it."""
     table = Path("/proc/locks")
     if table.is_file():
         inode = str(path.stat().st_ino)
@@ -76,34 +76,34 @@ def holder(path: Path) -> str:
     return "another process"
 
 
-#: A line for the log: name of the logger, level and text.
+#: A log line: name of the logger, level and text.
 Message = tuple[str, int, str]
 
 
 @dataclass(frozen=True)
 class Done:
-    """The outcome of a task."""
+    """The result of a task."""
 
-    key: str  # of the task
-    fingerprint: str  # of the task, or UNFINISHED
-    parts: tuple[bytes, ...] = ()  # for each motion its Part (rockpulse.run.analysis), packed
-    failures: tuple[Failure, ...] = ()  # a row for everything that failed; one alone for a task that broke off
-    messages: tuple[Message, ...] = ()  # every line for the log
+    key: str  # key of the task
+    fingerprint: str  # fingerprint of the task, or UNFINISHED
+    parts: tuple[bytes, ...] = ()  # packed Part (rockpulse.run.analysis) of each record
+    failures: tuple[Failure, ...] = ()  # a row for each failure; a single row for an aborted task
+    messages: tuple[Message, ...] = ()  # every log line
     seconds: dict[str, float] = field(default_factory=dict)  # time of each step [s]
 
 
 class JournalError(ResultsError):
-    """The journal cannot be used; the message says what becomes of its records."""
+    """Error: the journal cannot be used; the message says what happens to its records."""
 
     def __init__(self, message: str, tells_resume: bool = True) -> None:
         super().__init__(message, tells_resume)
 
 
 class Journal:
-    """The finished tasks of a run in a file; made by :meth:`open`, a context manager."""
+    """The finished tasks of a run in a file; a context manager made by :meth:`open`."""
 
     def __init__(self, path: Path, file: FileIO) -> None:
-        frames, self._end, self.gaps = frames_of(file)  # gaps: places that hold no frame
+        frames, self._end, self.gaps = frames_of(file)  # gaps: ranges without a frame
         self.path, self.run_id, self._started = path, "", ""
         self._file, self._identity = file, _identity(os.fstat(file.fileno()))
         self._kept: dict[str, Frame] = {}
@@ -117,10 +117,10 @@ class Journal:
 
     @classmethod
     def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> "Journal":
-        """Creates the journal of a run beside its output, or opens that of a stopped run, and locks it.
+        """Create the journal of a run beside its output, or open that of a stopped run, and lock it.
 
-        `resume` keeps what a stopped run has finished, `overwrite` drops it. JournalError if it is locked, foreign or
-        stays.
+        `resume` keeps the finished tasks of a stopped run, `overwrite` drops them. JournalError if the file is locked,
+        is not a journal, or exists without either option.
         """
         path = journal_path(target)
         check_regular(path, JournalError)
@@ -132,7 +132,7 @@ class Journal:
                     f"{path}: {holder(path)} is writing this output; wait for it, or choose another output"
                 )
             if _identity_of(path) != _identity(os.fstat(file.fileno())):
-                empty = False  # it is another's by now
+                empty = False  # another run has replaced it
                 raise JournalError(f"{path}: another run on this output has just ended; give the command again")
             empty = os.fstat(file.fileno()).st_size == 0
             journal = cls(path, file)
@@ -152,12 +152,12 @@ class Journal:
 
     @property
     def in_place(self) -> bool:
-        """Whether the file is still the one that was opened."""
+        """Whether the path still refers to the opened file."""
         return _identity_of(self.path) == self._identity
 
     @property
     def complete(self) -> set[str]:
-        """Keys of all tasks that are finished, of any run."""
+        """Keys of the finished tasks of all runs."""
         return {key for key, frame in self._kept.items() if frame.head["fingerprint"] != UNFINISHED}
 
     def __enter__(self) -> Self:
@@ -167,25 +167,25 @@ class Journal:
         self._file.close()
 
     def remove(self) -> None:
-        """Closes the file and removes it, unless another file has taken its place."""
+        """Close the file and remove it, unless another file has replaced it."""
         in_place = self.in_place
-        if in_place and os.name == "posix":  # before another run can have the lock
+        if in_place and os.name == "posix":  # before another run can get the lock
             self.path.unlink(missing_ok=True)
         self._file.close()
         if in_place and os.name != "posix":  # an open file cannot be removed
             self.path.unlink(missing_ok=True)
 
     def finished(self) -> dict[str, str]:
-        """Fingerprint of each finished task, by key."""
+        """Return the fingerprint of each finished task by key."""
         return {key: frame.head["fingerprint"] for key, frame in self._kept.items()}
 
     def failures(self) -> dict[str, list[Failure]]:
-        """Failures of the finished tasks that have some, by key."""
+        """Return the failures of finished tasks by key."""
         rows = {key: frame.head["failures"] for key, frame in self._kept.items()}
         return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
 
     def add(self, done: Done) -> None:
-        """Writes the outcome of a task durably, in place of an earlier one; JournalError if it cannot be written."""
+        """Store the result of a task durably, replacing an earlier one; JournalError if it cannot be written."""
         if not self.in_place:
             raise JournalError(
                 f"{self.path}: the journal was removed while the run was at work, and what was finished with it; begin "
@@ -203,7 +203,7 @@ class Journal:
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
-        """The parts of a finished task; JournalError if they are damaged."""
+        """Return the parts of a finished task; JournalError if they are damaged."""
         found = self._parts(key) if key in self._kept else ()
         if found is None:
             raise JournalError(
@@ -213,17 +213,17 @@ class Journal:
         return found
 
     def drop_damaged(self, is_result: Callable[[str, tuple[bytes, ...]], bool]) -> list[str]:
-        """Forgets the tasks with damaged parts, or of which `is_result` (key, parts) is false; their keys."""
+        """Drop tasks with damaged parts or for which `is_result(key, parts)` is false; return their keys."""
         dropped = [key for key in self._kept if (found := self._parts(key)) is None or not is_result(key, found)]
         for key in dropped:
             del self._kept[key]
         return sorted(dropped)
 
     def _take_up(self, resume: bool, overwrite: bool) -> None:
-        """Continue behind the kept frames, or begin anew."""
+        """Continue after the kept frames, or start a new journal."""
         self._file.seek(0)
         begins = self._file.read(len(MARK))
-        if not self.run_id and not MARK.startswith(begins):  # nor cut off within its first bytes
+        if not self.run_id and not MARK.startswith(begins):  # and not truncated within its first bytes
             if begins.startswith(MARK[:4]):
                 raise JournalError(
                     f"{self.path}: the journal of a run of another version of rockpulse; resume the run with that "
@@ -234,7 +234,7 @@ class Journal:
                 "choose another output, or remove the file by hand"
             )
         if self.run_id and resume:
-            self._file.truncate(self._end)  # a frame that was cut off lies behind it
+            self._file.truncate(self._end)  # a truncated frame follows
             return
         count = len(self.complete)
         if count and not overwrite:
@@ -246,7 +246,7 @@ class Journal:
         self._end, self._kept = 0, {}
         self.run_id, self._started = secrets.token_hex(16), f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
         self._append({})
-        if os.name == "posix":  # elsewhere a folder cannot be opened
+        if os.name == "posix":  # on other systems a folder cannot be opened
             flush(self.path.parent, os.O_RDONLY)
 
     def _append(self, outcome: dict[str, Any], parts: Iterable[bytes] = ()) -> Frame:
@@ -263,7 +263,7 @@ class Journal:
 
 
 def _is_ours(head: Mapping[str, Any]) -> bool:
-    """Whether the head of a frame has the names and types of this journal."""
+    """Whether the head of a frame has the fields and types of this journal."""
     names = ("run", "started", "key", "fingerprint") if "key" in head else ("run", "started")
     rows = head.get("failures", None if "key" in head else [])
     return (

@@ -13,7 +13,7 @@ from rockpulse.errors import Failure
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a batch; the message says what is kept and how to go on."""
+    """Ctrl-C during a batch; the message says what is kept and how to continue."""
 
 
 @dataclass(frozen=True)
@@ -24,23 +24,23 @@ class BatchOptions:
     ----------
     workers : int or "all", optional
         Number of processes; "all" for one per core, with at least eight files or records each; 1 for this process on
-        one thread. By default that of the configuration.
+        one thread. By default the number in the configuration.
     scheduler : str, optional
-        Address of a dask.distributed scheduler whose workers see the files under the same paths.
+        Address of a dask.distributed scheduler whose workers find the files under the same paths.
     executor : concurrent.futures.Executor, optional
         Any other executor, whose processes can import rockpulse.
     resume : bool
-        Keep the records that a stopped run has finished, if neither they nor the options have changed.
+        Keep the finished records of a stopped run, if neither they nor the options have changed.
     overwrite : bool
         Replace existing results; without `resume` also the finished records of a stopped run.
     strict : bool
         Stop at the first file or record that fails.
     written : tuple of path
-        Other files that are written meanwhile, such as a log, and therefore not read.
+        Other files written during the run, such as a log, which are therefore not read.
     bar : callable
-        Called with ``total``, ``initial``, ``desc`` and ``unit``, returns a progress bar, as ``tqdm.tqdm`` does.
+        Function of ``total``, ``initial``, ``desc`` and ``unit`` that returns a progress bar, as ``tqdm.tqdm`` does.
     tell : callable
-        Called with each line of text for the user.
+        Function that is called with each line of text for the user.
     """
 
     workers: int | str | None = None
@@ -56,20 +56,20 @@ class BatchOptions:
 
 @dataclass
 class BatchReport:
-    """The outcome of a batch.
+    """The report of a batch.
 
     Attributes
     ----------
     path : Path or None
         The written file; None if no record gave a result.
     records, resumed : int
-        Number of motions in the file, and of tasks that an earlier run had finished.
+        Number of records in the file, and of tasks finished by an earlier run.
     failures : list of Failure
         The rows of /failures.
     broken_off : int
-        Number of files and records among them that a resumed run tries again.
+        Number of failures that a resumed run tries again.
     seconds : dict of str to float
-        Time of all workers for each step [s]: "read", "condition", "solve", "pack".
+        Total time of the workers for each step [s]: "read", "condition", "solve", "pack".
     """
 
     path: Path | None = None

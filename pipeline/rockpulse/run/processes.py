@@ -1,4 +1,4 @@
-"""Worker processes as an executor, with a pipe to each: a death costs one item. Imports nothing heavy."""
+"""Executor of worker processes with a pipe to each, so that a dead worker affects one item; imports stay light."""
 
 import multiprocessing
 import os
@@ -15,23 +15,23 @@ from typing import Any
 
 from rocking.lanes import thread_limit
 
-#: Most starts of a worker that is killed while it starts.
+#: Largest number of attempts to start a worker that is killed while it starts.
 STARTS = 5
-#: Variables of the environment with the number of threads for libraries of linear algebra.
+#: Environment variables that set the number of threads of linear algebra libraries.
 ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-#: Signals can be masked for one thread (not on Windows).
+#: Whether signals can be masked for one thread (not on Windows).
 MASKS = hasattr(signal, "pthread_sigmask")
 
 
 def call(function: Callable[[Any], Any], item: Any) -> Any:
-    """The result of the function for the item, with its kernels on one thread: other workers need the other cores."""
+    """Return the function's result for the item, with kernels on one thread, as other workers use the other cores."""
     with thread_limit(1):
         return function(item)
 
 
 def serve(pipe: Connection) -> None:
     """The main loop of a worker: for (function, arguments, keywords) it sends (True, result) or (False, exception)."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group: the parent decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole process group: the parent handles it
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
         pipe.send_bytes(b"ready")
@@ -42,7 +42,7 @@ def serve(pipe: Connection) -> None:
 
 
 def _end_with_parent() -> None:
-    """Ends this process with its parent, which after SIGKILL cannot say so."""
+    """End this process when its parent ends, which a killed parent cannot signal."""
     parent = multiprocessing.parent_process()
     assert parent is not None
     wait([parent.sentinel])
@@ -53,7 +53,7 @@ def _answer(letter: bytes) -> bytes:
     try:
         function, args, kwargs = pickle.loads(letter)
         return pickle.dumps((True, function(*args, **kwargs)), protocol=5)
-    except BaseException as error:  # SystemExit too: the parent raises it
+    except BaseException as error:  # also SystemExit: the parent raises it
         note = f"in worker process {os.getpid()}:\n{traceback.format_exc()}"
         error.add_note(note)
         try:
@@ -67,20 +67,20 @@ def _answer(letter: bytes) -> bytes:
 
 
 class WorkerDied(RuntimeError):
-    """The process that worked on an item was killed or ended itself."""
+    """Error: the process that worked on an item was killed or ended."""
 
 
 class WorkerProcesses(ThreadPoolExecutor):
     """An executor of spawned processes, with one thread of this process for each (docs/decisions/014-batch.md).
 
-    A process starts with the first call that finds no other free, and again after a death. A future raises the error of
-    the function, with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no process
-    can be started.
+    A process starts at the first call for which no other is free, and again after one died. A future raises the error
+    of the function, with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no
+    process can be started.
     """
 
     def __init__(self, workers: int) -> None:
         if MASKS:
-            ensure_running()  # before the threads block SIGINT, which it unblocks when it starts its own process
+            ensure_running()  # before the threads block SIGINT, as it unblocks SIGINT when it starts its own process
         super().__init__(workers, "rockpulse-worker", initializer=_leave_interrupts_to_the_main_thread)
         self._own = threading.local()
         self._changing = threading.Lock()
@@ -88,11 +88,11 @@ class WorkerProcesses(ThreadPoolExecutor):
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Calls ``fn(*args, **kwargs)`` on a worker; all of it is pickled."""
+        """Call ``fn(*args, **kwargs)`` on a worker; function and arguments are pickled."""
         return super().submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Kills all workers at once."""
+        """Kill all workers at once."""
         with self._changing:
             self._ended = True
             for process in self._workers:
@@ -124,7 +124,7 @@ class WorkerProcesses(ThreadPoolExecutor):
                 if self._ended:
                     raise ChildProcessError("the worker processes have been ended")
                 process = multiprocessing.get_context("spawn").Process(target=serve, args=(theirs,), daemon=True)
-                # Libraries of linear algebra start a thread for each core in every process: two workers took three
+                # Linear algebra libraries would start one thread per core in every process: two workers took three
                 # times as long.
                 unsaid = [name for name in ALGEBRA if name not in os.environ]
                 os.environ.update(dict.fromkeys(unsaid, "1"))
@@ -134,9 +134,9 @@ class WorkerProcesses(ThreadPoolExecutor):
                     for name in unsaid:
                         del os.environ[name]
                 self._workers.append(process)
-            theirs.close()  # the worker has the only copy: its death ends the pipe
+            theirs.close()  # the worker has the only copy, so that the pipe closes when it dies
             try:
-                ours.recv_bytes()  # its first message: it is ready
+                ours.recv_bytes()  # its first message reports that it is ready
                 return process, ours
             except (EOFError, OSError):
                 code = self._end(process, ours)
@@ -150,7 +150,7 @@ class WorkerProcesses(ThreadPoolExecutor):
         )
 
     def _end(self, process: SpawnProcess, pipe: Connection) -> int:
-        """Removes a worker whose pipe has ended; its exit code, negative for a signal."""
+        """Remove a worker whose pipe has closed; return its exit code, negative for a signal."""
         pipe.close()
         with self._changing:
             process.join(5.0)
@@ -169,6 +169,6 @@ def _fate(code: int) -> str:
 
 
 def _leave_interrupts_to_the_main_thread() -> None:
-    """Blocks Ctrl-C in this thread and in the processes that it starts."""
+    """Block Ctrl-C in this thread and in the processes that it starts."""
     if MASKS:
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

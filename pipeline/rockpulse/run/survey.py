@@ -1,4 +1,4 @@
-"""The first reading of every file: its records without samples, and the places of the samples."""
+"""The first reading of every file: its records without samples, and the locations of the samples."""
 
 import hashlib
 import logging
@@ -20,31 +20,31 @@ from rockpulse.run.journal import Message
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """The place of the samples of one channel, and their checksums."""
+class SamplesLocation:
+    """Location of the samples of one channel, with checksums."""
 
     path: str  # the file, or the zip archive
-    member: int | None  # place of the file in the archive; None outside archives
-    channel: int  # number of the channel in the file, from 0
+    member: int | None  # index of the file in the archive; None outside archives
+    channel: int  # index of the channel in the file, from 0
     source_sha256: str  # of the file
     digest: str  # of samples and interval (`rockpulse.readers.parts.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
-    """A record without its samples; small, and picklable."""
+    """A record without its samples; small and picklable."""
 
-    record: Record  # zeros in place of the samples, in the memory of one
-    parts: tuple[Place, ...]  # several for a record in several files
+    record: Record  # zeros instead of the samples, in the memory of one number
+    parts: tuple[SamplesLocation, ...]  # several for a record split over several files
 
     @property
     def digest(self) -> str:
-        """The same for two records of the same samples and interval."""
+        """Digest that is equal for records with the same samples and interval."""
         digests = [part.digest for part in self.parts]
         return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
 
     def read(self, options: ReadOptions) -> Record:
-        """The record with its samples, read with the options of the survey.
+        """Read the record with its samples, with the options of the survey.
 
         Raises RecordRefused if a file has changed since the survey, RockpulseError or OSError if it cannot be read.
         """
@@ -52,9 +52,9 @@ class Located:
         return replace(self.record, acceleration=np.concatenate(samples))
 
 
-def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
+def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.ndarray:
     file = Path(part.path).stat()
-    state = (file.st_mtime_ns, file.st_size, file.st_ino)  # changes when the content does
+    state = (file.st_mtime_ns, file.st_size, file.st_ino)  # changes with the content
     records = _channels(part.path, part.member, state, options)
     found = records[part.channel] if part.channel < len(records) else None
     if found is None or found.source_sha256 != part.source_sha256 or sample_digest(found) != part.digest:
@@ -68,7 +68,7 @@ def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
 
 @lru_cache(maxsize=2)
 def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
-    """Every channel of a file; cached, as the tasks of a file follow one another."""
+    """Read every channel of a file; cached, as the tasks of a file follow each other."""
     if member is None:
         return tuple(read_source(open_source(Path(path)), options))
     archive = _archive(path, state)
@@ -79,7 +79,7 @@ def _channels(path: str, member: int | None, state: tuple[int, int, int], option
 
 @lru_cache(maxsize=1)
 def _archive(path: str, state: tuple[int, int, int]) -> Archive:
-    """The archive, opened once for all its members."""
+    """Open an archive once for all its members."""
     return Archive(Path(path))
 
 
@@ -87,14 +87,14 @@ def _archive(path: str, state: tuple[int, int, int]) -> Archive:
 class FileSurvey:
     """The content of a file or archive without samples."""
 
-    located: tuple[Located, ...] = ()  # its channels in order
-    failures: tuple[Failure, ...] = ()  # of the file or its members
-    messages: tuple[Message, ...] = ()  # every line for the log
-    broken_off: int = 0  # files and members to read again, after an error of the file system or of memory
+    located: tuple[Located, ...] = ()  # the channels in order
+    failures: tuple[Failure, ...] = ()  # failures of the file or its members
+    messages: tuple[Message, ...] = ()  # every log line
+    broken_off: int = 0  # number of files and members to read again after an error of the file system or memory
 
 
 def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
-    """Reads a file or every member of an archive, without keeping samples; every error is a row of failures."""
+    """Read a file or every member of an archive without keeping samples; every error becomes a row of failures."""
     located: list[Located] = []
     failures: list[Failure] = []
     messages: list[Message] = []
@@ -102,10 +102,10 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
 
     def leave_out(name: str, fault: Exception) -> None:
         if isinstance(fault, MemoryError) or (isinstance(fault, OSError) and fault.errno is not None):
-            broken_off.append(name)  # an OSError without a number is about what is in the file
+            broken_off.append(name)  # an OSError without a number concerns the content of the file
         if not isinstance(fault, RockpulseError | OSError):
             messages.append(("rockpulse", logging.ERROR, f"{name}: {traceback.format_exc()}"))
-            fault = unexpected(fault)
+            fault = unexpected_fault(fault)
         failures.append(read_failure(found, name, fault))
 
     name = str(found.path)
@@ -113,7 +113,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
         for opened in open_files(found, folder_station_files):
             try:
                 for channel, record in enumerate(read_opened(opened, options)):
-                    place = Place(name, opened.member, channel, record.source_sha256, sample_digest(record))
+                    place = SamplesLocation(name, opened.member, channel, record.source_sha256, sample_digest(record))
                     located.append(Located(record.without_samples(), (place,)))
             except Exception as fault:
                 leave_out(opened.name, fault)
@@ -122,17 +122,17 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
     return FileSurvey(tuple(located), tuple(failures), tuple(messages), len(broken_off))
 
 
-def unexpected(fault: BaseException) -> RuntimeError:
-    """The error reported for a fault that no input should cause."""
+def unexpected_fault(fault: BaseException) -> RuntimeError:
+    """Return the error to report for an exception that no input should cause."""
     if isinstance(fault, MemoryError):
         return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
     return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
 
 
-def gather(
+def gather_survey(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """All records of all files as of ``read_all``, without samples, and rows of failures; surveys come in any order."""
+    """Collect all records as ``read_all`` does, without samples, and failures; surveys may come in any order."""
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
     located = {id(one.record): one for survey in ordered for one in survey.located}

@@ -1,4 +1,4 @@
-"""The tasks of a batch, one for each channel or pair: planned on records without samples, done by a worker."""
+"""The tasks of a batch, one per channel or pair: planned on records without samples, executed by a worker."""
 
 import hashlib
 import logging
@@ -26,44 +26,44 @@ from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.run.analysis import Analysis, Work, worked
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done, Message
-from rockpulse.run.survey import Located, Place, unexpected
+from rockpulse.run.survey import Located, SamplesLocation, unexpected_fault
 from rockpulse.selection.directions import PlannedMotion, conditioned_motions
 from rockpulse.selection.tables import selection_of
 from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 
-#: Sections of the configuration that change no numbers of a record, by verb.
+#: Sections of the configuration that do not affect the numbers of a record, by command.
 IDLE = {
     "assess": {"site", "report", "calibration", "fragility", "hazard", "check"},
     "calibrate": {"site", "report", "models", "search", "uncertainty", "fragility", "hazard", "check"},
     "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
 }
 
-#: Keys of [calibration] and of [fragility] for the end of a run.
+#: Keys of [calibration] and of [fragility] that only affect the end of a run.
 LATE = ("weights", "quantile", "confidence", "bootstrap")
 OF_FITS = ("model", "overturning_model", "confidence")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Task:
-    """A channel, or a pair to be rotated, without samples; small, and picklable."""
+    """A channel, or a pair to be rotated, without samples; small and picklable."""
 
     planned: PlannedMotion
-    places: Mapping[str, tuple[Place, ...]]  # of the samples, by id of the record
+    places: Mapping[str, tuple[SamplesLocation, ...]]  # locations of the samples, by id of the record
     fingerprint: str  # SHA-256 of samples, metadata, configuration and version
 
     @property
     def key(self) -> str:
-        """Id of the record or name of the pair; the same in every run on the same files."""
+        """Id of the record or name of the pair, equal in every run on the same files."""
         return self.planned.name
 
     @property
     def source(self) -> str:
-        """The files, as in rows of failures."""
+        """Names of the files, as in rows of failures."""
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """The planned motion with its samples, read with the options of the survey; raises as `Located.read`."""
+        """Read the planned record with its samples, with the options of the survey; raises as `Located.read`."""
         planned = self.planned
         channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
         vertical, partner = (
@@ -74,7 +74,7 @@ class Task:
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
-    """A task for each channel or pair that an analysis has planned."""
+    """Make a task for each channel or pair that an analysis has planned."""
     places = {one.record.id: one.parts for one in channels}
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
     tasks = []
@@ -83,23 +83,23 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
         told = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
-        fingerprint = _digest([settings, one.name, *one.remarks, str(one.copy), *roles, *told, *confirmed])
+        fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *told, *confirmed])
         tasks.append(Task(one, {record.id: places[record.id] for record in acting}, fingerprint))
     return tasks
 
 
 def read_options(config: Config) -> ReadOptions:
-    """The options of the configuration for reading files."""
+    """Return the options of the configuration for reading files."""
     records = config.records
     return ReadOptions(records.units, records.dt, records.response, records.files)
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
-    """SHA-256 of the options that change numbers of a record, of the schema and of the program.
+    """Return the SHA-256 of the options that affect the numbers of a record, of the schema and of the program.
 
     It excludes paths, duplicate selection, workers, names, and options for the end of a run (tables of events and
-    weights, statistics, fits). Units, intervals and confirmed ids are in the fingerprint of each task; the seed counts
-    only if bodies have a probability of overturning.
+    weights, statistics, fits). Units, intervals and confirmed ids are in the fingerprint of each task; the seed is
+    included only if bodies have a probability of overturning.
     """
     seeded = verb == "assess" and config.has_probability
     config = replace(
@@ -119,9 +119,9 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
 
 
 def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
-    """SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
+    """Return the SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
     text = replace(config, run=replace(config.run, workers=1)).as_text()
-    table = located(config.calibration.weighting, config.folder)  # no file for the name of a rule
+    table = located(config.calibration.weighting, config.folder)  # the name of a rule refers to no file
     weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
     return _digest(
         [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
@@ -129,14 +129,14 @@ def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, 
 
 
 def _as_default(settings: Any, keys: Iterable[str]) -> Any:
-    """A section with the defaults of some keys."""
+    """Return a section with some keys reset to their defaults."""
     plain = type(settings)()
     return replace(settings, **{key: plain[key] for key in keys})
 
 
 @lru_cache(maxsize=1)
 def program_digest() -> str:
-    """SHA-256 of the sources, which may change in an editable installation of one version."""
+    """Return the SHA-256 of the sources, which may change within a version in an editable installation."""
     digest = hashlib.sha256()
     for folder in (Path(__file__).parents[1], Path(str(rocking.__file__)).parent):
         for path in sorted(folder.rglob("*.py")):
@@ -144,7 +144,7 @@ def program_digest() -> str:
     return digest.hexdigest()
 
 
-def _facts_of(record: Record, places: tuple[Place, ...]) -> list[str]:
+def _facts_of(record: Record, places: tuple[SamplesLocation, ...]) -> list[str]:
     known = [repr(getattr(record, item.name)) for item in fields(Record) if item.name != "acceleration"]
     return [Located(record, places).digest, str(record.npts), *known]
 
@@ -154,7 +154,7 @@ def _digest(texts: Iterable[str]) -> str:
 
 
 def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
-    """Reads the samples of a task and works on its motions; every error is a row of failures."""
+    """Read the samples of a task and process its records; every error becomes a row of failures."""
     seconds = dict.fromkeys(("read", "condition", "solve", "pack"), 0.0)
 
     @contextmanager
@@ -182,7 +182,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
         except Exception as fault:
             if not isinstance(fault, RockpulseError | OSError):
                 messages.append(("rockpulse", logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
-                fault = unexpected(fault)
+                fault = unexpected_fault(fault)
             fingerprint, parts = UNFINISHED, []
             failures = [Failure(task.source, at, f"{task.key}: {fault}", "failed")]
     return Done(task.key, fingerprint, tuple(parts), tuple(failures), tuple(messages), seconds)
@@ -190,7 +190,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
 @contextmanager
 def _heard() -> Iterator[list[Message]]:
-    """Collects the log of this thread, which the parent process writes; that kernels are compiled is no part of it."""
+    """Collect the log lines of this thread, which the parent process writes, without the start of a compilation."""
     messages: list[Message] = []
     thread = get_ident()
 
@@ -211,7 +211,7 @@ def _heard() -> Iterator[list[Message]]:
 
 
 def warm_up(analysis: Analysis) -> None:
-    """Compiles, or loads, every kernel of an analysis, by work on a short motion."""
+    """Compile or load every kernel of an analysis by processing a short record."""
     config = analysis.config
     plain = Config(
         models=config.models,
@@ -226,12 +226,12 @@ def warm_up(analysis: Analysis) -> None:
     time = 0.01 * np.arange(801)
     motion = 6.0 * np.exp(-time / 3.0) * (np.sin(5.0 * time) + 0.5 * np.sin(23.0 * time))
     record = Record(motion, dt=0.01, id="warm-up", processed=True)
-    # From a post that overturns to a wall that hardly moves, so that every kernel is called.
+    # Bodies from a post that overturns to a wall that hardly moves, so that every kernel is called.
     sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
     blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
     small = type(analysis)(plain, blocks)
     for one in small.plan([record]).planned:
         for motion in conditioned_motions(one, plain):
             small.work(motion, nullcontext)
-    # The kernel for bodies with lanes of their own, as under a vertical.
+    # The kernel of bodies with their own lanes, as under vertical acceleration.
     ground_demand(blocks["a"], record.acceleration, record.dt)

@@ -15,7 +15,7 @@ from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_v
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 logger = logging.getLogger("rockpulse")
 #: No larger peak counts before it is confirmed [m/s2].
@@ -32,7 +32,7 @@ class PlannedMotion:
     channels: tuple[Record, ...]  # one, or the two of a pair, as read
     vertical: Record | None = None  # as read
     partner: Record | None = None  # as read: the other channel of its pair, whose strength counts beside its own
-    remarks: tuple[str, ...] = ()  # warnings for every motion that comes of it
+    warnings: tuple[str, ...] = ()  # warnings for every motion that comes of it
     copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
 
     @property
@@ -99,20 +99,20 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """The conditioned channel, or the pair in every direction asked for; RockpulseError if one is refused."""
     up = _conditioned_vertical(planned, config)
-    if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
-        remarks, partner = planned.remarks, None
+    if not planned.rotated:  # with the warnings first: conditioning adds its own behind them
+        warnings, partner = planned.warnings, None
         if planned.partner is not None:
             try:
                 partner = condition(planned.partner, **config.conditioning)
             except RockpulseError as error:
                 reason = f"the other channel, {planned.partner.id}, fails: {error}"
-                remarks = (*remarks, Remark("scaled_alone", reason=reason))
-        conditioned = condition(_remarked(planned.channels[0], remarks), **config.conditioning)
+                warnings = (*warnings, WarningText("scaled_alone", reason=reason))
+        conditioned = condition(_warned(planned.channels[0], warnings), **config.conditioning)
         return [Motion(conditioned, up, (conditioned,), partner)]
     pair = condition_pair(Pair(*planned.channels), **config.conditioning)
     azimuths = DIRECTIONS[config.records.components](pair, config)
     turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
-    return [Motion(_remarked(record, planned.remarks), up, pair.channels) for record in turned]
+    return [Motion(_warned(record, planned.warnings), up, pair.channels) for record in turned]
 
 
 def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | None:
@@ -128,8 +128,8 @@ def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | No
         ) from error
 
 
-def _remarked(record: Record, remarks: Iterable[str]) -> Record:
-    return replace(record, warnings=(*record.warnings, *remarks))
+def _warned(record: Record, warnings: Iterable[str]) -> Record:
+    return replace(record, warnings=(*record.warnings, *warnings))
 
 
 def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
@@ -152,20 +152,20 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
     mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
-    remark = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
-    return PlannedMotion(record.id, (record,), remarks=(remark,))
+    warning = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
+    return PlannedMotion(record.id, (record,), warnings=(warning,))
 
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Channels with the other one of their pair, or with a remark that there is none; pairs as they are."""
+    """Channels with the other one of their pair, or with a warning that there is none; pairs as they are."""
     partner = {
         id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])
     }
-    alone = Remark("scaled_alone", reason="no other horizontal channel is known to go with it")
+    alone = WarningText("scaled_alone", reason="no other horizontal channel is known to go with it")
 
     def partnered(one: PlannedMotion) -> PlannedMotion:
         other = partner.get(id(one.channels[0]))
-        return replace(one, partner=other, remarks=one.remarks if other is not None else (*one.remarks, alone))
+        return replace(one, partner=other, warnings=one.warnings if other is not None else (*one.warnings, alone))
 
     return [one if one.rotated else partnered(one) for one in planned]
 
@@ -174,11 +174,11 @@ def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMoti
     found = (matching_vertical(channel, verticals.of(channel)) for channel in planned.channels)
     vertical = next((one for one in found if one is not None), None)
     if vertical is None:
-        return replace(planned, remarks=(*planned.remarks, Remark("vertical_missing")))
-    remarks = planned.remarks
+        return replace(planned, warnings=(*planned.warnings, WarningText("vertical_missing")))
+    warnings = planned.warnings
     if vertical.start_time is None and vertical.source not in [channel.source for channel in planned.channels]:
-        remarks = (*remarks, Remark("vertical_start_assumed"))
-    return replace(planned, vertical=vertical, remarks=remarks)
+        warnings = (*warnings, WarningText("vertical_start_assumed"))
+    return replace(planned, vertical=vertical, warnings=warnings)
 
 
 def sweep_azimuths(step: float) -> list[float]:

@@ -15,7 +15,7 @@ from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.components import concurrent, find_pairs, instrument, place_on_structure, sensor_level, uncovered
 from rockpulse.record.record import Record, id_matches
-from rockpulse.remark import find
+from rockpulse.warning_text import find
 
 #: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
 SAME_DIRECTION = 5.0

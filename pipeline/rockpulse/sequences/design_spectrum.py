@@ -1,9 +1,9 @@
-"""The design of a site as an overturning spectrum, and the impulse sequence that stands for it on a body.
+"""The design of a site as an overturning spectrum, and the equivalent impulse sequence of each body.
 
-.. note:: S(p, C) [m/s] is the effective impulse that a slender block takes: it overturns iff S >= g tan(alpha)/p. A
+.. note:: S(p, C) [m/s] is the effective impulse on a slender block: it overturns iff S >= g tan(alpha)/p. A
    sequence of continuous spacing overturns iff I_eff = I [(1 - sigma) S_N + sigma/2] >= I_1c = g alpha/(p cos alpha)
-   (:meth:`rocking.ImpulseSequence.effective_impulse`). So any sequence with I_eff/I_1c = S p/(g tan alpha) has the
-   verdict and the factor of the spectrum. The sigma and N of the half-waves single out one of them.
+   (:meth:`rocking.ImpulseSequence.effective_impulse`). So any sequence with I_eff/I_1c = S p/(g tan alpha) gives the
+   same outcome and scale factor as the spectrum. The sigma and N of the half-waves select one of them.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
 
 @dataclass(frozen=True, eq=False)
 class DesignSpectrum:
-    """The design of a site, as :func:`rockpulse.load_design` reads it.
+    """The design of a site as an overturning spectrum, as :func:`rockpulse.load_design` reads it.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class DesignSpectrum:
     ratio : (a,) ndarray
         I_s/I on the time scale of a block of that p [-].
     main_count : (a,) ndarray of int
-        Number of main impulses on it.
+        Number of main impulses on the time scale of a block of that p.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class DesignSpectrum:
     main_count: np.ndarray
 
     def covers(self, block: Block) -> np.ndarray:
-        """True, (m,), for free, symmetric blocks of slenderness 3.5 and more, inside the p and C of the spectrum."""
+        """True, (m,), for free, symmetric blocks of a slenderness of at least 3.5 inside the spectrum's p and C."""
         return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
@@ -66,18 +66,19 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Factor on the design at which each block overturns, (m,) [-]: (g tan(alpha)/p)/S; ValueError outside."""
+        """Scale factor on the design that overturns each block, (m,) [-]: (g tan(alpha)/p)/S; ValueError outside."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def nearest(self, block: Block) -> np.ndarray:
-        """Place of the frequency parameter nearest to that of each block, (m,)."""
+        """Index of the frequency parameter nearest to that of each block, (m,)."""
         return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """The sequences that stand for the design on (m,) blocks, spacing "continuous"; ValueError outside.
+        """Sequences equivalent to the design on (m,) blocks, spacing "continuous"; ValueError outside the spectrum.
 
-        I_s/I and the number of main impulses are those at the nearest p. For ``sequence_response(..., paired=True)``.
+        I_s/I and the number of main impulses are taken at the nearest p. Use with ``sequence_response(...,
+        paired=True)``.
         """
         one, nearest = block.lanes(), self.nearest(block)
         demand = 1.0 / self.factor(one)
@@ -88,11 +89,11 @@ class DesignSpectrum:
 
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (a, c, ...) over p (a,) [1/s] and C (c,), read at the blocks (m,): (m, ...), linear in ln p and in C."""
+    """Interpolate values (a, c, ...) over p (a,) [1/s] and C (c,) at blocks (m,), linearly in ln p and C: (m, ...)."""
     places = []
     for at, axis in ((np.log(block.p), np.log(p)), (block.restitution, restitution)):
         places.append(np.clip(np.broadcast_to(at, block.shape), axis[0], axis[-1]))
-    # An axis of one value has no second one to go to.
+    # An axis with a single value needs no interpolation.
     axes = [np.append(axis, axis[-1] + 1.0) if axis.size == 1 else axis for axis in (np.log(p), restitution)]
     grid = np.pad(
         values, [(0, int(axis.size == 1)) for axis in (p, restitution)] + [(0, 0)] * (values.ndim - 2), "edge"
@@ -101,7 +102,7 @@ def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.n
 
 
 def within(block: Block, p: np.ndarray, restitution: np.ndarray) -> np.ndarray:
-    """True, (m,), for slender free blocks with p and C within ascending p (a,) [1/s] and C (c,), rounding apart."""
+    """True, (m,), for slender free blocks with p and C inside ascending p (a,) [1/s] and C (c,), up to rounding."""
     found = np.asarray(block.restitution)
     above, below = found >= restitution[0] * (1.0 - 1e-9), found <= restitution[-1] * (1.0 + 1e-9)
     return np.asarray(slender_within(block, p) & above & below & block.free)

@@ -1,4 +1,4 @@
-"""From the half-waves of one record to the parameters of an impulse sequence; amplitudes are absolute values."""
+"""Estimators of the parameters of an impulse sequence from half-waves of a record; amplitudes are absolute values."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -10,9 +10,9 @@ from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 
-#: A sequence needs a main impulse, another one, and an interval that more than one pair has a say in.
+#: Smallest number of half-waves of a sequence: a main and a secondary impulse, and two intervals.
 FEWEST_WAVES = 3
-#: Half-waves above this share of the largest one count as main.
+#: Half-waves above this share of the largest one count as main impulses.
 MAIN_SHARE = 0.5
 
 
@@ -30,25 +30,25 @@ def _quantile(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
     return main, max(1, int(np.count_nonzero(sizes > main)))
 
 
-#: Main impulse from the absolute impulses in falling order: its size [m/s], and how many of the first are not
-#: secondary.
+#: Estimators of the main impulse from absolute impulses in descending order: its size [m/s], and the number of impulses
+#: that are not secondary.
 MAIN: dict[str, Callable[[np.ndarray, int, float], tuple[float, int]]] = {
     "largest": lambda sizes, m, quantile: (float(sizes[0]), 1),
     "mean-largest": _mean_of_largest,
     "quantile": _quantile,
 }
-#: Secondary impulse from the absolute impulses of the others [m/s].
+#: Estimators of the secondary impulse from the absolute impulses of the other half-waves [m/s].
 SECONDARY: dict[str, Callable[[np.ndarray], float]] = {
     "median": lambda others: float(np.median(others)),
     "mean": lambda others: float(np.mean(others)),
     "rms": lambda others: float(np.sqrt(np.mean(others**2))),
 }
-#: Interval of the secondary impulses from the spacings of successive centroids [s].
+#: Estimators of the interval of the secondary impulses from the spacings of successive centroids [s].
 INTERVAL: dict[str, Callable[[np.ndarray], float]] = {
     "median": lambda spacings: float(np.median(spacings)),
     "mean": lambda spacings: float(np.mean(spacings)),
 }
-#: Number of main impulses from the absolute impulses in falling order; None is without limit.
+#: Estimators of the number of main impulses from absolute impulses in descending order; None means no limit.
 MAIN_COUNT: dict[str, Callable[[np.ndarray], int | None]] = {
     "half-largest": lambda sizes: int(np.count_nonzero(sizes > MAIN_SHARE * sizes[0])),
     "none": lambda sizes: None,
@@ -67,7 +67,7 @@ def record_sequence(
     m: int = 3,
     quantile: float = 0.95,
 ) -> ImpulseSequence:
-    """Impulse sequence of one record.
+    """Estimate the impulse sequence of one record.
 
     Parameters
     ----------
@@ -82,11 +82,11 @@ def record_sequence(
     main_count : {"half-largest", "none"} or int
         Number of main impulses: the half-waves above half the largest; without limit; or this many.
     spacing : {"end", "middle", "start", "open", "continuous"}
-        Place of the secondary impulses in a half-cycle, see :class:`rocking.ImpulseSequence`.
+        Position of the secondary impulses in a half-cycle, see :class:`rocking.ImpulseSequence`.
     duration_s : float, optional
         Duration of the sequence [s]; by default that of the phase.
     phase : IntensePhase, optional
-        Only half-waves whose centroid lies in it count; by default all.
+        Phase in which the centroid of a half-wave must lie to count; by default all half-waves count.
     m : int
         Number of half-waves of "mean-largest", at least 1.
     quantile : float

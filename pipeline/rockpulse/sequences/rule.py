@@ -1,6 +1,6 @@
-"""From a record's half-waves to an impulse sequence whose verdict on a block is a prediction of the record's.
+"""The rule that derives from the half-waves of a record an impulse sequence that predicts overturning by the record.
 
-The demand D = factor x march (:func:`rockpulse.models.demand_of_half_waves`), but no more than PGA/(g tan alpha). The
+The demand is D = factor x march (:func:`rockpulse.models.demand_of_half_waves`), at most PGA/(g tan alpha). The
 sequence overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
 """
 
@@ -26,18 +26,18 @@ from rockpulse.errors import ConfigError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
-#: Working points: the march of each (:class:`rockpulse.models.HalfWaveDemand`), and the factor that 1/D stands for.
+#: Working points: the march used (:class:`rockpulse.models.HalfWaveDemand`), and the scale factor that 1/D estimates.
 POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
-#: The rule that comes with the package.
+#: The rule that is shipped with the package.
 SHIPPED = "rule.toml"
-#: Unit and words of each of :func:`traits`.
+#: Unit and description of each quantity of :func:`traits`.
 TRAITS = {
     "p": "p {} to {} 1/s",
     "radius": "R {} to {} m",
     "slenderness": "slenderness {} to {}",
     "restitution_ratio": "C {} to {} times Housner's",
 }
-#: Bodies count as inside the fitted range up to this far beyond its ends [-]: figures rounded to two digits.
+#: Tolerance of the fitted range [-], for numbers rounded to two digits.
 SLACK = 0.01
 
 
@@ -52,8 +52,8 @@ class Rule:
     factor : float
         Demand over march [-], positive.
     within : dict of str to (float, float)
-        Least and most of p [1/s], radius [m], slenderness [-] and restitution_ratio (C over Housner's [-]) over the
-        bodies that the rule was fitted on; a quantity that is not named has no bounds.
+        Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C over Housner's [-]) of the bodies on
+        which the rule was fitted; a quantity that is not named is unlimited.
     """
 
     point: str
@@ -67,12 +67,12 @@ class Rule:
             raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
 
     def demand(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Demand D of a record on blocks, (m,) [-]: the rule says that those overturn on which it is at least 1.
+        """Demand D of a record on blocks, (m,) [-]; the rule predicts overturning for D >= 1.
 
         Parameters
         ----------
         waves : HalfWaves
-            All half-waves of the record; D is proportional to a factor on it.
+            All half-waves of the record; D is proportional to a scale factor on it.
         block : Block
             One block, which counts as (1,), or (m,) of them.
         """
@@ -85,7 +85,7 @@ class Rule:
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
     def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
-        """The factors on the record at which the sequence overturns: all from the safety factor up to `factor_max`."""
+        """Scale factors at which the sequence overturns: all from the safety factor to `factor_max`."""
         factor = self.safety_factor(waves, block)
         lane = np.flatnonzero(factor <= factor_max)
         return ScaleIntervals(
@@ -100,21 +100,20 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """The impulse sequences that stand for a record on (m,) blocks, spacing "continuous"; 0 if not lifted.
+        """Impulse sequences equivalent to a record on (m,) blocks, spacing "continuous"; 0 if not lifted.
 
-        For ``sequence_response(..., paired=True)``. In the limit n -> infinity (VALIDATION F4) half-cycle i is decided
-        by v_i = u_1 [(1 - sigma) S_i + sigma/2], S_i = (1 - C^i)/(1 - C), which grows with i. So N main impulses
-        overturn iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N + sigma/2] makes v_N = D.
+        Use with ``sequence_response(..., paired=True)``. In the limit n -> infinity (VALIDATION F4) half-cycle i
+        overturns iff v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 - C^i)/(1 - C), which grows with i. So N main
+        impulses overturn iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
         """
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
-        """Lanes of the overturning spectrum at ascending p (a,) [1/s]: the march, with the factor of the point.
+        """Lanes of the overturning spectrum at ascending p (a,) [1/s]: the march times the factor of the working point.
 
-        Nothing overturns before the peak of the half-waves lifts it, x = p/PGA. The angles of the draws are less than
-        the nominal one, 4 % in the mean, so that a spectrum goes up to 1.04 PGA/p where :meth:`demand` ends at the
-        nominal PGA/p.
+        No block overturns before the peak of the half-waves lifts it, x = p/PGA. The random angles are 4 % below the
+        nominal one in the mean, so that a spectrum reaches up to 1.04 PGA/p, and :meth:`demand` up to PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)
@@ -124,7 +123,7 @@ class Rule:
         return replace(lanes, log_x=log_x, weight=weight, bottom=bottom, top=np.maximum(lanes.top - shift, bottom))
 
     def applicable(self, block: Block) -> np.ndarray:
-        """True, (m,), for bodies like those that the rule was fitted on: inside its range, or up to 1 % beyond.
+        """True, (m,), for bodies inside the range on which the rule was fitted, or up to 1 % beyond.
 
         Examples
         --------
@@ -139,7 +138,7 @@ class Rule:
 
     @property
     def range_text(self) -> str:
-        """The range of the bodies that the rule was fitted on, in words."""
+        """Describe the range of bodies on which the rule was fitted."""
         return ", ".join(
             "Housner's C"
             if name == "restitution_ratio" and f"{low:.3g}" == f"{high:.3g}" == "1"
@@ -149,19 +148,19 @@ class Rule:
 
 
 def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
-    """A working point of a fitted rule.
+    """Load a working point of a fitted rule.
 
     Parameters
     ----------
     point : {"balanced", "conservative"}
         The working point of the rule.
     path : str or Path, optional
-        File that ``make rule`` wrote in the repository; that of the package without.
+        File that ``make rule`` wrote in the repository; by default that of the package.
 
     Raises
     ------
     ConfigError
-        For an unknown point, or a file that holds no rule.
+        For an unknown point, or a file without a rule.
 
     Examples
     --------
@@ -194,13 +193,13 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """The quantities that bound a rule, each (m,): p [1/s]; R [m] and C/Housner's [-] of the rectangle; a/b [-]."""
+    """Quantities that limit a rule, each (m,): p [1/s]; R [m] and C/Housner's [-] of the rectangle; a/b [-]."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
     return {
         "p": np.atleast_1d(block.p),
-        # Of two bodies of one p the motion is the same, whatever their own R: the range is one of rectangles.
+        # Bodies with equal p have equal motion for any R, so the range is given for rectangles.
         "radius": np.atleast_1d(radius_of_rectangle(block.p, block.gravity)),
         "slenderness": np.atleast_1d(block.slenderness),
         "restitution_ratio": ratio,
@@ -210,7 +209,7 @@ def traits(block: Block) -> dict[str, np.ndarray]:
 def sequence_of_demand(
     demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
 ) -> ImpulseSequence:
-    """The sequences, with the ratio and number of `of_waves`, that bring (m,) lifted blocks to v_N = D, (m,)."""
+    """Sequences with the ratio and number of `of_waves` that give v_N = D, (m,), on lifted blocks."""
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)
@@ -229,7 +228,7 @@ def sequence_of_demand(
 
 @lru_cache(maxsize=2)
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Both working points, sequence and safety factor ask for the same; waves and blocks never change."""
+    """Demand of half-waves, cached as both working points, sequence and safety factor use it."""
     return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
 
 

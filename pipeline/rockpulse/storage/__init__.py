@@ -1,1 +1,1 @@
-"""Results as files: the variables with their meaning, HDF5 written whole or not at all, tables, checksums."""
+"""Storage of results: declared variables, HDF5 files that are written atomically, exported tables and checksums."""

@@ -1,1 +1,1 @@
-"""Questions asked of many records: a site, the accuracy of models, the rule, fragility, and the study of the paper."""
+"""Studies on sets of records: site calibration, fragility, risk, code checks and the self-test."""

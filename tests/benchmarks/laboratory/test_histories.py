@@ -13,7 +13,7 @@ from laboratory.histories import ALLOWED, ENDS, PANELS, check_rates, draw, motio
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 SURE = CheckSettings(confidence_factor=1.0)
 

@@ -8,7 +8,7 @@ import pytest
 
 from rocking.body.block import Block
 from rocking.body.block_lanes import STANDARD_GRAVITY
-from rocking.body.limits import both_corners, corner, doubt_of_size, rebound_of, restitution_of, sorrentino
+from rocking.body.limits import both_corners, corner, rebound_of, restitution_of, size_problem, sorrentino
 from rocking.body.restraint import Load, Thrust, Tie
 
 GRAVITY = 9.7
@@ -188,7 +188,7 @@ def test_radius_that_no_body_of_this_p_has_is_refused(radius):
     ],
 )
 def test_sizes_that_are_doubted(size, doubt):
-    assert doubt_of_size(*size) == doubt
+    assert size_problem(*size) == doubt
     if not doubt:
         assert not any("check" in warning for warning in Block(width=size[0], height=size[1]).warnings)
         return

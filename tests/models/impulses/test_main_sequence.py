@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop
 from rocking.impulses.main_sequence import (
-    critical_impulse_at,
+    critical_impulse,
     critical_impulse_ratio,
     overturning_half_cycle,
     resonance,
@@ -34,7 +34,7 @@ def block(radius=2.0, restitution=0.9):
 )
 def test_second_half_cycle_has_the_critical_impulse_and_timing_of_v3(radius, restitution, impulse, time):
     body = block(radius, restitution)
-    critical = critical_impulse_at(body, 2)
+    critical = critical_impulse(body, 2)
     assert critical == pytest.approx(impulse, abs=5e-7)
     response = resonance(body, critical, 5)
     assert response.overturning_half_cycle == 2  # u = 1 overturns
@@ -106,7 +106,7 @@ def test_closed_form_agrees_with_the_recurrence(main, restitution):
 @pytest.mark.parametrize("restitution", [0.0, 0.6, 0.9, 0.9765625, 1.0])
 def test_critical_impulse_overturns_in_its_half_cycle_and_no_smaller_one_does(half_cycle, restitution):
     body = block(4.0, restitution)
-    critical = critical_impulse_at(body, half_cycle)
+    critical = critical_impulse(body, half_cycle)
     if restitution > 0.0:
         assert resonance(body, critical, half_cycle).overturning_half_cycle == half_cycle
     assert resonance(body, critical * (1.0 - 1e-9), half_cycle).outcome == Outcome.ROCKS

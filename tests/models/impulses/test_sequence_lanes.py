@@ -5,7 +5,7 @@ import pytest
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.impulses.main_sequence import critical_impulse_at, resonance, resonance_safety
+from rocking.impulses.main_sequence import critical_impulse, resonance, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes, sequence_response
 from rocking.response import Outcome, Reason
 
@@ -97,7 +97,7 @@ def test_number_of_threads_changes_no_digit(threads):
 )
 def test_main_impulse_next_to_critical_on_both_sides(half_cycle, restitution):  # F2; u = 1 overturns
     block = Block.from_parameters(p=2.0, alpha=0.2, restitution=restitution, gravity=G)
-    critical = critical_impulse_at(block, half_cycle)
+    critical = critical_impulse(block, half_cycle)
     for share, overturns in ((1.0 - 1e-12, False), (1.0 + 1e-12, True)):
         main = share * critical
         sequence = ImpulseSequence(main, 0.0, np.nan, np.inf, main_count=half_cycle, spacing="continuous")

@@ -9,7 +9,7 @@ from recorded_cases import synthetic
 from rocking import Load, Outcome, OverturningSpectrum, Thrust, Tie, critical_scale, recorded_response, static_capacity
 from rocking.body.block import Block
 from rocking.body.limits import sorrentino
-from rocking.march.corner_response import rest_levels
+from rocking.march.corner_response import uplift_additions
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
 from rocking.spectrum.slender_lanes import spectrum_lanes
@@ -208,7 +208,7 @@ def test_static_capacity_of_loads_and_thrusts_on_both_sides():
     assert static_capacity(made, 0.1).shape == (1,)
     plain = Block.from_corners(0.2, 0.35, 1.1, 0.6, gravity=G)
     assert static_capacity(plain, 1.5707, side=-1).shape == (1,)
-    assert rest_levels(Block.stack([plain, made])) == pytest.approx(
+    assert uplift_additions(Block.stack([plain, made])) == pytest.approx(
         np.array(
             [
                 [0.0, (800.0 * 0.15 + 300.0 * 0.275 - 60.0 * 1.5) / (900.0 * G * 1.1)],

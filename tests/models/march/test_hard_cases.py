@@ -22,7 +22,7 @@ from rocking import (
     sequence_response,
 )
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE
-from rocking.impulses.main_sequence import critical_impulse_at
+from rocking.impulses.main_sequence import critical_impulse
 from rocking.march.event import SLOW_IMPACTS
 
 ROUNDING = 1e-12
@@ -38,7 +38,7 @@ def wall():
 @pytest.mark.parametrize("half_cycle", [1, 2, 5])
 def test_resonance_within_1e_12_of_critical(wall, half_cycle):
     """V6's formula at its jump: the sequence of just so many impulses overturns above, and rocks below."""
-    critical = critical_impulse_at(wall, half_cycle)
+    critical = critical_impulse(wall, half_cycle)
     below = resonance(wall, critical * (1.0 - NEAR), half_cycle)
     above = resonance(wall, critical * (1.0 + NEAR), half_cycle)
     assert below.outcome == Outcome.ROCKS
@@ -70,7 +70,7 @@ def test_sequence_within_1e_12_of_the_limit_that_never_overturns(wall, sigma):
 
 def test_double_impulse_within_1e_12_of_critical(wall):
     """I_2c = I_1c/(1 + C), the second impulse right after the first impact (V3)."""
-    critical = critical_impulse_at(wall, 2)
+    critical = critical_impulse(wall, 2)
     returns = 2.0 * math.atanh(critical / wall.critical_impulse) / wall.p
     for share, outcome in ((1.0 - NEAR, Outcome.ROCKS), (1.0 + NEAR, Outcome.OVERTURNS)):
         assert impulsive_response(wall, [0.0, returns], np.array([1, -1]) * critical * share).outcome == outcome

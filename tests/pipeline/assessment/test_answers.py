@@ -15,6 +15,7 @@ from rockpulse.storage.variables.probability import MEAN
 INF, NAN = math.inf, math.nan
 
 
+@pytest.mark.sweep
 def test_bodies_and_lanes_of_restitution_cases():
     summary = results_tree(cases=2)["summary"].to_dataset()
     bodies = bodies_of(summary)

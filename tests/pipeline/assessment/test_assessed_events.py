@@ -17,7 +17,7 @@ from rockpulse.run.journal import journal_path
 from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
 from rockpulse.selection.events import UNKNOWN
-from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(blocks=(BlockSettings(name="wall", width=0.3, height=2.4),), models=ModelSettings(use=("resonance",)))
@@ -65,7 +65,7 @@ def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder,
     assert "2 motions whose earthquake neither" in of_unknown_event(motions)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_table_decides(folder, tmp_path):
     names = [one.id for one in read_all(folder)[0]]
     config = with_table(tmp_path, f"record,event\n{names[1]},aftershock\n{names[3]},Maule\n")

@@ -10,10 +10,10 @@ from rocking.response import HalfCycles, Response
 from rockpulse import models
 from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.scene import aloft, extract, floor_record, joined_responses, places_of
-from rockpulse.config.bodies import Place, gather_bodies
+from rockpulse.config.bodies import FeltMotion, gather_bodies
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
-from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.text.overview import block_details, overview
 
 T = np.arange(0.0, 4.0, 0.01)
@@ -129,12 +129,12 @@ def test_responses_are_joined_at_the_places_of_their_lanes():
 def test_the_vertical_of_a_floor_is_that_of_the_ground_and_ends_with_it():
     asked = config(body("one"))
     ground = replace(extract(RECORD, asked), vertical=1.0 + RECORD.time)
-    there = aloft(ground, Place(None, (FLOOR,)), asked)
+    there = aloft(ground, FeltMotion(None, (FLOOR,)), asked)
     times = there.record.time
     inside = times <= RECORD.duration + 1e-9
     assert not inside.all()
     assert there.vertical == pytest.approx(np.where(inside, 1.0 + times, 0.0))
-    assert aloft(replace(ground, vertical=None), Place(None, (FLOOR,)), asked).vertical is None
+    assert aloft(replace(ground, vertical=None), FeltMotion(None, (FLOOR,)), asked).vertical is None
 
 
 def test_a_body_has_a_direction_of_its_own_where_it_differs_from_the_record():
@@ -170,7 +170,7 @@ def test_aloft_the_strength_of_the_ground_is_brought_to_a_demand():
 
 
 @pytest.mark.sweep
-def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
+def test_what_is_told_of_a_floor_is_a_warning_of_the_record_once():
     asked = rp.Config(models=rp.ModelSettings(use=("balanced",)))
     squat = [rp.BlockSettings(name=f"{number}", width=1.0, height=1.0, floors=floors)
              for number, floors in enumerate(((FLOOR,), (rp.FloorSettings(period=0.3),), ()))]  # fmt: skip
@@ -185,7 +185,7 @@ def test_a_stiff_building_is_the_ground():
     assert pgv(floor) == pytest.approx(pgv(RECORD), rel=0.01)
 
 
-def test_a_body_heavy_beside_its_floor_gets_a_remark():
+def test_a_body_heavy_beside_its_floor_gets_a_warning():
     floor = rp.FloorSettings(period=0.5, mass=1e4)
     summary = rp.assess([RECORD], config(body("heavy", mass=2e3, floors=(floor,))))["summary"]
     assert "is 0.2 of its floor's" in str(summary["block_warnings"].values[0])
@@ -293,7 +293,7 @@ def test_histories_of_a_turned_body_are_those_that_are_stored():
             own = rp.plots.histories(tree, "XX.STA..H075", "own")[0]
             assert np.nanmax(np.abs(own.rotation)) == pytest.approx(own.peak, rel=0.05)
             continue
-        assert rp.plots.histories(tree, "XX.STA..H075", "others")[0].remark == ""
+        assert rp.plots.histories(tree, "XX.STA..H075", "others")[0].warning == ""
         with pytest.raises(rp.ResultsError, match="shaken in a direction of its own"):
             rp.plots.histories(tree, "XX.STA..H075", "own")
 

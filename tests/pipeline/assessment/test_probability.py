@@ -113,6 +113,7 @@ def test_a_list_of_restitutions_is_the_range_of_all_of_them():
     assert_array_equal(summary["factor_50"].values[0, 1], direct(Block(0.9, 5.0).lanes(1))["factor_50"].repeat(2))
 
 
+@pytest.mark.sweep
 def test_the_uncertainty_is_that_of_the_configuration():
     known = rp.UncertaintySettings(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
     config = configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0))

@@ -12,7 +12,7 @@ from rocking.search.factors import ScaleIntervals
 from rockpulse import models
 from rockpulse.assessment.scene import Senses, acting, senses
 from rockpulse.config.bodies import gather_bodies
-from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.record_facts import Known
 
 INF, NAN = np.inf, np.nan
 T = np.arange(0.0, 4.0, 0.01)

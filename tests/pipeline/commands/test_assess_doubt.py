@@ -54,6 +54,7 @@ def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, quick, t
     assert "no record has an id that fits nothing; the ids are" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_what_is_confirmed_is_done_when_a_run_is_resumed_and_the_rest_is_kept(quick, tmp_path, capsys):
     write_at2(tmp_path / "a.AT2", STRONG)
     write_at2(tmp_path / "odd.AT2", 1000.0 * STRONG)

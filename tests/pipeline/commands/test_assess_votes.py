@@ -58,6 +58,7 @@ def left(tree):
     return sorted((str(kind), str(file).rpartition("/")[2]) for kind, file in rows)
 
 
+@pytest.mark.sweep
 def test_every_shaking_votes_once_and_the_list_says_why(folder, capsys):
     code, tree = assess(folder)
     assert code == 0

@@ -107,6 +107,7 @@ def test_inspect_shows_what_calibrate_printed(done, capsys):
     assert "this is a site file" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
     target, out = assessed
     assert "design sequence 0.84" in out

@@ -57,6 +57,7 @@ def test_results_bring_the_probability_of_the_same_bodies(golden, loaded_once, c
     assert 0.0 <= float(row.split()[-2]) <= 1.0
 
 
+@pytest.mark.sweep
 def test_other_bodies_of_the_same_name_bring_no_probability(golden, tmp_path, capsys):
     other, table = tmp_path / "other.toml", tmp_path / "check.csv"
     bare = golden.config.read_text().replace("width = 1.0", "width = 0.9")

@@ -43,7 +43,7 @@ def test_exit_code_one_where_they_differ(files, capsys):
     assert max(map(len, out.splitlines())) <= 120
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_one_screen_or_all_of_it(files, tmp_path, capsys):
     tree = results_tree()
     for variable in tree["summary"].data_vars.values():

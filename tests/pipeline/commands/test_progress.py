@@ -5,7 +5,7 @@ import os
 import sys
 
 from rocking import kernel_cache
-from rockpulse.commands.terminal import kernels_told, progress_bars
+from rockpulse.commands.terminal import kernel_messages, progress_bars
 
 
 class Terminal(io.StringIO):
@@ -50,8 +50,8 @@ def test_quiet_is_quiet_and_so_is_what_is_no_terminal(monkeypatch):
 
 def told_by_kernels(quiet=False):
     """What happens while a verb runs: the kernels say twice that they are compiled, and that they cannot be kept."""
-    kernel_cache.said.clear()
-    with kernels_told(quiet):
+    kernel_cache.logged.clear()
+    with kernel_messages(quiet):
         for _ in range(2):
             kernel_cache.logger.info(kernel_cache.COMPILING)
         kernel_cache.logger.warning("not kept")

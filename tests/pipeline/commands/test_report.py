@@ -1,10 +1,12 @@
 """``rockpulse report`` on a tree that is known."""
 
+import pytest
 from results_tree import results_bytes
 
 from rockpulse.cli import main
 
 
+@pytest.mark.sweep
 def test_it_writes_the_page_and_says_where(tmp_path, capsys):
     results, report = tmp_path / "results.h5", tmp_path / "report.html"
     results.write_bytes(results_bytes())

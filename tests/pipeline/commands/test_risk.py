@@ -33,6 +33,7 @@ def test_the_hazard_of_the_fragility_or_of_a_file_gives_a_table(fragility, tmp_p
     assert set(levels["unit"]) == {"m/s2"}
 
 
+@pytest.mark.sweep
 def test_a_tail_is_told_in_the_row_in_the_notes_and_on_standard_error(fragility, tmp_path, capsys):
     curve = tmp_path / "curve.csv"
     curve.write_text("pga [g],rate\n0.2,1e-2\n0.25,5e-3\n")

@@ -77,9 +77,9 @@ def test_inspect_tells_the_count_and_lists_every_file_where_asked_for(assessed, 
 
 @pytest.mark.sweep
 def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path, monkeypatch):
-    from rockpulse.views.report.pictures import Picture, Pictures
+    from rockpulse.views.report.report_pictures import PageElement, Pictures
 
-    monkeypatch.setattr(Pictures, "_drawn", lambda pictures, draw, name, caption: Picture(Markup(""), caption))
+    monkeypatch.setattr(Pictures, "_drawn", lambda pictures, draw, name, caption: PageElement(Markup(""), caption))
     assert main(["report", str(assessed), "-o", str(tmp_path / "report.html")]) == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page.split("<body", 1)[1]))

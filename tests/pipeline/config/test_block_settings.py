@@ -66,7 +66,7 @@ def test_radius_is_of_a_body_by_parameters_and_judges_its_restitution():
         BlockSettings(name="statue", p=2.385, alpha=0.2445, radius=2.272).block()
 
 
-def test_each_remark_is_logged_once_with_the_name_of_the_body(caplog):
+def test_each_warning_is_logged_once_with_the_name_of_the_body(caplog):
     with caplog.at_level(logging.WARNING, logger="rockpulse"):
         block = BlockSettings(name="squat", width=1.0, height=2.0, restitution=0.95).block()
     assert [record.getMessage() for record in caplog.records] == [f"block squat: {text}" for text in block.warnings]

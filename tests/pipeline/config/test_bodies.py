@@ -34,7 +34,7 @@ def test_mapping_of_blocks_is_taken_as_it_is():
     assert bodies.lanes.shape == (1,)
 
 
-def test_remarks_stay_with_their_body():
+def test_warnings_stay_with_their_body():
     squat = BlockSettings(name="squat", width=1.0, height=2.0, restitution=0.95)
     bodies = gather_bodies([WALL, squat])
     assert bodies.warnings[0] == ""

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 import rockpulse as rp
 from rockpulse import BlockSettings
-from rockpulse.commands.init_config import template
+from rockpulse.commands.init_config import config_template
 from rockpulse.config.configuration import SECTIONS, Config, config_from_text, load_config
 from rockpulse.errors import ConfigError
 
-TEMPLATE = template()
+TEMPLATE = config_template()
 SITE = Path(__file__).parents[3] / "data" / "samples" / "site.toml"
 
 

@@ -27,7 +27,7 @@ from rockpulse.readers.folders import (
 )
 from rockpulse.readers.source import NoRecord, NotAcceleration
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 
 @pytest.fixture
@@ -362,8 +362,8 @@ def test_of_equal_motions_the_one_stays_that_knows_most(known):
             )
             for a, k in ((90.0, 1), (0.0, 2))
         ],
-        ({"warnings": (Remark("dead_channel"),)}, {"component": "y"}, 2),
-        ({}, {"component": "y", "warnings": (Remark("dead_channel"),)}, 2),
+        ({"warnings": (WarningText("dead_channel"),)}, {"component": "y"}, 2),
+        ({}, {"component": "y", "warnings": (WarningText("dead_channel"),)}, 2),
     ],
 )
 def test_one_motion_under_two_names(one, other, kept):

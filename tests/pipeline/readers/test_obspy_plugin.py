@@ -24,7 +24,7 @@ from rockpulse.readers import FORMATS
 from rockpulse.readers.obspy_plugin import PLUGINS
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.remark import Remark, code_of
+from rockpulse.warning_text import WarningText, code_of
 
 TEXT = st.text(max_size=12)
 UNKNOWN = st.just(float("nan"))
@@ -68,14 +68,14 @@ def test_the_way_there_and_back_keeps_every_field(record):
     assert same(rp.from_trace(trace, units="m/s/s"), record)
 
 
-def test_remarks_come_back_with_their_codes():
-    remark = Remark("of_vertical", remark=Remark("clipped", count=7, end="smallest"))
-    trace = rp.to_trace(Record([0.1, -0.2], 0.01, "a.90", warnings=("another", remark)))
+def test_warnings_come_back_with_their_codes():
+    warning = WarningText("of_vertical", warning=WarningText("clipped", count=7, end="smallest"))
+    trace = rp.to_trace(Record([0.1, -0.2], 0.01, "a.90", warnings=("another", warning)))
     for one in (trace.copy(), pickle.loads(pickle.dumps(trace))):
         back = rp.from_trace(one).warnings
-        assert back == ("another", remark)
+        assert back == ("another", warning)
         assert [code_of(text) for text in back] == ["plain", "of_vertical/clipped"]
-        assert back[1].values["remark"].values == {"count": 7, "end": "smallest"}
+        assert back[1].values["warning"].values == {"count": 7, "end": "smallest"}
 
 
 def plain(samples=(0.0, 1.0, -2.0, 0.5), **stats):

@@ -313,7 +313,7 @@ def test_files_without_times_need_the_event_and_a_name_and_one_interval():
     assert not pairs_of(peer(67.0, "x/a.AT2"), peer(337.0, "x/b.AT2", start_time=START))[0]
 
 
-def test_a_channel_in_an_unknown_direction_is_taken_with_a_remark():
+def test_a_channel_in_an_unknown_direction_is_taken_with_a_warning():
     unknown, known, up = (record(one, name=one) for one in ("unknown", "horizontal", "vertical"))
     for structural in (False, True):
         chosen, failures = select_horizontal([unknown, known, up], structural=structural)

@@ -12,7 +12,7 @@ from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, ROWS, SCALING, STORED
-from rockpulse.studies.fragility.capacity import record_measures
+from rockpulse.studies.fragility.motion_capacity import record_measures
 
 BLOCKS = Block(half_width=[0.3, 0.5], half_height=[1.5, 1.9365])
 

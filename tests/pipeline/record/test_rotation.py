@@ -292,7 +292,7 @@ def test_the_search_finds_what_a_scan_of_a_tenth_of_a_degree_finds(seed, options
     assert strongest_azimuth(pair, **options)[1] >= brute_force(pair, **options) * (1.0 - 1e-9)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_search_is_enough_on_a_recorded_motion(ccc):
     pair = condition_pair(Pair(*(one for one in ccc if one.orientation == "horizontal")))
     short = Pair(*(replace(one, acceleration=one.acceleration[3400:4200]) for one in pair.channels))

@@ -12,7 +12,7 @@ import pytest
 from file_contents import assert_contents, contents
 
 from rockpulse.assessment.assessment import Assessment
-from rockpulse.assessment.tree import build_tree, template
+from rockpulse.assessment.tree import build_tree, empty_tree
 from rockpulse.config.configuration import load_config
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.run import assembly
@@ -82,7 +82,7 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
         swept = {**swept, "of nothing": ["never"] * 3}
     save(build_tree(done, bodies, config, FAILURES, swept), tmp_path / "saved.h5")
     count = assemble(
-        tmp_path / "made.h5", template(bodies, config), done, FAILURES, swept, run={"run_id": "r" * 32}, chunk=chunk
+        tmp_path / "made.h5", empty_tree(bodies, config), done, FAILURES, swept, run={"run_id": "r" * 32}, chunk=chunk
     )
     assert count == len(done) > 1
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
@@ -93,7 +93,7 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
 def test_no_record_gives_the_empty_tree(assessed, tmp_path):
     _, bodies, config, swept = assessed("plain")
     save(build_tree([], bodies, config, FAILURES, swept), tmp_path / "saved.h5")
-    assert assemble(tmp_path / "made.h5", template(bodies, config), [], FAILURES, swept) == 0
+    assert assemble(tmp_path / "made.h5", empty_tree(bodies, config), [], FAILURES, swept) == 0
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
 
 
@@ -107,14 +107,14 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
             journal.add(Done(f"record {number}", "f", parts))
         keys = [f"record {number}" for number in range(4)]
         parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
-        assert assemble(target, template(bodies, config), parts, FAILURES, run={"run_id": journal.run_id}) == 4
+        assert assemble(target, empty_tree(bodies, config), parts, FAILURES, run={"run_id": journal.run_id}) == 4
         assert run_of(target)[0] == journal.run_id
     save(build_tree(done[:4], bodies, config, FAILURES), tmp_path / "saved.h5")
     assert_contents(target, contents(tmp_path / "saved.h5"))
     assert verify(target, inputs=False).differences == ()
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_others(assessed, tmp_path, monkeypatch):
     """An array of one number takes as much memory as one of sixty: what is put together at once counts both."""
     done, bodies, config, _ = assessed("no records")
@@ -127,15 +127,16 @@ def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_oth
     monkeypatch.setattr(assembly, "joined_parts", watched)
     many = [done[number % len(done)] for number in range(60)]
     chunk = 150_000
-    assemble(tmp_path / "made.h5", template(bodies, config), many, chunk=chunk)
+    assemble(tmp_path / "made.h5", empty_tree(bodies, config), many, chunk=chunk)
     assert sum(together) == sum(len(part) for part in many)
     assert max(together) <= chunk / sys.getsizeof(np.zeros(1)[:]) / 2  # arrays alone, the rest is for their values
 
 
+@pytest.mark.sweep
 def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     with pytest.raises(TypeError, match="iterated twice"):
-        assemble(tmp_path / "x.h5", template(bodies, config), (part for part in done))
+        assemble(tmp_path / "x.h5", empty_tree(bodies, config), (part for part in done))
 
 
 def test_a_run_knows_its_own_file_only(tmp_path):
@@ -153,7 +154,7 @@ def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path,
     usage = shutil.disk_usage(tmp_path)
     monkeypatch.setattr("shutil.disk_usage", lambda path: usage._replace(free=1_000_000))
     with pytest.raises(ResultsError, match=r"the results take \d+ MB, 1 MB are free .* make room there"):
-        assemble(tmp_path / "results.h5", template(bodies, config), done, run={"run_id": "mine"})
+        assemble(tmp_path / "results.h5", empty_tree(bodies, config), done, run={"run_id": "mine"})
     assert list(tmp_path.iterdir()) == []
 
 
@@ -162,7 +163,7 @@ def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path, monke
     done, bodies, config, _ = assessed("histories")
     replacing, sizes = assembly.replacing, []
     monkeypatch.setattr(assembly, "replacing", lambda *given: sizes.append(given[3]) or replacing(*given))
-    assemble(tmp_path / "results.h5", template(bodies, config), done)
+    assemble(tmp_path / "results.h5", empty_tree(bodies, config), done)
     (expected,) = sizes
     assert expected < (tmp_path / "results.h5").stat().st_size < expected + 500_000
 
@@ -182,7 +183,7 @@ def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(asse
         journal.add(Done("a", "f", (pack(done[0]),)))
         parts = JournalParts(journal, Assessment(config), ["a"], {"a": ""})
         with pytest.raises(ResultsError, match=re.escape(f"{target}: cannot write the results: No space left on dev")):
-            assemble(target, template(bodies, config), parts, overwrite=True, run={"run_id": "mine"})
+            assemble(target, empty_tree(bodies, config), parts, overwrite=True, run={"run_id": "mine"})
         assert journal.finished() == {"a": "f"}
     assert target.read_bytes() == old
     assert not list(tmp_path.glob("*.part"))
@@ -194,5 +195,5 @@ def test_parts_of_another_layout_are_refused(assessed, tmp_path):
     parts = list(done)
     parts[1] = {**parts[1], "/summary/pga": np.zeros(2)}
     with pytest.raises(ValueError, match=r"/summary/pga: expected values for \(4,\) from 0 on, was given \(5,\)"):
-        assemble(tmp_path / "results.h5", template(bodies, config), parts)
+        assemble(tmp_path / "results.h5", empty_tree(bodies, config), parts)
     assert list(tmp_path.iterdir()) == []

@@ -59,6 +59,7 @@ def saved(tree, path):
     return contents(path)
 
 
+@pytest.mark.sweep
 def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
     config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=90.0), blocks=CONFIG.blocks[:1])
     records, failures = read_all(folder)
@@ -100,7 +101,7 @@ def test_two_workers_give_the_same(folder, in_memory, tmp_path):
     assert_contents(tmp_path / "results.h5", in_memory)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tmp_path):
     with ThreadPoolExecutor(3) as threads:
         assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(executor=threads))
@@ -131,7 +132,7 @@ def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, mo
     assert hired == [3, 2]
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_of_a_folder(tmp_path, monkeypatch):
     hired = []
     without_results(monkeypatch)

@@ -94,7 +94,7 @@ def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "3"]
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("function", "reason"),
     [(toys.killed_while_answering, "killed by signal 9 (Killed)"), (toys.leave, "ended itself with exit code 7")],
@@ -204,7 +204,7 @@ def batch(tmp_path):
     process.communicate()
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_no_worker_outlives_a_parent_that_is_killed(batch):
     process, folder = batch
     workers = numbers_of(folder, 2)

@@ -21,7 +21,7 @@ from rockpulse.run.batch import assess_files
 from rockpulse.run.frames import pack, unpack
 from rockpulse.run.journal import Done, Journal, journal_path
 from rockpulse.run.options import BatchOptions
-from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 

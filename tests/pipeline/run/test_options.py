@@ -59,7 +59,7 @@ def test_resuming_does_what_is_missing(stopped, monkeypatch, capsys):
     assert keys == ["r2.090", "r3.090"]
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_resuming_with_a_changed_file_does_that_one_again(stopped, monkeypatch):
     mine, target = stopped
     write(mine / "r1.AT2", 0.9)
@@ -142,7 +142,7 @@ def test_the_lock_is_given_back_when_a_run_fails(folder, tmp_path, monkeypatch):
         assert journal.finished() == {}
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeypatch, capsys):
     mine, target = stopped
     (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5"))

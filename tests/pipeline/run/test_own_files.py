@@ -20,6 +20,7 @@ CONFIG = Config(
 )
 
 
+@pytest.mark.sweep
 def test_a_resumed_run_neither_reads_nor_unlocks_its_own_journal(tmp_path):
     (tmp_path / "a.AT2").write_bytes(at2(pulse(400)))
     (tmp_path / "still.AT2").write_bytes(at2(np.zeros(400)))

@@ -31,10 +31,10 @@ from rockpulse import (
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.configuration import Config
 from rockpulse.readers.folders import find_files, read_all
-from rockpulse.run.survey import gather, survey_file
+from rockpulse.run.survey import gather_survey, survey_file
 from rockpulse.run.tasks import configuration_fingerprint, digest_of, read_options, tasks_of
 from rockpulse.selection.directions import conditioned_motions, planned_ids
-from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 SAMPLES = Path(__file__).parents[3] / "data" / "samples" / "records"
@@ -54,7 +54,7 @@ def config(**records):
 
 def surveyed(paths, read):
     found, failures = find_files(paths)
-    return gather(found, [(file, survey_file(file, read)) for file in found], failures)
+    return gather_survey(found, [(file, survey_file(file, read)) for file in found], failures)
 
 
 #: The same of files that stay as they are.

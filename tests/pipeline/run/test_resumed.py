@@ -229,7 +229,7 @@ def stopped_after_writing(paths, output, monkeypatch):
             assess_files(paths, CONFIG, output, BatchOptions(workers=1))
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_resuming_a_run_that_had_only_its_journal_left_does_what_is_asked_for(folder, tmp_path, monkeypatch):
     paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
     resume = BatchOptions(workers=1, resume=True)

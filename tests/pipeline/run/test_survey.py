@@ -16,7 +16,7 @@ from rockpulse.readers.archive import Archive
 from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
 from rockpulse.run import survey
-from rockpulse.run.survey import gather, survey_file
+from rockpulse.run.survey import gather_survey, survey_file
 
 OPTIONS = ReadOptions()
 
@@ -25,7 +25,7 @@ def surveyed(paths, options=OPTIONS):
     found, failures = find_files(paths)
     # In any order, and as they come back from another process.
     surveys = [(one, pickle.loads(pickle.dumps(survey_file(one, options)))) for one in reversed(found)]
-    return gather(found, surveys, failures)
+    return gather_survey(found, surveys, failures)
 
 
 def known(record: Record) -> dict[str, object]:
@@ -235,7 +235,7 @@ def test_a_file_whose_survey_was_lost_is_left_to_its_row(tmp_path):
     for name in ("a", "b"):
         (tmp_path / f"{name}.AT2").write_bytes(at2(pulse(peak=0.1 if name == "a" else 0.2)))
     found, _ = find_files(tmp_path)
-    located, rows = gather(found, [(found[1], survey_file(found[1], OPTIONS))], [])
+    located, rows = gather_survey(found, [(found[1], survey_file(found[1], OPTIONS))], [])
     assert [one.record.id for one in located] == ["b.090"]
     assert rows == []
 

@@ -28,9 +28,9 @@ from rockpulse.readers.folders import find_files, read_all
 from rockpulse.run.analysis import run
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Done
-from rockpulse.run.survey import gather, survey_file
+from rockpulse.run.survey import gather_survey, survey_file
 from rockpulse.run.tasks import carry_out, read_options, tasks_of
-from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
@@ -68,7 +68,7 @@ def planned(paths, analysis):
     """The tasks of an analysis, and what is plan for it."""
     found, failures = find_files(paths)
     surveys = [(one, survey_file(one, read_options(analysis.config))) for one in found]
-    located, rows = gather(found, surveys, failures)
+    located, rows = gather_survey(found, surveys, failures)
     plan = analysis.plan([one.record for one in located], rows)
     return tasks_of(plan.planned, located, analysis.config, analysis.name), plan
 

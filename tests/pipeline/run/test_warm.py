@@ -21,7 +21,7 @@ from rockpulse import ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.run.tasks import warm_up
 from rockpulse.run.analysis import run
-from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 ROOT = Path(import_module("rocking").__file__).parent
@@ -77,7 +77,7 @@ for kind in sys.argv[2:]:
 """
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_nothing_is_compiled_after_warming_up(samples):
     kinds = ("default", "calibrate", "fragility", "everything")
     run = subprocess.run(

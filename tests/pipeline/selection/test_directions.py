@@ -13,10 +13,10 @@ from rockpulse.assessment.assessment import assess
 from rockpulse.models import Outcome
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
-from rockpulse.remark import code_of
 from rockpulse.selection.directions import conditioned_motions, plan_motions, planned_ids, sweep_azimuths
 from rockpulse.views.shared.files_used import failure_rows, files_used
 from rockpulse.views.text.margins import direction_table
+from rockpulse.warning_text import code_of
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def test_as_recorded_nothing_is_rotated():
         np.testing.assert_array_equal(motion.record.acceleration, record.acceleration)
 
 
-def test_a_channel_is_conditioned_behind_its_remarks():
+def test_a_channel_is_conditioned_behind_its_warnings():
     raw = replace(channel(0.0), processed=False, acceleration=channel(0.0).acceleration + 0.5)
     options = replace(
         config("azimuth", azimuth=0.0, include_vertical=True), conditioning=ConditioningSettings(baseline="none")
@@ -248,7 +248,7 @@ def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked,
         assert planned_ids(planned[0], options) == [motion.record.id] == [alone.id]
         np.testing.assert_array_equal(motion.record.acceleration, alone.acceleration)
         both = plan_motions([alone], replace(options, records=replace(options.records, include_vertical=True)))[0]
-        alone_told, vertical_told = both[0].remarks
+        alone_told, vertical_told = both[0].warnings
         assert alone_told.startswith("no pair: as recorded")
         assert vertical_told == "no vertical channel of this station overlaps: taken as zero"
         assert code_of(vertical_told) == "vertical_missing"

@@ -10,8 +10,8 @@ import pytest
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
+from rockpulse.warning_text import WarningText
 
 START = datetime(2016, 11, 13, 11, 2, 20, tzinfo=UTC)
 NAN = float("nan")
@@ -185,14 +185,14 @@ def test_where_the_vertical_channel_acts_a_volume_with_one_goes_first():
 
 
 def test_a_dead_channel_yields_to_a_live_one_of_any_volume():
-    dead = channel(0.0, "b", processed=True, warnings=(Remark("dead_channel"),))
+    dead = channel(0.0, "b", processed=True, warnings=(WarningText("dead_channel"),))
     assert vote(dead, channel()) == (["a.v1.0"], {"b.0": "duplicate"})
     assert "this channel is dead" in reason(dead, channel())
     assert vote(dead) == (["b.0"], {})
 
 
 def test_a_peak_that_nobody_has_confirmed_yields_to_another_record_of_its_motion():
-    odd = Remark("odd_peak", peak=53.0, unit="m/s2", readings="0.53 g if it were cm/s2")
+    odd = WarningText("odd_peak", peak=53.0, unit="m/s2", readings="0.53 g if it were cm/s2")
     wrong = volume("b.V2A", processed=True, warnings=(odd,))
     raw = volume("a.V1A")
     for settings in (None, PAIRS):
@@ -204,7 +204,9 @@ def test_a_peak_that_nobody_has_confirmed_yields_to_another_record_of_its_motion
 
 
 @pytest.mark.parametrize("settings", [None, PAIRS, RecordSettings(include_vertical=True)])
-@pytest.mark.parametrize("fault", [Remark("dead_channel"), Remark("odd_peak", peak=9.0, unit="g", readings="-")])
+@pytest.mark.parametrize(
+    "fault", [WarningText("dead_channel"), WarningText("odd_peak", peak=9.0, unit="g", readings="-")]
+)
 def test_of_a_volume_with_one_channel_that_cannot_be_used_nothing_is_mixed_with_another(fault, settings):
     raw, processed = volume("a.V1A"), volume("b.V2A", processed=True)
     processed[0] = replace(processed[0], warnings=(fault,))

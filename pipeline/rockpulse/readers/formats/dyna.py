@@ -144,7 +144,7 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
                 *header_notes,
                 *notes,
                 *time_notes,
-                *_remarks(header, step, samples),
+                *_warnings(header, step, samples),
                 *kit.surplus(lines, first + declared, len(lines), file.name, _TITLE),
             ],
             processing=processing,
@@ -212,7 +212,7 @@ def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
     return None, baseline, [note]
 
 
-def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
+def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
     """Warnings where the header contradicts the samples."""
     count = samples.size
     notes = [

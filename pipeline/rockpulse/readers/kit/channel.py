@@ -15,7 +15,7 @@ from rockpulse.readers.kit.text import TRUNCATED, UNITS, other_readings, unexpec
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
@@ -42,26 +42,28 @@ STEPS_BESIDE = 10
 FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
 
 
-def odd_peak(peak: float, unit: str, factor: float) -> Remark:
-    """The remark on a peak [m/s2] that is hardly an earthquake's; `factor` are the m/s2 of the unit, empty for m/s2."""
+def odd_peak(peak: float, unit: str, factor: float) -> WarningText:
+    """The warning on a peak [m/s2] that is hardly an earthquake's; `factor` is the unit in m/s2, empty for m/s2."""
     unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
     readings = other_readings(peak / factor, unit)
-    return Remark("odd_peak", peak=peak / STANDARD_GRAVITY, unit=named, readings=readings)
+    return WarningText("odd_peak", peak=peak / STANDARD_GRAVITY, unit=named, readings=readings)
 
 
-def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, rounding: float) -> list[Remark]:
+def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, rounding: float) -> list[WarningText]:
     if peak == 0.0:
-        return [Remark("dead_channel")]
+        return [WarningText("dead_channel")]
     warnings = []
     g, stated = STANDARD_GRAVITY, abs(header_peak)
     gap = abs(stated - peak)
     if gap > PEAK_TOLERANCE * max(peak, stated) and gap > rounding:
         if max(peak, stated) >= OTHER_PEAK * min(peak, stated):
-            warnings.append(Remark("header_peak", stated=stated / g, found=peak / g))
+            warnings.append(WarningText("header_peak", stated=stated / g, found=peak / g))
         else:
             sense, share = "less" if peak < stated else "more", 100.0 * gap / stated
-            warnings.append(Remark("header_peak_near", stated=stated / g, found=peak / g, share=share, sense=sense))
+            warnings.append(
+                WarningText("header_peak_near", stated=stated / g, found=peak / g, share=share, sense=sense)
+            )
     low, high = CREDIBLE_PEAK_G
     if not low <= peak / g <= high:
         warnings.append(odd_peak(peak, unit, factor))
@@ -118,7 +120,7 @@ def build_record(
     notes = [*warnings, *clipped]
     notes += _peak_warnings(samples_peak * abs(factor), unit, factor, stated_peak, rounding)
     if dt > CREDIBLE_INTERVAL:
-        notes.append(Remark("long_interval", interval=dt))
+        notes.append(WarningText("long_interval", interval=dt))
     fault = clock_fault(start_time) if start_time is not None else ""
     if fault:
         start_time = None
@@ -127,7 +129,7 @@ def build_record(
     if sensor_depth > SHALLOW:
         notes.append(f"the sensor lies {sensor_depth:g} m below the ground: motion at depth, not at the ground surface")
     if facing.sign < 0.0:
-        notes.append(Remark("positive_downwards"))
+        notes.append(WarningText("positive_downwards"))
     factor *= facing.sign
     with np.errstate(over="ignore"):  # Record refuses what is not finite
         acceleration = samples * factor
@@ -178,9 +180,9 @@ def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Recor
     return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]
 
 
-def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
+def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:
     """A warning where a raw record, before any filter, stays at an extreme value or reaches the 24 bits of counts."""
-    warnings: list[Remark] = []
+    warnings: list[WarningText] = []
     step = None
     for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
         at = np.flatnonzero(samples == edge)
@@ -198,8 +200,8 @@ def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
         away = 0.5 * float(np.ptp(samples))
         fall = float(np.max(np.abs(edge - beside.astype(float))))
         if away >= STEPS_TO_EXTREME * step and fall >= STEPS_BESIDE * step:
-            warnings.append(Remark("clipped", count=length, end=end))
+            warnings.append(WarningText("clipped", count=length, end=end))
     peak = float(np.max(np.abs(samples.astype(float))))
     if unit == "counts" and NEAR_FULL_SCALE * FULL_SCALE <= peak <= FULL_SCALE:
-        warnings.append(Remark("full_scale", counts=FULL_SCALE))
+        warnings.append(WarningText("full_scale", counts=FULL_SCALE))
     return warnings

@@ -11,7 +11,7 @@ from rockpulse.readers.kit.checks import Counted, contradictory, held_length, he
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
 from rockpulse.readers.kit.facts import instant
 from rockpulse.readers.kit.text import LONGEST_LINE, check_count, fixed_width, free_numbers, matched, unexpected
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
 _UNKNOWN = re.compile(r"(?ai)values used when .{0,60}:\s*(-?\d{1,8})\s*,\s*(-?\d{1,8}\.?\d{0,8})\s*$")
@@ -104,7 +104,7 @@ class Header:
         if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
             told = f"{words!r} and {code} (integer header 54)"
-            return replace(upright, note=Remark("vertical_by_code", channel=seed, told=told))
+            return replace(upright, note=WarningText("vertical_by_code", channel=seed, told=told))
         if contradictory(said, coded):
             return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
         return coded if np.isnan(said.azimuth) else said

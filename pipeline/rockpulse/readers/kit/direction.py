@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 
 from rockpulse.record.record import Orientation
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 #: The unit in a column heading, ``acc [g]``.
 BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
@@ -88,11 +88,11 @@ def means_vertical(code: str) -> bool:
 
 
 def vertical_if_so(facing: Direction, code: str) -> Direction:
-    """The direction of a header; vertical, with a remark, where the channel code says so against an azimuth of 0."""
+    """The direction of a header; vertical, with a warning, where the channel code says so against an azimuth of 0."""
     if facing.orientation != "horizontal" or not means_vertical(code):
         return facing
     told = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
-    return Direction("vertical", note=Remark("vertical_by_code", channel=code.strip(), told=told))
+    return Direction("vertical", note=WarningText("vertical_by_code", channel=code.strip(), told=told))
 
 
 def heading_direction(name: str) -> Direction:

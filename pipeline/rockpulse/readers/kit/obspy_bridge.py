@@ -18,7 +18,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical
 from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 #: No news about the record: obspy's own future, and files that somebody else left open.
 _NO_NEWS = (DeprecationWarning, FutureWarning, ResourceWarning)
@@ -116,7 +116,7 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
         lies = "vertical" if _STEEP <= abs(dip) <= 90.0 else "horizontal" if abs(dip) <= _FLAT else "unknown"
         if lies == "horizontal" and means_vertical(code):
             told = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
-            return Direction("vertical", note=Remark("vertical_by_code", channel=code, told=told))
+            return Direction("vertical", note=WarningText("vertical_by_code", channel=code, told=told))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
             both = f"the channel code says {code!r}, the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
             return Direction(note=f"the direction is unknown: {both}")

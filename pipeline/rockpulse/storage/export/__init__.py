@@ -1,1 +1,1 @@
-"""Answers of a results file as a table: which rows, which columns, and the file that they are written to."""
+"""Export of a results file as a table: selection of rows and columns, and the file to write."""

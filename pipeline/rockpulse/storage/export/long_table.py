@@ -1,4 +1,4 @@
-"""A group of a results file as a long table: one row per answer, every variable a column, repeated where need be."""
+"""A group of a results file as a long table, with one row per result and one column per variable."""
 
 from __future__ import annotations
 
@@ -12,38 +12,38 @@ import xarray as xr
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.export.row_selection import Condition, Selection, positions_matching, rows
+from rockpulse.storage.export.row_selection import Condition, RowSelection, positions_matching, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
 from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Dimensions that become columns, one for each label, where they are the only one beyond those of the table.
+#: Dimensions that become columns, one for each label, if they are the only dimension beyond those of the table.
 SPREAD = ("demand", "parameter")
-#: What an index of a table points at.
+#: Dimension to which each index variable of a table refers.
 POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
-#: Coordinates of /summary that an index may point at.
+#: Coordinates of /summary to which an index may refer.
 LABELLED = ("record", "block", "model")
-#: Rows that are made at once.
+#: Number of rows that are made at once.
 CHUNK = 50_000
 
 
 @dataclass(frozen=True, eq=False)
 class TableColumn:
-    """A column of a long table: where its values come from and what they mean."""
+    """A column of a long table: the source of its values and their description."""
 
     name: str  # its heading
     units: str
     long_name: str
-    words: dict[int, str]  # of a flag, which is given in words; empty for others
+    words: dict[int, str]  # words of a flag; empty for other variables
     variable: xr.Variable  # not yet read
-    labels: np.ndarray | None = None  # what the values are an index into; empty for -1
-    #: Where the part of each label ends along the dimension of a ragged array, whose owner is the value.
+    labels: np.ndarray | None = None  # labels to which the values are an index; empty for -1
+    #: End of the part of each label along a ragged array; the value of the column is the label that owns the row.
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Its values in some rows, by the position of each row along the dimensions of the table."""
+        """Return the values of rows, given by their positions along the dimensions of the table."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -56,25 +56,25 @@ class TableColumn:
 
 @dataclass(frozen=True, eq=False)
 class LongTable:
-    """A table that is made when its rows are asked for; the file has to be open until then."""
+    """A table whose rows are read on demand, while the file is open."""
 
     group: str
-    dims: tuple[str, ...]  # there is one row per element along them
+    dims: tuple[str, ...]  # one row per element along these
     columns: tuple[TableColumn, ...]
-    left_out: tuple[str, ...]  # variables of the group that have other dimensions
+    left_out: tuple[str, ...]  # variables of the group with other dimensions
     places: dict[str, np.ndarray]  # position of every row along each dimension
-    found: int  # rows without the limit of the selection
+    found: int  # number of rows before the limit of the selection is applied
 
     def __len__(self) -> int:
         return int(next(iter(self.places.values())).size)
 
     @property
     def per(self) -> str:
-        """The things that have a row each, in words; empty where the group is a list of rows."""
+        """Describe what each row stands for, such as "record and body"; empty if the group is a list of rows."""
         return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
 
     def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:
-        """The rows as frames of at most so many; one empty frame where there are none."""
+        """Yield the rows as frames of at most `size` rows; one empty frame if there are no rows."""
         import pandas as pd
 
         for start in range(0, max(len(self), 1), size):
@@ -82,7 +82,7 @@ class LongTable:
             yield pd.DataFrame({column.name: column.values(part) for column in self.columns})
 
     def frame(self) -> pd.DataFrame:
-        """All rows as one frame."""
+        """Return all rows as one frame."""
         return next(self.frames(max(len(self), 1)))
 
 
@@ -90,11 +90,11 @@ def long_table(
     file: ResultsFile,
     group: str | None = None,
     dims: Sequence[str] | None = None,
-    selection: Selection | None = None,
+    selection: RowSelection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
-    """A group as a long table; the dims are those of the largest variables by default."""
-    selection = selection or Selection()
+    """Make a long table of a group; the default dimensions are those of the largest variables."""
+    selection = selection or RowSelection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
     dims = _dimensions(dataset, group) if dims is None else tuple(dims)
@@ -138,38 +138,38 @@ def results_table(
     descending: bool = False,
     limit: int | None = None,
 ) -> pd.DataFrame:
-    """Answers of a results file as a long pandas table; only what is asked for is read.
+    """Read results from a file as a long pandas table; only the requested values are read.
 
     Parameters
     ----------
     path : str or Path
         Results file of any kind.
     group : str, optional
-        Group of the file; that with the answers by default (`summary` of an assessment).
+        Group of the file; by default the main one (`summary` of an assessment).
     dims : sequence of str, optional
-        Dimensions of which every element has a row: ``["record"]`` lists the records; by default every answer has one.
+        Dimensions whose elements have a row each: ``["record"]`` lists the records; by default every result has a row.
     columns : sequence of str, optional
         Names of variables; all by default.
     record, block, model : str, optional
-        Only what has such a name; * and ? stand for any letters.
+        Keep only these names; * and ? stand for any letters.
     where : sequence of str
-        Conditions, all of which have to hold: ``["outcome = overturns", "safety_factor < 0.5"]``.
+        Conditions that all must hold: ``["outcome = overturns", "safety_factor < 0.5"]``.
     sort : str, optional
-        Variable by which the rows are sorted, smallest first; what is not known comes last.
+        Variable by which the rows are sorted, smallest first; unknown values come last.
     descending : bool
-        Largest first.
+        Sort the largest first.
     limit : int, optional
-        Most rows.
+        Largest number of rows.
 
     Returns
     -------
     pandas.DataFrame
-        Flags as words, SI units as in the file (docs/schema.md).
+        The rows, with flags as words and SI units as in the file (docs/schema.md).
 
     Raises
     ------
     ResultsError, OSError
-        For a file that cannot be read, or a name that it does not have.
+        For a file that cannot be read, or a name that it does not contain.
 
     Examples
     --------
@@ -177,13 +177,13 @@ def results_table(
     >>> worst = rp.results_table("results.h5", model="nonlinear", sort="safety_factor", limit=20)  # doctest: +SKIP
     """
     names = {dim: (pattern,) for dim, pattern in (("record", record), ("block", block), ("model", model)) if pattern}
-    selection = Selection(names, tuple(map(Condition.parse, where)), sort, descending, limit)
+    selection = RowSelection(names, tuple(map(Condition.parse, where)), sort, descending, limit)
     with open_results(path) as file, file.reading():
         return long_table(file, group, dims, selection, columns).frame()
 
 
 def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
-    """The dimensions of the variables that have the most."""
+    """Return the dimensions of the variable with most dimensions."""
     every = [tuple(str(dim) for dim in one.dims if dim not in SPREAD) for one in dataset.data_vars.values()]
     most = [dims for dims in dict.fromkeys(every) if dims and len(dims) == max(map(len, every))]
     if len(most) != 1:
@@ -196,7 +196,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
 
 
 def _answers_to(column: TableColumn, name: str) -> bool:
-    """By its heading, or without the label that it is spread by."""
+    """Whether a name is the heading of a column, or its variable without the label of the column."""
     return name in (column.name, column.name.partition("[")[0])
 
 
@@ -205,7 +205,7 @@ def _texts(variable: xr.DataArray) -> np.ndarray:
 
 
 def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """The label, or the number, along each dimension; none where a table is a mere list."""
+    """Return a column with the label or index along each dimension; none if the table is a plain list."""
     for dim in dims:
         if dim in dataset.coords:
             yield _column(dim, dataset.variables[dim])
@@ -215,7 +215,7 @@ def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableCo
 
 
 def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """The owners of the rows of a ragged array."""
+    """Return columns with the owners of the rows of a ragged array."""
     for variable in dataset.data_vars.values():
         dim = str(variable.attrs.get("sample_dimension", ""))
         if dim in dims:
@@ -260,9 +260,9 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 
 
 def _masks(
-    dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: Selection
-) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], Selection]:
-    """Filters by a name that the rows only point at, and the selection without them."""
+    dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: RowSelection
+) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], RowSelection]:
+    """Split off filters by names to which rows refer only by index, and return them with the rest of the selection."""
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:
@@ -273,4 +273,4 @@ def _masks(
             wanted = positions_matching([str(label) for label in column.labels], left.pop(column.name), column.name)
             sizes = np.diff(column.ends, prepend=0)
             masks.append(((str(column.variable.dims[0]),), np.repeat(np.isin(np.arange(sizes.size), wanted), sizes)))
-    return masks, Selection(left, selection.conditions, selection.sort, selection.descending, selection.limit)
+    return masks, RowSelection(left, selection.conditions, selection.sort, selection.descending, selection.limit)

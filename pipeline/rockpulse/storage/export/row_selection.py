@@ -1,4 +1,4 @@
-"""A choice of answers of a results file: by name, by condition, in which order, how many."""
+"""Selection of rows of a results file by name and condition, with sorting and a limit."""
 
 import fnmatch
 import operator
@@ -15,10 +15,10 @@ from rockpulse.option import hint
 from rockpulse.record.measures import STORED, STORED_OF_BODIES
 from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
 
-#: Longest list of known names in a message.
+#: Largest number of known names in a message.
 LISTED = 12
 
-#: Variables by the headings under which tables show them.
+#: Variables by the headings that tables show.
 SHOWN = {
     "P": "overturning_probability",
     "SF": "safety_factor",
@@ -52,7 +52,7 @@ class Condition:
 
     @classmethod
     def parse(cls, words: str) -> Self:
-        """The condition of a text: name or heading of a table, comparison, value.
+        """Parse a condition: name of a variable or heading of a table, comparison, value.
 
         >>> Condition.parse("factor of 10 % < 1")
         Condition(name='factor_10', comparison='<', value='1')
@@ -67,7 +67,7 @@ class Condition:
         return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """True where values meet the condition; a ResultsError where it does not suit the type of the variable."""
+        """Mask of the values that meet the condition; raises ResultsError if it does not fit the variable's type."""
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
                 alike = self._named(values.astype(str))
@@ -80,10 +80,10 @@ class Condition:
         return np.asarray(_COMPARISONS[self.comparison](values, self._number(self.value, flag_words(variable))))
 
     def _named(self, texts: np.ndarray) -> np.ndarray:
-        """True where a text is the value, or one of several with "|" between them, or meets one as a pattern."""
+        """Mask of the texts that equal or match one of the values, which are separated by "|"."""
         every, inverse = np.unique(texts, return_inverse=True)
         known = every.tolist()
-        # A text may hold what is read as a sign, such as the brackets of "wall [north]" or the "|" of "A|B".
+        # A text may contain pattern characters, such as the brackets of "wall [north]" or the "|" of "A|B".
         several = [self.value] if self.value in known else [part.strip() for part in self.value.split("|")]
         met = np.zeros(every.size, dtype=bool)
         for one in several:
@@ -100,15 +100,15 @@ class Condition:
             number = float(value)
         except ValueError:
             number = np.nan
-        if np.isnan(number):  # nothing is smaller than, or the same as NaN
+        if np.isnan(number):  # NaN is neither smaller than nor equal to a number
             expected = f"one of {', '.join(codes)}" if codes else "a number"
             raise ResultsError(f"{self.name}: expected {expected}, found {value!r}{hint(word, codes)}")
         return number
 
 
 @dataclass(frozen=True)
-class Selection:
-    """The rows of a table that are asked for, by patterns of labels along dimensions; by default all."""
+class RowSelection:
+    """The requested rows of a table, by patterns of labels along dimensions; by default all rows."""
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     conditions: tuple[Condition, ...] = ()
@@ -118,7 +118,7 @@ class Selection:
 
     @property
     def words(self) -> list[str]:
-        """Every part of it in words, for a heading or a README."""
+        """Describe each part of the selection, for a heading or a README."""
         told = [f"{dim} {' or '.join(patterns)}" for dim, patterns in self.names.items() if patterns]
         told += [f"{item.name} {item.comparison} {item.value}" for item in self.conditions]
         if self.sort is not None:
@@ -129,14 +129,14 @@ class Selection:
 
 
 def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Positions of the labels that equal or match one of the patterns; all labels without patterns."""
+    """Return positions of the labels that equal or match one of the patterns, or of all labels without patterns."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}
     found: set[int] = set()
     for pattern in patterns:
         matches = re.compile(fnmatch.translate(pattern)).match
-        # A label may hold what a pattern reads as a sign, such as the brackets of "wall [north]".
+        # A label may contain pattern characters, such as the brackets of "wall [north]".
         places = [exact[pattern]] if pattern in exact else [at for at, label in enumerate(known) if matches(label)]
         if not places:
             raise unknown(pattern, known, what)
@@ -145,7 +145,7 @@ def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str)
 
 
 def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
-    """The error that says what there is where a name is not; `what` says of what kind the known names are."""
+    """Return an error that lists the known names in place of an unknown one; `what` is their kind."""
     within = [label for label in known if name.lower() in label.lower()]
     told = "there are:"
     if within:
@@ -161,13 +161,13 @@ def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
 def rows(
     dataset: xr.Dataset,
     dims: Sequence[str],
-    selection: Selection,
+    selection: RowSelection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """Positions (r,) along each of `dims` of the rows of a table, and their number without the limit.
+    """Return positions (r,) of the rows of a table along each of `dims`, and their number without the limit.
 
-    A condition on a variable with more dimensions has to hold somewhere along them; such a variable sorts by its
-    smallest value (largest where `descending`) among those that meet all conditions, `masks` among them.
+    A condition on a variable with more dimensions must hold at one position along them at least; such a variable sorts
+    by its smallest value (largest if `descending`) among those that meet all conditions and `masks`.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
     key = None if selection.sort is None else _variable(dataset, selection.sort)
@@ -203,7 +203,7 @@ def rows(
         if beyond:
             known = known.max(beyond) if selection.descending else known.min(beyond)
         order = known.transpose(*dims).values.ravel()[kept]
-        kept = kept[np.argsort(-order if selection.descending else order, kind="stable")]  # what is not known last
+        kept = kept[np.argsort(-order if selection.descending else order, kind="stable")]  # unknown values last
     places = np.unravel_index(kept[: selection.limit], [among[dim].size for dim in dims])
     return {dim: among[dim][place] for dim, place in zip(dims, places, strict=True)}, kept.size
 

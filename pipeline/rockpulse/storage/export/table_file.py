@@ -1,4 +1,4 @@
-"""A long table as a file (CSV, a workbook, Parquet), with a README of its columns beside it."""
+"""Writes a long table to a file (CSV, workbook, Parquet), with a README that describes its columns."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-#: Rows of a sheet, the headings among them.
+#: Largest number of rows of a sheet, including the headings.
 SHEET_ROWS = 1_048_576
-#: The library that writes each kind of file, in the extra "tables".
+#: The library that writes each kind of file, from the extra "tables".
 TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
 
 def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
-    """Write all rows to the workbook or Parquet file `part`; `seen` is called with every frame."""
+    """Write all rows to the workbook or Parquet file `part`; call `seen` with every frame."""
     import pandas as pd
 
     if kind == ".parquet":
@@ -50,22 +50,22 @@ def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.Data
                     cell.data_type = "s"
 
 
-#: Suffixes of tables; the second is compressed.
+#: Suffixes of CSV tables; the second is compressed.
 SUFFIXES = (".csv", ".csv.gz", *TYPED)
-#: What stands for the end of a line inside a text, and every way in which one ends.
+#: Replacement of a line break inside a text, and the pattern of line breaks.
 LINE = " | "
 LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 
 
 def readme_of(path: Path) -> Path:
-    """The README that belongs to a table, table.README.md of table.csv.gz."""
+    """Return the path of the README of a table: table.README.md for table.csv.gz."""
     return path.with_name(
         f"{next(path.name.removesuffix(one) for one in SUFFIXES if path.name.endswith(one))}.README.md"
     )
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
-    """The path of a table; a ResultsError where the table or its README cannot be written."""
+    """Return the path of a table; raise ResultsError if the table or its README cannot be written."""
     if not Path(path).name.endswith(SUFFIXES):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
     target = check_file(path, overwrite, SUFFIXES)
@@ -88,10 +88,10 @@ def write_table(
     decimal_comma: bool = False,
     raw: bool = False,
 ) -> tuple[Path, Path]:
-    """Write a table and its README, each whole or not at all, CSV in bounded memory; the paths of both.
+    """Write a table and its README atomically, CSV in bounded memory, and return the paths of both.
 
-    `about` is the origin in the README, `on_rows` is called with numbers of rows written; with `decimal_comma` columns
-    have semicolons, decimal commas and a byte order mark; with `raw` texts stay as they are but for the ends of lines.
+    `about` is the origin in the README, `on_rows` is called with numbers of rows written; `decimal_comma` writes
+    semicolons, decimal commas and a byte order mark; `raw` changes only the line breaks in texts.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)
@@ -120,7 +120,7 @@ def write_table(
             files.add(readme, _readme(table, target.name, about, empty, decimal_comma).encode())
             files.commit()
     except OSError as error:
-        if error.errno is None:  # of HDF5, from which the rows are read meanwhile
+        if error.errno is None:  # raised by HDF5 while the rows are read
             raise
         raise ResultsError(f"{path}: cannot write the table: {error.strerror or error}") from error
     return target, readme
@@ -133,12 +133,12 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
 
 
 def one_line(frame: pd.DataFrame) -> pd.DataFrame:
-    """Texts of several lines in one, so that a line of the file is a row."""
+    """Join texts of several lines into one line, so that each row is one line of the file."""
     return frame.assign(**{name: frame[name].str.replace(LINE_ENDS, LINE, regex=True) for name in _texts(frame)})
 
 
 def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
-    """Texts in one line, control characters as escapes, and what a spreadsheet would compute after an apostrophe."""
+    """Put texts on one line, escape control characters, and put an apostrophe before texts that look like formulas."""
     frame = one_line(frame)
     return frame.assign(
         **{
@@ -148,13 +148,13 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def csv_bytes(table: pd.DataFrame) -> bytes:
-    """A table as CSV, one header line, numbers with all digits, texts as of :func:`safe_texts`."""
+def table_csv(table: pd.DataFrame) -> bytes:
+    """Return a table as CSV with one header line, all digits of numbers, and texts made safe by :func:`safe_texts`."""
     return safe_texts(table).to_csv(index=False).encode()
 
 
 def _texts(frame: pd.DataFrame) -> list[str]:
-    """The columns of texts."""
+    """Return the columns that contain texts."""
     return [str(name) for name, kind in frame.dtypes.items() if kind.kind in "OU" or str(kind) == "str"]
 
 

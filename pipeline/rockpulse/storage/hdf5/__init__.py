@@ -1,1 +1,1 @@
-"""Results files: netCDF-4 in HDF5, written whole or not at all, read back, checked."""
+"""Results files in netCDF-4/HDF5: atomic writing, reading and verification."""

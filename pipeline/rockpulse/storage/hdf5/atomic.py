@@ -1,4 +1,4 @@
-"""A file that is written whole or not at all beside its target, flushed and renamed; it replaces only results."""
+"""Atomic writing: a file is written beside its target, flushed and renamed, and replaces only results."""
 
 import glob
 import os
@@ -13,24 +13,24 @@ from rockpulse.errors import ResultsError
 
 #: Root attribute `kind` of the results of an assessment; files without it are assessments.
 ASSESSMENT = "assessment"
-#: What a file takes beyond its values, names and attributes mostly, at most [bytes].
+#: Upper bound of the size of a file beyond its values, mostly names and attributes [bytes].
 LAYOUT = 1024**2
 
-#: Suffixes of what other verbs make of results, and the verb.
+#: Suffixes of files that other verbs make of results, and the verb.
 OTHERS = {
     **dict.fromkeys((".csv", ".tsv", ".txt", ".xls", ".xlsx"), ("a table", "export", ".csv")),
     **dict.fromkeys((".htm", ".html"), ("a report", "report", ".html")),
     **{suffix: ("a picture", "plot", suffix) for suffix in (".svg", ".png", ".pdf")},
 }
 
-#: Suffixes of other files that a slip of the pen would name.
+#: Suffixes of other files that a user may name by mistake.
 TEXTS = (".toml", ".json", ".md", ".parquet")
 DAMAGED = "damaged file"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
-    """The file that results can be written to, links resolved; a ResultsError where they cannot."""
+    """Return the file to write results to, links resolved; raise ResultsError if it cannot be written."""
     target = Path(os.path.realpath(path))
     try:
         if target.exists():
@@ -39,7 +39,7 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
         if not target.parent.is_dir():
             raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
         part = _part(target)
-        part.touch(exist_ok=False)  # its name is longer than that of the target
+        part.touch(exist_ok=False)  # the temporary name is longer than that of the target
         part.unlink()
     except OSError as error:
         raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
@@ -50,7 +50,7 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
 def replacing(
     path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT, size: int = 0
 ) -> Iterator[Path]:
-    """Within it, a file is written to the name given that replaces another at the end, whole or not at all."""
+    """Context manager that gives a temporary path; the file written there replaces the target at the end."""
     target = check_target(path, overwrite, kind)
     free = shutil.disk_usage(target.parent).free
     if free < size + LAYOUT:
@@ -62,32 +62,32 @@ def replacing(
     try:
         yield part
         flush(part, os.O_RDWR)
-        check_target(path, overwrite, kind)  # somebody else may have written it during the run
+        check_target(path, overwrite, kind)  # another process may have written it during the run
         part.replace(target)
     except OSError as error:
-        hidden = re.search(r"errno = (\d+)", str(error))  # HDF5 hides the number in a long text
+        hidden = re.search(r"errno = (\d+)", str(error))  # HDF5 gives the error number only in a long text
         reason = os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
         raise ResultsError(f"{path}: cannot write the results: {reason}") from error
     finally:
         part.unlink(missing_ok=True)
-    if os.name == "posix":  # elsewhere a folder cannot be opened
+    if os.name == "posix":  # on other systems a folder cannot be opened
         flush(target.parent, os.O_RDONLY)
 
 
 def remove_parts(path: str | os.PathLike[str]) -> None:
-    """Remove what killed writers of a file have left; to be called where no other writer can be at work."""
+    """Remove temporary files of killed writers; call only if no other writer of this file can be running."""
     target = Path(os.path.realpath(path))
     for left in target.parent.glob(f".{glob.escape(target.name)}.{'[0-9a-f]' * 8}.part"):
         left.unlink()
 
 
 def journal_path(target: str | os.PathLike[str]) -> Path:
-    """The journal of the run that writes a file (`rockpulse.run.journal`); links are followed."""
+    """Return the path of the journal of the run that writes a file (`rockpulse.run.journal`); links are followed."""
     return Path(os.path.realpath(target) + ".journal")
 
 
-def named(kind: str) -> str:
-    """A kind of file with its article."""
+def kind_in_words(kind: str) -> str:
+    """Return a kind of file with its article."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
@@ -96,7 +96,7 @@ def _part(target: Path) -> Path:
 
 
 def _check_name(path: Path) -> None:
-    """Results are HDF5 under any name: one that says otherwise would be opened as what it is not."""
+    """Raise ResultsError for a name with the suffix of another format, as results are always HDF5."""
     plain = path.with_suffix("") if path.suffix.lower() == ".gz" else path
     if plain.suffix.lower() in OTHERS:
         what, verb, suffix = OTHERS[plain.suffix.lower()]
@@ -114,7 +114,7 @@ def _check_name(path: Path) -> None:
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
-    """Only results may be replaced: under a mistyped name a record or a configuration would be lost for good."""
+    """Raise ResultsError unless the target is a results file, so that a mistyped name never destroys other files."""
     if not target.is_file():
         raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
     if not overwrite:
@@ -135,20 +135,20 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
         )
     if found not in (kind, DAMAGED):
         raise ResultsError(
-            f"{path}: expected {named(kind)} of rockpulse, found {named(found)}, which is not replaced even with "
-            "--overwrite; choose another name, or remove it by hand"
+            f"{path}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}, which is not replaced "
+            "even with --overwrite; choose another name, or remove it by hand"
         )
 
 
 def _kind(target: Path) -> str | None:
-    """The kind of results in a file of rockpulse, whatever its schema version; None for another file."""
+    """Return the kind of results in a file of rockpulse of any schema version; None for another file."""
     import h5py
 
     with target.open("rb") as file:
         if file.read(len(SIGNATURE)) != SIGNATURE:
             return None
     try:
-        with h5py.File(target, "r", locking=False) as hdf5:  # locked by its owner is not damaged
+        with h5py.File(target, "r", locking=False) as hdf5:  # a file that its writer has locked is not damaged
             ours = {"schema_version", "rockpulse_version"} <= set(hdf5.attrs)
             return str(hdf5.attrs.get("kind", ASSESSMENT)) if ours else None
     except (OSError, RuntimeError, KeyError):
@@ -156,7 +156,7 @@ def _kind(target: Path) -> str | None:
 
 
 def flush(path: Path, mode: int) -> None:
-    """Have the system write what it holds of a file or a folder to the disk."""
+    """Flush a file or a folder from the system's buffers to the disk."""
     handle = os.open(path, mode)
     try:
         os.fsync(handle)

@@ -1,4 +1,4 @@
-"""What a results file, which may come from anybody, may hold: no link out of it, no endless array, known variables."""
+"""Checks of the layout of an untrusted results file: no external links, no oversized arrays, known variables."""
 
 from collections.abc import Iterator, Mapping
 from itertools import islice
@@ -14,25 +14,25 @@ from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
 from rockpulse.storage.variables.site import SITE_GROUPS, SITE_KIND
 
-#: Declarations by the kind of file, and by group; after a comma stands the sort of results that a group is of.
+#: Declared variables by kind of file and group; the sort of results of a group follows a comma.
 GROUPS: dict[str, dict[str, Declared]] = {
     ASSESSMENT: ASSESSMENT_GROUPS,
     FRAGILITY: FRAGILITY_GROUPS,
     SITE_KIND: SITE_GROUPS,
 }
 
-#: Groups that every file of a kind has.
+#: Groups that every file of a kind contains.
 ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/records"}}
 
 
 def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
-    """A sentence on each variable (by path) of another type, shape or, with `units`, unit than it is declared with."""
+    """Return a sentence on each variable (by path) whose type, shape or, with `units`, unit is not as declared."""
     for path, variable in variables.items():
         if says_no_variable(variable.attrs.get("NAME")):
             continue
         group, _, name = path.rpartition("/")
         name = name.removeprefix(NOT_A_COORDINATE)
-        differences = [  # a group may differ with the sort of results
+        differences = [  # a group may depend on the sort of results
             _difference(variable, declared[name], units)
             for title, declared in GROUPS[kind].items()
             if title.partition(",")[0] == group and name in declared
@@ -42,7 +42,7 @@ def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: boo
 
 
 def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Iterator[str]:
-    """A sentence on each variable that a file lacks though every file of its kind has it."""
+    """Return a sentence on each required variable that is missing in a file."""
     found = {path.replace(f"/{NOT_A_COORDINATE}", "/") for path in variables}
     present = {path.rpartition("/")[0] for path in found}
     for title, declared in GROUPS[kind].items():
@@ -73,16 +73,16 @@ def _difference(found: h5py.Dataset, expected: StoredVariable, units: bool) -> s
     return ""
 
 
-#: Most groups and variables that are looked at; results have some hundreds.
+#: Largest number of groups and variables in a file; results have some hundreds.
 OBJECTS = 10_000
-#: Bytes that deflate packs into one at the most, and bytes of a variable that need not be in the file at all.
+#: Largest compression ratio of deflate, and size up to which a variable may be absent from the file [bytes].
 PACKED, FREE = 1100, 1024**2
-#: Filters that results are written with; HDF5 looks for others among the plugins of the machine.
+#: HDF5 filters used in results; for others HDF5 would load plugins of the machine.
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
 
 
 def contained(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
-    """Every dataset of an open file by its path; a ResultsError for what no results hold, before it is read."""
+    """Return every dataset of an open file by path; raise ResultsError for unsafe content before it is read."""
     found: dict[str, h5py.Dataset] = {}
     waiting, seen = [hdf5["/"]], {h5py.h5o.get_info(hdf5["/"].id).addr}
     while waiting:
@@ -117,7 +117,7 @@ def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
     if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
         raise ResultsError(f"{where}: packed by {', '.join(foreign)}, which results are not")
     if h5py.h5ds.is_scale(dataset.id) and says_no_variable(dataset.attrs.get("NAME")):
-        return  # a dimension alone has a length and no values, and is never read
+        return  # a dimension without a variable has a length but no values, and is never read
     declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()
     if declared > FREE + PACKED * held:
         raise ResultsError(f"{where}: declares {declared:,} bytes of values, of which the file holds {held:,}")

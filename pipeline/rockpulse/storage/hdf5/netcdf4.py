@@ -1,7 +1,7 @@
-"""How netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
+"""Reads netCDF-4 variables, dimensions and attributes from HDF5 with h5py only.
 
-A dimension is a dimension scale: the variable of its name, or a dataset without values. xarray's own way through
-h5netcdf takes several times as long for a hundred variables (docs/decisions/005).
+A dimension is a dimension scale: the variable of the same name, or a dataset without values. xarray with h5netcdf takes
+several times as long for a hundred variables (docs/decisions/005).
 """
 
 from collections.abc import Hashable, Iterator, Mapping
@@ -16,7 +16,7 @@ from xarray.core import indexing
 
 
 class _Stored(BackendArray):
-    """The numbers of a variable, read from the open file piece by piece."""
+    """The values of a variable, read from the open file in pieces."""
 
     def __init__(self, stored: h5py.Dataset) -> None:
         self.stored, self.shape, self.dtype = stored, stored.shape, stored.dtype
@@ -29,7 +29,7 @@ class _Stored(BackendArray):
 
 
 def dataset_of(group: h5py.Group) -> xr.Dataset:
-    """A group of an open file, its texts read and its numbers not; a ValueError for a dimension without a name."""
+    """Return a group of an open file, texts read and numbers read on demand; ValueError for an unnamed dimension."""
     variables: dict[Hashable, xr.Variable] = {
         one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
         for one in variables_of(group)
@@ -39,8 +39,8 @@ def dataset_of(group: h5py.Group) -> xr.Dataset:
 
 
 def read_tree(hdf5: h5py.File) -> xr.DataTree:
-    """All groups of an open file, read into memory. What h5py and :func:`dataset_of` raise passes."""
-    # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
+    """Read all groups of an open file into memory; errors of h5py and :func:`dataset_of` are passed on."""
+    # Times stay plain seconds; xarray must not turn them into time deltas.
     return xr.DataTree.from_dict(
         {
             group.name: xr.decode_cf(dataset_of(group).load(), decode_times=False, decode_timedelta=False)
@@ -55,7 +55,7 @@ def _values(stored: h5py.Dataset) -> Any:
     return indexing.LazilyIndexedArray(_Stored(stored))
 
 
-#: Attributes that say how objects belong together, and nothing of the values.
+#: Attributes that link objects and do not describe values.
 HIDDEN = {
     "CLASS",
     "DIMENSION_LIST",
@@ -67,9 +67,9 @@ HIDDEN = {
     "_nc3_strict",
 }
 
-#: Beginning of the name of a scale that is a dimension and no variable; the size follows in ten columns.
+#: Start of the NAME of a scale that is only a dimension; its size follows in ten columns.
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
-#: What precedes the name of a variable that is that of a dimension which it does not go along.
+#: Prefix of a variable that has the name of a dimension but does not run along it.
 NOT_A_COORDINATE = "_nc4_non_coord_"
 
 
@@ -79,10 +79,10 @@ class Variable:
 
     name: str
     stored: h5py.Dataset
-    scales: Mapping[h5py.Dataset, str]  # of its group, and their names, which HDF5 itself is slow to find
+    scales: Mapping[h5py.Dataset, str]  # scales of its group and their names, which HDF5 is slow to find
 
     def dimensions(self) -> tuple[str, ...]:
-        """The names of its dimensions, those of the scales that it is attached to; a ValueError where one has none."""
+        """Names of its dimensions, from the attached scales; raises ValueError if one has no scale."""
         stored = self.stored
         if not stored.shape:
             return ()
@@ -96,7 +96,7 @@ class Variable:
 
 
 def groups_of(group: h5py.Group) -> Iterator[h5py.Group]:
-    """A group and all within it, in the order in which they were written."""
+    """Return a group and all its subgroups in the order of writing."""
     yield group
     for item in group.values():
         if isinstance(item, h5py.Group):
@@ -104,7 +104,7 @@ def groups_of(group: h5py.Group) -> Iterator[h5py.Group]:
 
 
 def variables_of(group: h5py.Group) -> list[Variable]:
-    """The variables of a group, in the order in which they were written."""
+    """Return the variables of a group in the order of writing."""
     datasets = {name: item for name, item in group.items() if isinstance(item, h5py.Dataset)}
     scales = {item: name for name, item in datasets.items() if h5py.h5ds.is_scale(item.id)}
     return [
@@ -115,13 +115,13 @@ def variables_of(group: h5py.Group) -> list[Variable]:
 
 
 def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
-    """The attributes of an object, less those that are not about the values; an array of one value is that value."""
+    """Return the attributes of an object except the linking ones; an array of one value becomes this value."""
     held = item.attrs
     return {name: _plain(held[name]) for name in held if name not in HIDDEN}
 
 
 def says_no_variable(name: Any) -> bool:
-    """Whether the attribute NAME of a dataset says that it stands for a dimension alone."""
+    """Whether the attribute NAME of a dataset marks it as a dimension without a variable."""
     return isinstance(name, bytes) and name.startswith(NO_VARIABLE.encode())
 
 
@@ -134,19 +134,19 @@ def _plain(value: Any) -> Any:
 
 
 def slab(variable: xr.Variable, positions: Mapping[Any, Any]) -> np.ndarray:
-    """Values at positions along each dimension, integers in any order or a slice; names it lacks are passed over."""
+    """Read values at positions (integers or a slice) along each dimension; unknown dimensions are ignored."""
     box, inside = _box(variable, positions)
     return np.asarray(box.isel(inside).values)
 
 
 def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """One value for each of r places, given by (r,) positions along each dimension."""
+    """Read r single values, given by (r,) positions along each dimension."""
     box, inside = _box(variable, places)
     return np.asarray(box.values[tuple(inside[dim] for dim in box.dims)])
 
 
 def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
-    """The box around positions, which HDF5 reads at the speed of the disk, and the positions within it."""
+    """Return the box around positions, which HDF5 reads fast, and the positions relative to it."""
     box: dict[Any, slice] = {}
     inside = {}
     for dim in variable.dims:
@@ -160,7 +160,7 @@ def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variab
 
 
 def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
-    """Words for the values of a flag; empty for a variable that is no flag."""
+    """Return the words for the values of a flag; empty if the variable is not a flag."""
     if "flag_meanings" not in variable.attrs:
         return {}
     values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
@@ -168,7 +168,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
 
 
 def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is."""
+    """Replace integer values of a flag by the words of :func:`flag_words`; numbers without a word stay numbers."""
     codes, inverse = np.unique(values, return_inverse=True)
     names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
     return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

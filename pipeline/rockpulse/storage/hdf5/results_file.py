@@ -1,4 +1,4 @@
-"""The results file: written whole or not at all, with its provenance, and read back, whole or in part."""
+"""The results file: atomic writing with provenance, and reading as a whole or in part."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-#: Of the layout described in docs/schema.md; files of any other are refused.
+#: Version of the layout in docs/schema.md; files with another version are refused.
 SCHEMA_VERSION = "2.0"
-#: Kinds of files that are read back, and the group that each of them has.
+#: Kinds of files that can be read, and a group that each contains.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
-#: The verb that makes each kind of file.
+#: Command that makes each kind of file.
 VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility"}
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
@@ -44,21 +44,21 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
     ----------
     tree : xarray.DataTree
         Results as :func:`rockpulse.assess` returns them (docs/schema.md); every variable has `units` and `long_name`.
-        The attribute `kind` says what they are, an assessment without.
+        The attribute `kind` gives their kind; without it they are an assessment.
     path : str or Path
         File to write.
     overwrite : bool
-        Whether results that exist may be replaced (:func:`check_target`). Until the new file is complete the old one
-        stays as it is.
+        Whether existing results may be replaced (:func:`check_target`). The old file stays unchanged until the new one
+        is complete.
 
     Raises
     ------
     ResultsError
-        Where the target exists or cannot be written, or a variable lacks its unit or long name.
+        If the target exists or cannot be written, or a variable lacks its unit or long name.
 
     See Also
     --------
-    load : the way back.
+    load : reads the file.
     """
     from rockpulse.storage.hdf5.writer import write_tree
 
@@ -68,7 +68,7 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
 
 
 def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
-    """A ResultsError where a variable of the tree, which is to be written to the path, has no unit or no name."""
+    """Raise ResultsError if a variable of the tree to be written to `path` has no unit or no long name."""
     for node in tree.subtree:
         for name, variable in node.to_dataset(inherit=False).variables.items():
             for attribute in ("units", "long_name"):
@@ -78,17 +78,17 @@ def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
 
 
 def load(path: str | os.PathLike[str]) -> xr.DataTree:
-    """Read results into memory, as :func:`rockpulse.load` does, which adds the accessor of an assessment."""
+    """Read results into memory, as :func:`rockpulse.load` does, but without the accessor of an assessment."""
     from rockpulse.storage.hdf5.netcdf4 import read_tree
 
-    with opened(path) as (hdf5, _), readable(path):
+    with opened(path) as (hdf5, _), damage_reported(path):
         tree = read_tree(hdf5)
     return tree.map_over_datasets(_as_saved)
 
 
 @contextmanager
 def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict[str, h5py.Dataset]]]:
-    """An open file of results of this schema, its kind (a key of `KINDS`) and its datasets by path."""
+    """Open a results file of this schema; return it with its kind (a key of `KINDS`) and its datasets by path."""
     import h5py
 
     from rockpulse.storage.hdf5.layout import contained
@@ -122,11 +122,11 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
-    """An open file of results, whose variables are as docs/schema.md describes them, and its kind; errors as `load`."""
+    """Open a results file and check its variables against docs/schema.md; return it and its kind; errors as `load`."""
     from rockpulse.storage.hdf5.layout import wrong_variables
 
     with checked(path) as (hdf5, kind, datasets):
-        with readable(path):
+        with damage_reported(path):
             wrong = next(wrong_variables(datasets, kind, units=False), "")
         if wrong:
             raise ResultsError(
@@ -136,8 +136,8 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
 
 
 @contextmanager
-def readable(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Within it, what is said of a damaged file becomes a ResultsError."""
+def damage_reported(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Context manager that turns errors from a damaged file into ResultsError."""
     try:
         yield
     except RockpulseError:
@@ -146,12 +146,12 @@ def readable(path: str | os.PathLike[str]) -> Iterator[None]:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
-#: Between the time and the version in a line of the attribute `history`.
+#: Separator of time and version in a line of the attribute `history`.
 WRITTEN_BY = " written by rockpulse "
 
 
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
-    """Attributes of the root of a file that tell its origin; those that are there already, as a title, stay."""
+    """Return root attributes that state the origin of a file; existing ones, such as a title, are kept."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}{WRITTEN_BY}{__version__}"
     before = attrs.get("history")
     return {
@@ -167,13 +167,13 @@ def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     }
 
 
-@cache  # each costs a search of the installed files
+@cache  # each takes a search of the installed files
 def _versions() -> dict[str, str]:
     return {f"{package}_version": version(package) for package in PACKAGES}
 
 
 def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
-    """Strings come back as objects; the encoding would tie a copy to the old file; checksums are of the file."""
+    """Restore a dataset as it was saved: strings without object type, no encoding of the old file, no checksums."""
     from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
 
     strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
@@ -186,17 +186,17 @@ def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
 
 @dataclass(frozen=True, eq=False)
 class ResultsFile:
-    """A results file that is open; values are read from it when they are asked for."""
+    """An open results file, whose values are read on demand."""
 
     path: Path
-    kind: str  # of results, as the root attribute says
-    attrs: dict[str, Any]  # of the root
+    kind: str  # kind of results in the root attribute
+    attrs: dict[str, Any]  # attributes of the root
     groups: tuple[str, ...]  # without the leading slash
     _hdf5: h5py.File = field(repr=False)
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
 
     def dataset(self, group: str) -> xr.Dataset:
-        """A group, its values not yet read; a ResultsError where there is none of the name, or it is damaged."""
+        """Return a group without reading its values; raise ResultsError if it does not exist or is damaged."""
         from rockpulse.storage.hdf5.netcdf4 import dataset_of
 
         if group not in self.groups:
@@ -208,7 +208,7 @@ class ResultsFile:
             try:
                 with self.reading():
                     self._opened[group] = dataset_of(self._hdf5[group])
-            except (KeyError, ValueError) as error:  # a dimension is gone, or a variable came without any
+            except (KeyError, ValueError) as error:  # a dimension is missing
                 raise ResultsError(
                     f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
                     "the assessment again"
@@ -216,7 +216,7 @@ class ResultsFile:
         return self._opened[group]
 
     def tree(self, *groups: str) -> xr.DataTree:
-        """The named groups that the file has (all by default) as a tree whose values are not yet read."""
+        """Return those of the named groups that exist (by default all) as a tree whose values are not yet read."""
         import xarray as xr
 
         chosen = [name for name in groups or self.groups if name in self.groups]
@@ -226,11 +226,11 @@ class ResultsFile:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Within it, what HDF5 says of a damaged file becomes a ResultsError."""
+        """Context manager that turns errors of HDF5 from a damaged file into ResultsError."""
         try:
             yield
         except (OSError, RuntimeError) as error:
-            if getattr(error, "errno", None) is not None:  # of the file system, not of HDF5
+            if getattr(error, "errno", None) is not None:  # an error of the file system, not of HDF5
                 raise
             raise ResultsError(
                 f"{self.path}: the results file is damaged ({error}); run the assessment again"
@@ -239,7 +239,7 @@ class ResultsFile:
 
 @contextmanager
 def open_results(path: str | Path) -> Iterator[ResultsFile]:
-    """Open a file of results for reading what is needed of it; raises as :func:`rockpulse.load`."""
+    """Open a results file for reading on demand; errors as :func:`rockpulse.load`."""
     import h5py
 
     with opened(path) as (hdf5, kind):

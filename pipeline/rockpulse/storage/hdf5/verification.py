@@ -1,4 +1,4 @@
-"""Whether a results file is what was written, and the files that it rests on are what was read."""
+"""Verification that a results file, and with `inputs` its input files, are unchanged."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -19,23 +19,23 @@ from rockpulse.readers.source import open_source
 from rockpulse.record.record import BETWEEN
 from rockpulse.storage.hdf5.layout import missing_variables, wrong_variables
 from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
-from rockpulse.storage.hdf5.results_file import checked, readable
+from rockpulse.storage.hdf5.results_file import checked, damage_reported
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
 
-#: Values that are read at once [bytes].
+#: Size of values that are read at once [bytes].
 CHUNK = 32 * 1024**2
 
 
 @dataclass(frozen=True)
 class Verification:
-    """The outcome of a comparison of a results file and its inputs with their checksums."""
+    """The result of comparing a results file and its inputs with their checksums."""
 
-    kind: str  # of results
-    schema: str  # version of it
-    variables: int  # number of those that were compared
+    kind: str  # kind of results
+    schema: str  # schema version
+    variables: int  # number of checksums that were compared
     inputs: int  # number of input files that were found and read
-    absent: tuple[str, ...]  # input files that are not where they were
-    differences: tuple[str, ...]  # a sentence each; empty where file and inputs are as they were
+    absent: tuple[str, ...]  # input files that are no longer in place
+    differences: tuple[str, ...]  # one sentence each; empty if file and inputs are unchanged
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,8 @@ class _Listed:
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
-    """Compare a results file with its checksums and schema, and with `inputs` also the files that it was made of."""
-    with checked(path) as (hdf5, kind, _), readable(path):
+    """Compare a results file with its checksums and schema, and with `inputs` also its input files."""
+    with checked(path) as (hdf5, kind, _), damage_reported(path):
         file = _listed(hdf5)
         root = file.attrs["/"]
         schema = str(root["schema_version"])
@@ -74,7 +74,7 @@ def verify(
 
 
 def _listed(hdf5: h5py.File) -> _Listed:
-    """What a file holds; the dimension of a variable that another program has added without any is "?"."""
+    """List the content of a file; "?" stands for a dimension without a name, as other programs may write it."""
     file = _Listed()
     for group in groups_of(hdf5):
         file.attrs[group.name] = attributes(group)
@@ -112,7 +112,7 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
 
 
 def _checksum(variable: h5py.Dataset) -> str:
-    """The checksum of the values as they are now, read a piece at a time."""
+    """Compute the checksum of the present values, read in pieces."""
     dtype = np.dtype(object) if h5py.check_string_dtype(variable.dtype) else np.dtype(variable.dtype)
     shape = variable.shape
     checksum = VariableChecksum(dtype, shape)
@@ -126,7 +126,7 @@ def _checksum(variable: h5py.Dataset) -> str:
 
 
 def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
-    """The files of every record of an open results file and their SHA-256, as they are stored."""
+    """Return the stored files of every record of an open results file and their SHA-256."""
     groups = [
         item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
     ]
@@ -139,7 +139,7 @@ def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
 
 
 def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
-    """The SHA-256 (several if it changed) of each file (``archive.zip!member``) that records were read from."""
+    """Return the SHA-256 (several if it changed) of each file (``archive.zip!member``) that records were read from."""
     found: dict[str, set[str]] = {}
     for source, checksum in stored:
         for name, one in _apart(source, checksum):
@@ -148,7 +148,7 @@ def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
 
 
 def record_folders(configuration: str) -> list[Path]:
-    """Folders from which the files of a run may have been named, by the stored configuration."""
+    """Return folders to which the file names of a run may be relative, from the stored configuration."""
     try:
         named = stored_sections(configuration).get("records", {}).get("paths", ())
     except ResultsError:
@@ -158,13 +158,13 @@ def record_folders(configuration: str) -> list[Path]:
 
 
 def in_place(source: str, folders: Iterable[Path]) -> str:
-    """A file as it is named, or its path below one of the folders if it is there and not where it is named."""
+    """Return a file's path as stored, or its path below one of the folders if it exists only there."""
     named = (source, *(str(folder / source) for folder in folders))
     return next((name for name in named if _there(_location(name)[0])), source)
 
 
 def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
-    """The files of a record and the checksum of each; equal checksums stand once."""
+    """Split the files of a record and their checksums; equal checksums are stored once."""
     checksums = checksum.split(BETWEEN)
     names = [source] if len(checksums) == 1 and _there(_location(source)[0]) else source.split(BETWEEN)
     if len(checksums) == 1:
@@ -175,12 +175,12 @@ def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
 
 
 def _there(path: str | Path) -> bool:
-    """Whether a file is there; a name too long for one, or a folder that may not be looked into, is no error here."""
+    """Whether a file exists; a name that is too long or an unreadable folder counts as missing."""
     return os.path.exists(path)  # noqa: PTH110 - Path.exists raises for these
 
 
 def _location(source: str) -> tuple[Path, str | None]:
-    """The file on the disk, and the member if that is an archive; names may hold a "!" themselves."""
+    """Return the file on disk, and the member if it is an archive; file names may also contain "!"."""
     if "!" in source and not _there(source):
         archive, _, member = source.partition("!")
         while not _there(archive) and "!" in member:
@@ -191,7 +191,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Each of the sorted files with its SHA-256 as it is now, the error that kept it from being read, or None."""
+    """Yield each of the sorted files with its present SHA-256, the error on reading it, or None if it is missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

@@ -1,8 +1,9 @@
-"""Writing a netCDF-4 file with h5py alone (docs/decisions/005), with a checksum of each variable.
+"""Writer of netCDF-4 files with h5py only (docs/decisions/005), with a checksum of each variable.
 
 The checksum of a variable is the SHA-256 of its type and shape in one line (``float64 3x2``; ``text 3``), a line feed,
-and its values in C order: numbers little-endian, each text in UTF-8 with a zero byte after it. That of the attributes
-is of sorted lines, ``PATH`` for each group, ``PATH DIMENSION...`` for each variable and ``PATH@ATTRIBUTE CHECKSUM``.
+and its values in C order: numbers little-endian, each text in UTF-8 with a zero byte after it. The checksum of the
+attributes covers sorted lines, ``PATH`` for each group, ``PATH DIMENSION...`` for each variable and ``PATH@ATTRIBUTE
+CHECKSUM``.
 """
 
 from __future__ import annotations
@@ -25,16 +26,16 @@ if TYPE_CHECKING:
 
 
 class TreeWriter:
-    """A results file that is being written, complete at the end of its ``with`` block; an OSError where it fails."""
+    """A results file being written, complete at the end of its ``with`` block; raises OSError on failure."""
 
     def __init__(self, path: Path, attrs: Mapping[str, Any]) -> None:
         self._path = path
-        self._hdf5 = h5py.File(path, "w", track_order=True)  # as netCDF has it
-        self._attrs: dict[str, dict[str, Any]] = {"/": {}}  # of groups and variables, by path
+        self._hdf5 = h5py.File(path, "w", track_order=True)  # as in netCDF
+        self._attrs: dict[str, dict[str, Any]] = {"/": {}}  # attributes of groups and variables, by path
         self._sizes: dict[str, dict[str, int]] = {}
         self._dims: dict[str, tuple[str, ...]] = {}
-        self._scales: dict[tuple[str, str], h5py.Dataset] = {}  # of dimensions, by group and name
-        self._numbers: dict[tuple[str, str], int] = {}  # of the same
+        self._scales: dict[tuple[str, str], h5py.Dataset] = {}  # sizes of dimensions, by group and name
+        self._numbers: dict[tuple[str, str], int] = {}  # scales of dimensions, by group and name
         self._variables: dict[str, h5py.Dataset] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._written: dict[str, int] = {}
@@ -54,7 +55,7 @@ class TreeWriter:
             self._close(error)
 
     def add_group(self, path: str, sizes: Mapping[str, int], attrs: Mapping[str, Any]) -> None:
-        """Add a group, as "/summary" ("/" is there already), with the size of each of its dimensions."""
+        """Add a group, such as "/summary" ("/" always exists), with the size of each of its dimensions."""
         group = self._hdf5 if path == "/" else self._hdf5.create_group(path, track_order=True)
         self._sizes[path] = dict(sizes)
         for name, size in sizes.items():
@@ -63,13 +64,13 @@ class TreeWriter:
         self._set(path, group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
-        """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts."""
+        """Add a variable, such as "/summary/pga", without its values; `dtype` may be a text type."""
         group, _, name = path.rpartition("/")
         group = group or "/"
         if dtype.kind == "b":
             raise TypeError(f"{path}: expected numbers or texts, was given truth values, which netCDF has not")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
-        # Every value is written: what is absent is a NaN of its own, and HDF5 need not write fill values first.
+        # All values are written later (missing ones as NaN), so that HDF5 need not write fill values first.
         fill = np.array([np.nan], dtype.newbyteorder("=")) if dtype.kind == "f" else None
         shape = tuple(self._sizes[group][dim] for dim in dims)
         if dims == (name,):
@@ -90,7 +91,7 @@ class TreeWriter:
         self._set(path, variable, {**({} if fill is None else {"_FillValue": fill}), **attrs})
 
     def append(self, path: str, values: np.ndarray) -> None:
-        """Write the next values of a variable along its first dimension; all of a variable without dimensions."""
+        """Write the next values of a variable along its first dimension, or the value of a scalar variable."""
         values = np.asarray(values)
         shape, begin = self._shapes[path], self._written[path]
         if values.shape[1:] != shape[1:] or (shape and begin + len(values) > shape[0]):
@@ -106,14 +107,14 @@ class TreeWriter:
             self._variables[path][begin : begin + len(values)] = values
 
     def read(self, path: str, begin: int, end: int) -> np.ndarray:
-        """Values that were written, along the first dimension from `begin` to before `end`; texts as numpy strings."""
+        """Read written values along the first dimension from `begin` to before `end`; texts as numpy strings."""
         variable = self._variables[path]
         if h5py.check_string_dtype(variable.dtype):
             return np.asarray(variable.asstr()[begin:end]).astype(str)
         return np.asarray(variable[begin:end])
 
     def _complete(self) -> None:
-        """Set the checksums, and say who wrote the file."""
+        """Set the checksums, and mark the file with its writer."""
         for path, checksum in self._checksums.items():
             shape = self._shapes[path]
             if shape and self._written[path] != shape[0]:
@@ -124,7 +125,7 @@ class TreeWriter:
         self._hdf5.attrs["_NCProperties"] = np.bytes_(versions)
 
     def _create(self, path: str, shape: tuple[int, ...], dtype: Any, fill: np.ndarray | None = None) -> h5py.Dataset:
-        """An HDF5 dataset; a dimension of size zero is one that netCDF may let grow."""
+        """Create an HDF5 dataset; a dimension of size zero becomes unlimited."""
         most = {"maxshape": tuple(size or None for size in shape)} if 0 in shape else {}
         value = None if fill is None else fill[0]
         return self._hdf5.create_dataset(path, shape, dtype, fillvalue=value, track_order=True, **most)
@@ -136,7 +137,7 @@ class TreeWriter:
         self._scales[group, dim] = scale
 
     def _take_place(self, group: str, dim: str, dtype: Any, fill: np.ndarray | None) -> h5py.Dataset:
-        """A variable in the place of the dataset that stood for its dimension, with all that was attached to that."""
+        """Replace the dataset of a dimension by the variable of the same name, and keep what was attached to it."""
         before = self._scales[group, dim]
         attached = [
             (self._variables[path].id, dims.index(dim))
@@ -154,7 +155,7 @@ class TreeWriter:
         return scale
 
     def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
-        """Write attributes of a group or variable; a number becomes a list of one, as netCDF knows no other."""
+        """Write attributes of a group or variable; a number becomes a list of one, as netCDF requires."""
         held, stored = self._attrs.setdefault(path, {}), item.attrs
         for key, value in attrs.items():
             name = str(key)
@@ -169,15 +170,15 @@ class TreeWriter:
             held[name] = stored[name] = value
 
     def _close(self, error: BaseException | None) -> None:
-        """Close the file, of which nothing is left where there is an error; the first fault of several is raised."""
+        """Close the file, delete it after an error, and raise the first of several errors."""
         faults: list[Exception] = []
         if error is None:
             try:
                 self._hdf5.flush()
-            except (OSError, RuntimeError) as fault:  # how h5py reports a full disk
+            except (OSError, RuntimeError) as fault:  # error of h5py for a full disk
                 faults.append(fault)
         if error is not None or faults:
-            # Room for what HDF5 still holds: on a full disk, a file that it cannot close crashes Python at exit.
+            # Truncate to free space: on a full disk HDF5 cannot close the file and would crash Python at exit.
             os.truncate(self._path, 0)
         try:
             self._hdf5.close()
@@ -188,7 +189,7 @@ class TreeWriter:
 
 
 def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
-    """Write a whole tree; `attrs` takes the place of the attributes of its root."""
+    """Write a whole tree; `attrs` replaces the attributes of its root."""
     with TreeWriter(path, attrs) as writer:
         for node in tree.subtree:
             dataset = node.to_dataset(inherit=False)
@@ -202,7 +203,7 @@ def add_dataset(
 ) -> None:
     """Add a group with the variables of a dataset, without their values; `sizes` replaces those of the dataset."""
     writer.add_group(path, {**{str(dim): size for dim, size in dataset.sizes.items()}, **(sizes or {})}, attrs)
-    # CF: what is a coordinate without being a dimension is named by the variables that it belongs to.
+    # CF: variables name their coordinates that are not dimensions.
     further = {name: set(dataset[name].dims) for name in dataset.coords if name not in dataset.dims}
     for name, variable in dataset.variables.items():
         beside = [
@@ -215,7 +216,7 @@ def add_dataset(
 
 
 def in_utf8(text: str) -> str:
-    """The text as HDF5 takes it: bytes outside UTF-8, as file names may hold, become the replacement character."""
+    """Return the text for HDF5: bytes outside UTF-8, possible in file names, become the replacement character."""
     return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\0", "\ufffd")
 
 
@@ -223,14 +224,14 @@ def _joined(path: str, name: Any) -> str:
     return f"{path.rstrip('/')}/{name}"
 
 
-#: Attribute of each variable.
+#: Attribute with the checksum of a variable.
 CHECKSUM = "sha256"
-#: Attribute of the root.
+#: Attribute of the root with the checksum of all attributes.
 CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 
 class VariableChecksum:
-    """The checksum of a variable whose values, numbers or texts (dtype of kind U or O), come piece by piece."""
+    """Checksum of a variable whose values, numbers or texts (dtype of kind U or O), are added in pieces."""
 
     def __init__(self, dtype: np.dtype[Any], shape: tuple[int, ...]) -> None:
         self._text = dtype.kind in "UO"
@@ -238,19 +239,19 @@ class VariableChecksum:
         self._hash = hashlib.sha256(f"{kind} {'x'.join(map(str, shape))}\n".encode())
 
     def add(self, values: np.ndarray) -> None:
-        """Take the next values in."""
+        """Add the next values."""
         if self._text:
             self._hash.update(b"".join(_bytes(text) + b"\0" for text in values.ravel().tolist()))
         else:
             self._hash.update(np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data)
 
     def hexdigest(self) -> str:
-        """The checksum of what was added."""
+        """Return the checksum of the added values."""
         return self._hash.hexdigest()
 
 
 def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapping[str, Sequence[str]]) -> str:
-    """The checksum of all attributes by path, checksums of variables included, and the names of their dimensions."""
+    """Return the checksum of all attributes by path, including the checksums of variables, and of dimension names."""
     lines = [f"{path} {' '.join(dimensions[path])}" if path in dimensions else path for path in attrs]
     for path, own in attrs.items():
         for name, value in own.items():
@@ -261,7 +262,7 @@ def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapp
 
 def _of_value(value: Any) -> str:
     values = np.atleast_1d(np.asarray(value))
-    if values.dtype.kind == "S":  # a text too
+    if values.dtype.kind == "S":  # also a text
         values = values.astype(object)
     checksum = VariableChecksum(values.dtype, values.shape)
     checksum.add(values)

@@ -1,4 +1,4 @@
-"""The description of a variable of a results file, declared once for whoever writes, checks or describes it."""
+"""Declarations of the variables of results files, shared by writing, checking and documentation."""
 
 from __future__ import annotations
 
@@ -15,42 +15,42 @@ if TYPE_CHECKING:
     from rockpulse.errors import Failure
 
 
-#: Value of a flag that is not known.
+#: Value of an unknown flag.
 NOT_KNOWN = -1
 NO_YES = ("no", "yes")
 
 
 @dataclass(frozen=True)
 class StoredVariable:
-    """A variable of a file: type, unit and meaning of its values, and what few variables have besides."""
+    """A variable of a file: type, unit and meaning of its values, and optional properties."""
 
-    kind: type  # str, int, float, or int8 for a flag
+    kind: type  # str, int, float, or int8 for flags
     units: str
     long_name: str
-    #: Gives the values in an assessment: from a `RecordAssessment` where the first dimension grows with the records,
-    #: else from the bodies and the configuration. None where they are put together from the values of others.
+    #: Function that gives the values in an assessment: from a `RecordAssessment` if the first dimension grows with the
+    #: records, else from bodies and configuration. None if they are computed from other variables.
     take: Callable[..., Any] | None = None
     _: KW_ONLY
-    dims: tuple[str, ...] = ()  # `case` is absent where every block has one restitution
-    words: tuple[str, ...] = ()  # of a flag, for its values, which count up from `first`
+    dims: tuple[str, ...] = ()  # without `case` if every block has one restitution
+    words: tuple[str, ...] = ()  # words of a flag for its values, which count up from `first`
     first: int = 0
-    explanation: str = ""  # what docs/schema.md says beyond the long name
-    stored: Callable[[Config], bool] | None = None  # whether an assessment by a configuration has it; None: every one
-    comment: Callable[[Config], str] | None = None  # its attribute in an assessment by a configuration
-    of_ground: bool = False  # whether it is absent where a sequence of impulses stands in place of a record
-    sample_dimension: str = ""  # of the numbers of values in a ragged array (CF): the dimension that they count
+    explanation: str = ""  # text of docs/schema.md besides the long name
+    stored: Callable[[Config], bool] | None = None  # whether a configuration has it; None: always
+    comment: Callable[[Config], str] | None = None  # its attribute `comment` in an assessment with a configuration
+    of_ground: bool = False  # whether it is absent if a sequence of impulses replaces a record
+    sample_dimension: str = ""  # for counts of values in a ragged array (CF): the dimension that is counted
 
     @property
     def absent(self) -> Any:
-        """The value that stands for none: NaN, an empty text, -1."""
+        """Value for missing data: NaN, an empty text or -1."""
         return {float: np.nan, str: ""}.get(self.kind, -1)
 
     def values(self, values: Any) -> np.ndarray:
-        """The values in the type of the variable."""
+        """Convert values to the type of the variable."""
         return np.asarray(values, dtype=self.kind)
 
     def variable(self, values: Any, dims: tuple[str, ...] | None = None, config: Config | None = None) -> xr.Variable:
-        """The values, along other dimensions than the declared ones if need be, with all that describes them."""
+        """Return the values as a variable with its attributes, along `dims` or the declared dimensions."""
         import xarray as xr
 
         attrs: dict[str, Any] = {"units": self.units, "long_name": self.long_name}
@@ -69,24 +69,24 @@ Declared = Mapping[str, StoredVariable]
 
 
 def text(long_name: str, take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
-    """A variable of texts."""
+    """Declare a variable of texts."""
     return StoredVariable(str, "1", long_name, take, **more)
 
 
 def real(long_name: str, units: str = "1", take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
-    """A variable of real numbers."""
+    """Declare a variable of real numbers."""
     return StoredVariable(float, units, long_name, take, **more)
 
 
 def whole(long_name: str, take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
-    """A variable of whole numbers: counts and indices."""
+    """Declare a variable of whole numbers: counts and indices."""
     return StoredVariable(int, "1", long_name, take, **more)
 
 
 def flag(
     words: Iterable[str], long_name: str, take: Callable[..., Any] | None = None, first: int = 0, **more: Any
 ) -> StoredVariable:
-    """A variable whose values, counted up from `first`, stand for words."""
+    """Declare a variable whose integer values, counted up from `first`, stand for words."""
     return StoredVariable(np.int8, "1", long_name, take, words=tuple(words), first=first, **more)
 
 
@@ -97,7 +97,7 @@ def along(
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """Variables along the same dimensions, `stored` alike, each without a `take` of its own taken `by` its name."""
+    """Declare variables along the same dimensions; `by` makes the `take` of each from its name unless it has one."""
     return {
         name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()
@@ -105,7 +105,7 @@ def along(
 
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:
-    """Every declared variable with its values; a KeyError where one has none, or values are of none."""
+    """Return every declared variable with its values; raise KeyError for a variable without values or vice versa."""
     if unmatched := declared.keys() ^ values.keys():
         raise KeyError(f"not both declared and given: {', '.join(sorted(unmatched))}")
     return {name: variable.variable(values[name]) for name, variable in declared.items()}
@@ -121,7 +121,7 @@ FAILURE = along(
 
 
 def failure_table(failures: Iterable[Failure]) -> xr.Dataset:
-    """The node /failures of a file of any kind."""
+    """Make the node /failures of a file of any kind."""
     import xarray as xr
 
     rows = list(failures)

@@ -1,4 +1,4 @@
-"""The groups of an assessment: every variable of each, and how it is taken from an assessed record."""
+"""The groups of an assessment: every variable of each, and its source in an assessed record."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +15,7 @@ GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "
 
 
 def _column(table: str, pick: Callable[[Any], np.ndarray]) -> Callable[[Any], np.ndarray]:
-    """Takes a column of a table of an assessed record, whose models each give some rows."""
+    """Make a function that returns a column of a table of an assessed record, joined over its models."""
 
     def taken(one: Any) -> np.ndarray:
         found = [pick(rows) for rows in getattr(one, table)]
@@ -33,7 +33,7 @@ def _model(rows: Any) -> np.ndarray:
 
 
 def _pointers(table: str) -> dict[str, StoredVariable]:
-    """The columns of a table of an assessed record that say what a row belongs to; the record counts as the first."""
+    """Return the index columns of a table of an assessed record; the record has index 0."""
     return {
         "record_index": whole("index into record of /summary", _column(table, _first_record)),
         "block_index": whole("index into block of /summary", _column(table, lambda rows: rows.block)),
@@ -69,7 +69,7 @@ OVERTURNING = along(
     ),
 )
 
-#: Of each direction of a sweep, of each pair of channels, and of its answers: put together from those of /summary.
+#: Variables of each pair of channels in a sweep over direction, computed from those of /summary.
 DIRECTIONS: Declared = {
     "pair": text("the two channels that were rotated", dims=("pair",)),
     "direction_azimuth": real(
@@ -156,7 +156,7 @@ _HISTORIES = along(
     velocity=real("its rate", "rad s-1"),
 )
 
-#: Ragged arrays: the values of all records one after the other, with the number of each.
+#: Ragged arrays: the values of all records in sequence, with the count of each record.
 _RECORDS: Declared = {
     "record": SUMMARY["record"],
     "half_wave_row_size": whole(

@@ -1,4 +1,4 @@
-"""The variables of the bodies in /summary, and how each is taken from the bodies of an assessment."""
+"""The variables of the bodies in /summary, and the source of each in the bodies of an assessment."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,8 +13,8 @@ from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
 
 def _lifting(lanes: Block) -> np.ndarray:
-    """Smallest horizontal acceleration that lifts each of (m,) bodies [m/s2], g tan(alpha_c) where nothing holds it."""
-    from rocking.search.capacity import uplift_scale  # loads the solvers, which looking at results does not need
+    """Smallest horizontal acceleration that lifts each of (m,) bodies [m/s2], g tan(alpha_c) without restraints."""
+    from rocking.search.capacity import uplift_scale  # imports the solvers, which viewing results does not need
 
     return uplift_scale(lanes, np.array([-1.0, 1.0]))
 
@@ -79,7 +79,7 @@ BLOCK = along(
     ),
     slenderness=real("height over width"),
     critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
-    block_warnings=text("remarks on the block", lambda bodies, config: bodies.warnings, explanation="one a line"),
+    block_warnings=text("warnings on the block", lambda bodies, config: bodies.warnings, explanation="one a line"),
 )
 
 CASE = {

@@ -8,19 +8,19 @@ from rockpulse.storage.variables.summary import FACTS, RECORD
 
 #: Root attribute `kind` of a fragility file, and its first group.
 FRAGILITY = "fragility"
-#: Unit of what is in that of the measure.
+#: Unit entry for values in the unit of the measure.
 OWN = "see measure_units"
-#: The quality that every measure has of its own: how far a record had to be scaled to a level of the measure.
+#: Name of the property that depends on the measure: the factor that scales a record to a level.
 STRENGTH = "strength"
-#: The qualities that the files of some records state, by the names of the facts.
+#: Properties that only some record files state, by the names of the facts.
 STATED = ("magnitude", "epicentral_distance", "vs30")
-#: The qualities of a record beside its intensity, which every record has.
+#: Properties, besides intensity, that are known for every record.
 QUALITIES = ("duration", "period", "strong_half_waves")
-#: All that capacity is tested to depend on, in the order of the results.
+#: Properties on which the dependence of capacity is tested, in the order of the results.
 TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 
-#: Whether there is a curve, and why not.
+#: Status of a curve, with the reason for a missing one.
 Status = IntEnum(
     "Status",
     "FITTED NO_RECORD ONE_RECORD NOTHING_REACHED EVERYTHING_REACHED ONE_REACHED STEP SEPARATED NOT_INCREASING "
@@ -29,11 +29,11 @@ Status = IntEnum(
 )
 
 
-#: Whether there is a confidence band, and why not.
+#: Status of a confidence band, with the reason for a missing one.
 Band = IntEnum("Band", "GIVEN NO_CURVE ONE_EVENT FEW_EVENTS RESTS_ON_ONE_EVENT", start=0)
 
 
-#: Whether the median lies among the levels looked at.
+#: Position of the median relative to the levels analysed.
 Extrapolated = IntEnum("Extrapolated", "NO ABOVE BELOW", start=0)
 
 
@@ -69,7 +69,7 @@ _JUDGED: Declared = {
     "statement_values": text("the same by codes and values, as JSON"),
 }
 
-#: Of the fits of each body, limit state and measure, and what they rest on.
+#: Variables of the fit for each body, limit state and measure, and of its data.
 CURVE = along(
     _LANES,
     **_FIT,
@@ -107,7 +107,7 @@ CURVES: Declared = {
     ),
 }
 
-#: Of an incremental dynamic analysis.
+#: Variables of an incremental dynamic analysis.
 IDA: Declared = {
     "factor": real(
         "first factor on the record that reaches the limit state; inf where none does",
@@ -142,7 +142,7 @@ STRIPES: Declared = {
     ),
 }
 
-#: Of the records, whatever the analysis.
+#: Variables of the records in every analysis.
 CAPACITIES: Declared = {
     "measure_value": real(
         "measure of the record at factor 1",
@@ -180,7 +180,7 @@ def _pooled(declared: Declared) -> Declared:
     return {f"pooled_{name}": variable for name, variable in declared.items()}
 
 
-#: Of each body, then of all bodies together, for which only dimensionless measures have values.
+#: Variables of each body, then of all bodies together, for which only dimensionless measures have values.
 EFFICIENCY: Declared = {
     **along(_LANES, **_RATIO),
     **along((*_LANES, "quality"), **_QUALITY),
@@ -192,7 +192,7 @@ EFFICIENCY: Declared = {
     **along(("limit_state", "measure"), **_pooled(_POOLED_FIT)),
 }
 
-#: Fits that /efficiency has of all bodies together.
+#: Variables of /efficiency for fits of all bodies together.
 POOLED = tuple(_POOLED_FIT)
 
 

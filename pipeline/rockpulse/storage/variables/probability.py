@@ -1,4 +1,4 @@
-"""The variables of the probability of overturning in /summary, and of overturning spectra, also those in /spectra."""
+"""The variables of the probability of overturning in /summary, and of overturning spectra in /spectra."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,12 +10,12 @@ from rocking.body.limits import RATES
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
 
-#: The mean over direction of the probability of overturning: that of a body whose direction is not known.
+#: Mean over direction of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
-#: What gave the probability, in the order of the flag.
+#: Sources of the probability, in the order of the flag.
 SOURCES = ("none", "spectrum", "own_lanes")
 
-#: Variables by the names that :class:`rocking.OverturningFactors` has for them.
+#: Variables by their names in :class:`rocking.OverturningFactors`.
 READ = {
     "overturning_probability": "at_one",
     "factor_10": "factor_10",
@@ -42,7 +42,7 @@ def _comment(config: Config) -> str:
 
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
-    """A value and the ends of its interval of 90 %."""
+    """Declare a value and the ends of its interval of 90 %."""
     told = {
         name: long_name,
         f"{name}_low": f"lower end of the interval of 90 % of {name}",
@@ -92,7 +92,7 @@ PROBABILITY: Declared = {
     ),
 }
 
-#: The same at the demands of the site, along them.
+#: Variables at the demands of the site, along `demand`.
 AT_DEMAND: Declared = {
     "demand_factor": real(
         "factor on the record that brings it to the demand",
@@ -113,12 +113,12 @@ AT_DEMAND: Declared = {
 
 #: Nominal restitutions of a stored spectrum [-].
 RESTITUTIONS = np.linspace(0.75, 1.0, 6)
-#: Factors over the mean capacity at which the probability is stored [-], from 0.2 to 5.
+#: Scale factors over the mean capacity at which the probability is stored [-], from 0.2 to 5.
 LEVELS = np.exp(np.linspace(-1.6, 1.6, 65))
-#: Limit states of rotation that have spectra of their own, as theta/alpha_c [-].
+#: Limit states of rotation with separate spectra, as theta/alpha_c [-].
 ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 
-#: Along its axes. They are the same for every record of a file, so that the spectra of all records are one array.
+#: Variables of a spectrum along its axes, which are equal for all records, so that all spectra form one array.
 SPECTRUM_AXES: Declared = {
     "p": real("frequency parameter of the blocks", "s-1", _fixed(RATES), dims=("p",)),
     "restitution": real(
@@ -154,7 +154,7 @@ SPECTRUM: Declared = {
     ),
 }
 
-#: Lengths of these axes.
+#: Lengths of the axes of a spectrum.
 AXIS_SIZES = {"p": RATES.size, "restitution": RESTITUTIONS.size, "level": LEVELS.size, "rotation": ROTATIONS.size}
 
 
@@ -167,7 +167,7 @@ def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
     return replace(variable, dims=("record", *variable.dims), take=take, stored=_has, of_ground=True)
 
 
-#: The group /spectra of an assessment, without the names of records; NaN at the p that no body of a record is read at.
+#: The group /spectra of an assessment without record names; NaN at values of p that no body needs.
 SPECTRA: Declared = {
     **{name: replace(axis, stored=_has) for name, axis in SPECTRUM_AXES.items()},
     **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},

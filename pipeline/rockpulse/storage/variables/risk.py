@@ -1,16 +1,16 @@
-"""The variables of the annual frequency of a limit state, and of the checks of codes."""
+"""The variables of the annual frequency of a limit state, and of code checks."""
 
 from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
-#: Whether there is a frequency: NO_LIMIT where the lower tail outweighs the hazard, NOT_COVERED by the spectra.
+#: Status of a frequency: NO_LIMIT if the integral diverges towards low levels, NOT_COVERED by the spectra.
 RiskStatus = IntEnum("RiskStatus", "GIVEN NO_CURVE NO_LIMIT NOT_COVERED", start=0)
 
 
 OWN = "unit of the measure in SI"
 
-#: Over the bodies, and the levels that contribute to each.
+#: Variables over the bodies, and over the levels that contribute to each.
 RISK: Declared = {
     **along(
         ("block",),
@@ -36,7 +36,7 @@ RISK: Declared = {
     ),
 }
 
-#: Over the bodies of an inventory.
+#: Variables over the bodies of an inventory.
 INVENTORY: Declared = along(
     ("body",),
     frequency=real("annual frequency of overturning", "year-1"),
@@ -53,7 +53,7 @@ INVENTORY: Declared = along(
     status=flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
 )
 
-#: Over free bodies, and levels of a measure.
+#: Variables over free bodies and levels of a measure.
 FREE_FRAGILITY: Declared = {
     **along(
         ("body", "level"),
@@ -67,7 +67,7 @@ FREE_FRAGILITY: Declared = {
     ),
 }
 
-#: Over the bodies of either, of one that is known to have stood.
+#: Variables of the standing test, over the bodies of either.
 STANDING: Declared = {
     "chance": real("probability that the body has stood for its age, exp(-frequency age)"),
     "chance_low": real("the same at the upper limit of the frequency"),
@@ -78,7 +78,7 @@ STANDING: Declared = {
 }
 
 
-#: Over the bodies, and over the bodies and codes; a ratio of 1 or more passes.
+#: Variables of code checks over the bodies, and over bodies and codes; a ratio of 1 or more passes.
 CHECK: Declared = {
     **along(
         ("block",),

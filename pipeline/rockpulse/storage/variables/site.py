@@ -1,4 +1,4 @@
-"""The variables of a site file, by the sequences of its records or by their overturning spectra."""
+"""The variables of a site file, for a design by sequences or by overturning spectra."""
 
 from dataclasses import replace
 
@@ -19,10 +19,10 @@ PARAMETER: dict[str, tuple[str, str]] = {
     "duration": ("s", "time within which main impulses act; NaN without a limit"),
 }
 
-#: What stands for the unit where it differs from parameter to parameter.
+#: Unit entry for values whose unit depends on the parameter.
 _OF_PARAMETER = "parameter_unit"
 
-#: Of every record, whatever is worked out from it.
+#: Variables of every record, for both methods.
 OF_RECORDS: Declared = along(
     ("record",),
     source=text("file the record was read from"),
@@ -32,13 +32,13 @@ OF_RECORDS: Declared = along(
     scale_factor=real("factor on the conditioned record"),
     **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
     largest_impulse=real("largest half-wave impulse of the scaled record", "m s-1"),
-    warnings=text("remarks on the record"),
+    warnings=text("warnings on the record"),
     processing=text("conditioning steps in their order, and the scaling"),
     **FACTS,
 )
 
-#: Of a site by the sequences of its records: of the whole site, of its parameters, records, blocks and events, in
-#: the order of the file.
+#: Variables of a design by sequences: of the site, its parameters, records, blocks and events, in the order of the
+#: file.
 VARIABLES: Declared = {
     "quantile": real("share of the recorded rotations that the design is to cover"),
     "confidence": real("confidence of all intervals"),
@@ -63,8 +63,10 @@ VARIABLES: Declared = {
     "coverage_in_sample": real("the same share by the design made of all records: no test of it"),
     "coverage_all": real("as coverage, with the blocks that the design overturns, which it always covers"),
     "standing_share": real("share of the pairs that count on blocks that the design leaves standing"),
-    "remarks": text("what the numbers of this file do not say, one remark a line", explanation="the gravest first"),
-    "remark_values": text("the same remarks by their codes and values, as JSON"),
+    "site_warnings": text(
+        "what the numbers of this file do not say, one warning a line", explanation="the gravest first"
+    ),
+    "site_warning_values": text("the same warnings by their codes and values, as JSON"),
     **along(
         ("parameter",),
         median=real("lognormal median", _OF_PARAMETER),
@@ -141,7 +143,7 @@ COORDINATES: Declared = {
 
 
 def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -> dict[str, StoredVariable]:
-    """A variable and both ends of its interval."""
+    """Declare a variable and both ends of its interval."""
     return {
         name: real(meaning, units, explanation=explanation),
         **{
@@ -151,11 +153,11 @@ def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -
     }
 
 
-#: Of a site by the overturning spectra of its records. What rests on too few earthquakes is NaN, and said in `remarks`.
+#: Of a site by the overturning spectra of its records. What rests on too few earthquakes is NaN; see `site_warnings`.
 SITE: Declared = {
     "quantile": real("share of the weight of the records at or below the design spectrum"),
     **{name: VARIABLES[name] for name in ("confidence", "resamples", "record_count", "event_count")},
-    **{name: VARIABLES[name] for name in ("remarks", "remark_values")},
+    **{name: VARIABLES[name] for name in ("site_warnings", "site_warning_values")},
     **OF_RECORDS,
     **{name: VARIABLES[name] for name in ("alpha_c", "p", "restitution", "critical_impulse")},
     **along(

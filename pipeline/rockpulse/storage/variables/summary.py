@@ -1,4 +1,4 @@
-"""The variables of /summary in an assessment in the order of the file, and how each is taken."""
+"""The variables of /summary in an assessment in the order of the file, and the source of each."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -10,10 +10,10 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import SPACINGS
 from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
-from rockpulse.remark import find, with_codes
 from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY
+from rockpulse.warning_text import find, with_codes
 
 LANES = ("record", "block", "case")
 
@@ -22,8 +22,8 @@ def _of_record(name: str) -> Callable[[Any], Any]:
     return lambda one: getattr(one.record, name)
 
 
-#: What the file of a record states about its earthquake and its site, by the names of the fields of a record, taken
-#: from whatever has a `record`; stored for every record in every study.
+#: Facts about earthquake and site from the file of a record, by the field names of a record, taken from any object with
+#: a `record`; stored for every record in every study.
 FACTS: Declared = along(
     ("record",),
     _of_record,
@@ -47,7 +47,7 @@ FACTS: Declared = along(
 
 
 def facts_of(one: Any) -> dict[str, Any]:
-    """The values of :data:`FACTS` of whatever has a `record`."""
+    """Return the values of :data:`FACTS` for any object with a `record`."""
     return {name: fact.take(one) for name, fact in FACTS.items() if fact.take is not None}
 
 
@@ -55,9 +55,9 @@ def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable
     return lambda one: absent if one.sequence is None else take(one.sequence)
 
 
-#: How what is no field of a record is taken from what was assessed.
+#: Functions that take values other than record fields from an assessed record.
 _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
-    "event": None,  # known once all records are
+    "event": None,  # known only after all records are read
     "event_title": _of_record("event"),
     "start_time": lambda one: "" if one.record.start_time is None else one.record.start_time.isoformat(),
     "intense_start": lambda one: one.scene.phase.start,
@@ -79,7 +79,7 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    """(b, c, k, ...) of the values that `pick` gives of each of k models in (b x c, ...) lanes."""
+    """Arrange the values that `pick` gives for each of k models in (b x c, ...) lanes as (b, c, k, ...)."""
     return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 
@@ -88,13 +88,13 @@ def _of_search(name: str) -> Callable[[Any], Any]:
 
 
 def _where_searched(name: str) -> Callable[[Any], Any]:
-    """A whole number of the search, -1 where there was none."""
+    """Return a whole number of the search, or -1 without a search."""
     return _per_model(
         lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
     )
 
 
-#: How what is not of the response is taken.
+#: Functions that take values other than those of the response.
 _OF_ANSWER: dict[str, Callable[[Any], Any]] = {
     "safety_factor": _of_search("safety_factor"),
     "factor_resolved": _where_searched("factor_resolved"),
@@ -111,7 +111,7 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
 
 
 def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
-    """The variable of each measure, and after it whether a drifting baseline puts it in doubt."""
+    """Declare the variable of each measure, followed by a flag of doubt due to a drifting baseline."""
     found = {}
     for one in measures:
         long_name = f"{one.meaning or one.long_name}{one.stored}"
@@ -159,9 +159,9 @@ RECORD = along(
         first=NOT_KNOWN,
     ),
     half_wave_count=whole("number of half-waves of the whole record", of_ground=True),
-    warnings=text("remarks on the record", explanation="one a line"),
+    warnings=text("warnings on the record", explanation="one a line"),
     warning_codes=text(
-        "codes of these remarks in their order; plain: a text without one",
+        "codes of these warnings in their order; plain: a text without one",
         explanation="with blanks between them, see below",
     ),
     processing=text("conditioning steps in their order", explanation="one a line"),

@@ -1,1 +1,1 @@
-"""Checks of codes, and how they compare with the time histories."""
+"""Checks of bodies by design codes, and their comparison with time histories."""

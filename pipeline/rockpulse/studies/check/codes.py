@@ -1,13 +1,13 @@
-"""The checks of codes: formulas from the geometry of a body and an elastic spectrum, on the ground and on floors.
+"""Code checks: formulas from the geometry of a body and an elastic spectrum, on the ground and on floors.
 
 .. note:: With the multiplier alpha_0, e* and d_0 of :mod:`rockpulse.studies.check.mechanism`, q, FC and the modes T_k,
    xi_k, gamma_k psi_k of the building. Circolare 617/2009, C8A.4: a_0* = alpha_0 g/(e* FC) (C8A.4.4); linear, a_0* >=
-   a_g S/q and aloft S_e(T_1) psi gamma/q; nonlinear on the ground, d_u* = 0.4 d_0* >= S_De(T_s), T_s = 2 pi sqrt(d_s*/
-   a_s*) at d_s* = 0.4 d_u*. Circolare 7/2019: linear, the same with a_Z(z) aloft (C8.7.1.8, C7.2.8); displacement,
-   d_SLV = 0.4 d_0 or d_SLC = 0.6 d_0 against S_De(T), T = 1.68 pi or 1.56 pi sqrt(d/a(d)) (C8.7.1.10, .11), with a
-   damping of 8 or 10 %, aloft the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12. EN 1998-1, 4.3.5.2: F_a = S_a W_a
-   gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at least alpha S (4.25), T_a = 0 for
-   a rigid block.
+   a_g S/q and on floors S_e(T_1) psi gamma/q; nonlinear on the ground, d_u* = 0.4 d_0* >= S_De(T_s), T_s = 2 pi
+   sqrt(d_s*/ a_s*) at d_s* = 0.4 d_u*. Circolare 7/2019: linear, the same with a_Z(z) on floors (C8.7.1.8, C7.2.8);
+   displacement, d_SLV = 0.4 d_0 or d_SLC = 0.6 d_0 against S_De(T), T = 1.68 pi or 1.56 pi sqrt(d/a(d)) (C8.7.1.10,
+   .11), with a damping of 8 or 10 %, on floors with the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12. EN 1998-1,
+   4.3.5.2: F_a = S_a W_a gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at least alpha S
+   (4.25), T_a = 0 for a rigid block.
 """
 
 import math
@@ -20,8 +20,7 @@ from rocking.body.block import Block
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
-from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
-from rockpulse.studies.check.spectra import (
+from rockpulse.studies.check.code_spectra import (
     DemandSpectrum,
     ElasticSpectrum,
     GivenSpectrum,
@@ -29,6 +28,7 @@ from rockpulse.studies.check.spectra import (
     damping_factor,
     displacement_of,
 )
+from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
 
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
@@ -39,21 +39,21 @@ PLATEAU = (0.8, 1.1)
 
 
 class Checked(NamedTuple):
-    """The check of one body by a code; NaN for values that it does not need or that are not known."""
+    """The check of one body by a code; values that are not needed or unknown are NaN."""
 
-    activation: float = math.nan  #: spectral acceleration that opens the mechanism, with FC [m/s2]
+    activation: float = math.nan  #: spectral acceleration that activates the mechanism, with FC [m/s2]
     activation_demand: float = math.nan  #: its demand, with q [m/s2]
-    displacement: float = math.nan  #: spectral displacement that is allowed [m]
-    period: float = math.nan  #: of the displacement demand [s]
+    displacement: float = math.nan  #: allowed spectral displacement [m]
+    period: float = math.nan  #: period of the displacement demand [s]
     displacement_demand: float = math.nan  #: [m]
-    displacement_ratio: float = math.nan  #: allowed over demand [-]; at least 1 passes
-    statement: str = ""  #: reason of missing values
-    activation_sense: str = ""  #: of SENSES; empty if both are alike
+    displacement_ratio: float = math.nan  #: allowed displacement over demand [-]; passes if at least 1
+    statement: str = ""  #: reason for missing values
+    activation_sense: str = ""  #: one of SENSES; empty if both are equal
     displacement_sense: str = ""
 
     @property
     def activation_ratio(self) -> float:
-        """Acceleration that opens the mechanism over its demand [-]; at least 1 passes."""
+        """Activation acceleration of the mechanism over its demand [-]; passes if at least 1."""
         return self.activation / self.activation_demand
 
 
@@ -90,7 +90,7 @@ def circolare_2019(
     part, factor, damping = STATES[settings.limit_state]
     allowed = part * body.furthest
     pull = body.capacity(allowed) * body.gravity / (body.share * settings.confidence_factor)
-    if pull <= 0.0:  # a tie has broken before the displacement that the weights alone allow
+    if pull <= 0.0:  # a tie breaks before the displacement that the weights alone allow
         return Checked(activation, asked / settings.q, allowed, statement="no resistance is left at the displacement")
     period = factor * math.pi * math.sqrt(allowed / pull)
     linear = settings.limit_state == "slv"
@@ -101,7 +101,7 @@ def circolare_2019(
         return found._replace(statement=str(error))
     return found._replace(
         displacement_demand=demand,
-        # A mechanism that does not open passes (C8.7.1.2.1.8).
+        # A mechanism that is not activated passes (C8.7.1.2.1.8).
         displacement_ratio=max(allowed / demand, activation / asked),
         statement="" if linear else "the analysis with q is of SLV",
     )
@@ -125,7 +125,7 @@ def _activation(body: Mechanism, settings: CheckSettings) -> float:
 
 
 def floor_peak(spectrum: DemandSpectrum, floors: Sequence[FloorSettings]) -> float:
-    """a_Z(z), the largest acceleration of a floor [m/s2]: Circolare 7/2019, (C7.2.7) and (C7.2.8); 0 on the ground."""
+    """Peak floor acceleration a_Z(z) [m/s2] of Circolare 7/2019, (C7.2.7) and (C7.2.8); 0 on the ground."""
     return math.hypot(*(_mode_peak(spectrum, one) for one in floors)) if floors else 0.0
 
 
@@ -136,10 +136,10 @@ def _mode_peak(spectrum: DemandSpectrum, floor: FloorSettings) -> float:
 
 
 def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """S_eZ(T, xi, z), the spectrum of a floor [m/s2]: Circolare 7/2019, (C7.2.5) and (C7.2.6)."""
+    """Floor spectrum S_eZ(T, xi, z) [m/s2] of Circolare 7/2019, (C7.2.5) and (C7.2.6)."""
     parts = []
     for floor in floors:
-        # xi_k as a share: in percent, as the text has it, the spectrum would have a trough at the floor's period.
+        # xi_k as a ratio: in percent, as printed, the spectrum would have a minimum at the floor's period.
         high = 1.1 * floor.damping**-0.5 * damping_factor(damping)
         rising, falling = (share * floor.period for share in PLATEAU)
         below, above = max(0.0, 1.0 - period / rising), max(0.0, period / falling - 1.0)
@@ -160,20 +160,20 @@ def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], per
     return max(found, least) if period > PLATEAU[1] * own else found
 
 
-#: The checks by the names of the codes.
+#: The check functions by the names of the codes.
 CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], CheckSettings], Checked]] = dict(
     zip(CODES, (circolare_2009, circolare_2019, en_1998), strict=True)
 )
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """The worse acceleration and the worse displacement of the senses of a body."""
+    """Combine the worse acceleration check and the worse displacement check of the two senses of a body."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:
         one = senses[place]
         if math.isnan(one.displacement_ratio):
-            # An allowed displacement without resistance is worse than any ratio.
+            # A mechanism without resistance is worse than any ratio.
             return math.inf if math.isnan(one.displacement) else -math.inf
         return one.displacement_ratio
 
@@ -196,15 +196,15 @@ class KinematicCheck(NamedTuple):
     Attributes
     ----------
     activation : (m,) ndarray
-        a_0*, spectral acceleration that opens the mechanism [m/s2].
+        a_0*, spectral acceleration that activates the mechanism [m/s2].
     linear : (m,) ndarray
-        a_0* over a_g S/q [-]; at least 1 passes.
+        a_0* over a_g S/q [-]; passes if at least 1.
     ultimate : (m,) ndarray
-        d_u*, the displacement of the centre of mass that is allowed [m].
+        d_u*, allowed displacement of the centre of mass [m].
     secant_period : (m,) ndarray
         T_s [s].
     nonlinear : (m,) ndarray
-        d_u* over S_De(T_s) [-]; at least 1 passes.
+        d_u* over S_De(T_s) [-]; passes if at least 1.
     """
 
     activation: np.ndarray
@@ -226,13 +226,13 @@ def kinematic_check(
     Parameters
     ----------
     block : Block
-        (m,) blocks; each number is that of the worse sense. Ties need a yield force.
+        (m,) blocks; each result is for the worse direction of rotation. Ties need a yield force.
     spectrum : callable
         Elastic spectrum S_e of 5 % damping [m/s2] at (k,) periods [s].
     ground : float
-        a_g S, the peak of the ground's acceleration on its soil [m/s2].
+        a_g S, the peak ground acceleration on the soil of the site [m/s2].
     behaviour, confidence_factor : float
-        q, 2 in the circular; FC, for the knowledge of the building, at least 1.
+        q, 2 in the circular; FC, confidence factor for the knowledge of the building, at least 1.
 
     Raises
     ------

@@ -1,10 +1,10 @@
-"""A body as the kinematic mechanism of a code: weights and forces that turn with it about a corner.
+"""A body as the kinematic mechanism of the codes: weights and forces on a body that turns about a corner.
 
 .. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. A virtual rotation moves it by z_i
-   sideways and lifts it by x_i, less z_i for every radian of rotation (small rotations, as in codes). The multiplier of
+   sideways and lifts it by x_i minus z_i times the rotation (small rotations, as in codes). The multiplier of
    the horizontal forces at the rotation theta is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the
-   last sum over the weights whose mass goes with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid and plastic:
-   beyond their gap they hold with their yield force until they break.
+   last sum over the weights whose mass goes with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond
+   their gap they act with their yield force until they break.
 """
 
 import math
@@ -19,23 +19,23 @@ from rocking.body.block_lanes import STANDARD_GRAVITY
 from rocking.body.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
-#: Names of the senses of :func:`senses_of`.
+#: Names of the directions of rotation in :func:`senses_of`.
 SENSES = ("positive", "negative")
 
 
 class Weight(NamedTuple):
     """A weight of a mechanism."""
 
-    weight: float  #: [N]; any number for a body alone
+    weight: float  #: [N]; of any value for a body without restraints
     arm: float  #: x, its distance behind the corner [m]
     height: float  #: z, above the corner [m]
-    moving: bool  #: whether its mass goes with the body
+    moving: bool  #: whether its mass moves with the body
 
 
 class Force(NamedTuple):
-    """A horizontal force that holds the body back within a range of displacements of its point."""
+    """A horizontal force that resists the rotation within a range of displacements of its point."""
 
-    force: float  #: [N]; negative where it pushes the body on
+    force: float  #: [N]; negative if it drives the rotation
     height: float  #: [m]
     begins: float = 0.0  #: first displacement at which it acts [m]
     ends: float = math.inf  #: last displacement at which it acts [m]
@@ -55,12 +55,12 @@ class Mechanism:
 
     @property
     def multiplier(self) -> float:
-        """alpha_0, the multiplier that opens the mechanism [-]: Circolare 7/2019, (C8.7.1.1)."""
+        """Multiplier alpha_0 that activates the mechanism [-]: Circolare 7/2019, (C8.7.1.1)."""
         return self.at(0.0)
 
     @property
     def share(self) -> float:
-        """e*, the share of the mass that takes part [-]: Circolare 617/2009 (C8A.4.3), Circolare 7/2019 (C8.7.1.5)."""
+        """Participating mass ratio e* [-]: Circolare 617/2009 (C8A.4.3), Circolare 7/2019 (C8.7.1.5)."""
         moving = [one for one in self.weights if one.moving]
         squares = sum(one.weight * one.height**2 for one in moving)
         return self._driving**2 / (sum(one.weight for one in moving) * squares)
@@ -71,7 +71,7 @@ class Mechanism:
         return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
 
     def at(self, rotation: float, lasting: bool = False) -> float:
-        """alpha at a rotation [rad]; `lasting` without the forces that end before d_0."""
+        """Return alpha at a rotation [rad]; `lasting` leaves out the forces that end before d_0."""
         held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
         for force in self.forces:
             acts = force.begins <= force.height * rotation <= force.ends
@@ -81,7 +81,7 @@ class Mechanism:
 
     @property
     def furthest(self) -> float:
-        """d_0, the spectral displacement without resistance, of the actions that last till collapse [m]."""
+        """Spectral displacement d_0 at zero resistance, with the forces that act until collapse [m]."""
         weights = sum(one.weight * one.height for one in self.weights)
         knots = sorted({0.0, *(one.begins / one.height for one in self.forces if one.begins > 0.0)})
         for begin, end in zip(knots, [*knots[1:], math.inf], strict=True):
@@ -91,15 +91,15 @@ class Mechanism:
         return math.inf
 
     def capacity(self, displacement: float) -> float:
-        """e* a/g at a spectral displacement [m]: alpha at the rotation of that displacement [-], at least 0."""
+        """Return alpha at the rotation that belongs to a spectral displacement [m], which is e* a/g [-]; at least 0."""
         return max(0.0, self.at(displacement / self._lever))
 
 
 def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
-    """Weights whose mass stays with the building, and forces, about the corner of theta > 0."""
+    """Return weights whose mass stays with the building, and forces, for the corner of theta > 0."""
     weights, forces = [], []
     for load in restraints.loads:
-        assert load.friction is not None  # those without are carried along
+        assert load.friction is not None  # loads without friction move with the body
         weights.append(Weight(load.weight, _bearing(load, base), load.height, False))
         forces.append(Force(load.friction * load.weight, load.height))
     for tie in restraints.ties:
@@ -117,10 +117,10 @@ def _bearing(load: Load, base: float) -> float:
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
-    """The mechanisms of one block towards theta > 0 and theta < 0; one if both are alike or a wall leaves only one.
+    """Return the mechanisms towards theta > 0 and theta < 0; only one if both are equal or a wall prevents the other.
 
-    Lanes may differ in restitution only. Of a block that carries loads as weights of their own, `alone` is the body
-    without them and `carried` are they. Raises ValueError for a tie without a yield force.
+    Lanes may differ only in restitution. If loads move with the block, `alone` is the body without them and `carried`
+    lists them as separate weights. Raises ValueError for a tie without a yield force.
     """
     whole, body = (one.lane(0) if one.shape else one for one in (block, block if alone is None else alone))
     found = [_mechanism(whole, body, carried)]
@@ -144,7 +144,7 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
 
 
 def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
-    """The mechanisms (:func:`senses_of`) of a body of the configuration, and of it with its pedestals, by name."""
+    """Return the mechanisms (:func:`senses_of`) of a configured body, alone and with its pedestals, by name."""
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)
     alone = replace(body, loads=rest).block() if carried else None

@@ -1,1 +1,1 @@
-"""Fragility: how likely a limit state is, given an intensity measure of the ground motion."""
+"""Fragility: the probability of a limit state given an intensity measure of the ground motion."""

@@ -1,8 +1,8 @@
 """A fragility curve: the observed capacities, the fit, and its band over events.
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
-   capacity. Records of one event are not independent, so a band comes from leaving out one event after the other
-   (docs/decisions/012). A statement takes the place of numbers that the data do not determine.
+   capacity. Records of one event are not independent, so a band comes from leaving out each event in turn
+   (docs/decisions/012). If the data do not determine a number, a statement gives the reason.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,6 @@ import numpy as np
 from rocking.arguments import ArrayLike
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_half_width
 from rockpulse.errors import ConfigError
-from rockpulse.remark import as_stored
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
 from rockpulse.studies.fragility.statements import (
@@ -23,35 +22,36 @@ from rockpulse.studies.fragility.statements import (
     extrapolation_statement,
     missing,
 )
+from rockpulse.warning_text import as_stored
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A fragility curve, or the statement why there is none; NaN for numbers that the data do not determine."""
+    """A fragility curve, or a statement of the reason for its absence; undetermined numbers are NaN."""
 
-    status: Status  # whether there is a curve, and why not
-    band: Band  # whether there is a band, and why not
-    extrapolated: Extrapolated  # whether the median lies beyond all levels
-    statement: str  # the same in words; empty for a curve with a band whose median lies among the levels
+    status: Status  # status of the curve: present, or reason for its absence
+    band: Band  # status of the band: present, or reason for its absence
+    extrapolated: Extrapolated  # whether the median is outside the range of levels
+    statement: str  # the three statuses in words; empty for a curve with a band and a median within the levels
     statement_values: str  # the statement as it is stored
     records: int
     events: int
     observations: int  # number of rows
-    reached: int  # number of rows whose capacity is known or not above the level
+    reached: int  # number of rows whose capacity is known exactly or at most the level
     median: float  # measure at which the limit state is reached with probability 1/2, in the unit of the measure
     beta: float  # standard deviation of ln capacity [-]; 0 for equal capacities
     median_low: float  # confidence limits
     median_high: float
     beta_low: float
     beta_high: float
-    confidence: float  # of the limits [-]
+    confidence: float  # confidence level of the limits [-]
     _family: Family
     _theta: np.ndarray
     _centre: float
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Probability, low and high end of the band [-] at levels (k,) of the measure; NaN without a curve or band."""
+        """Probability, low and high end of the band [-] at levels (k,) of the measure; NaN without curve or band."""
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
             nothing = np.full(levels.shape, np.nan)
@@ -63,8 +63,8 @@ class Curve:
 
     @cached_property
     def log_beta(self) -> np.ndarray:
-        """ln beta of all rows, then without each event, (1 + events,)."""
-        with np.errstate(invalid="ignore"):  # a set without one event may fall instead of rise
+        """ln beta from all rows, then with each event left out, (1 + events,)."""
+        with np.errstate(invalid="ignore"):  # without one event the fitted curve may decrease
             return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
 
 
@@ -81,15 +81,15 @@ def fit_capacities(
     Parameters
     ----------
     capacities : (n,) array_like
-        Smallest value of the measure at which the limit state is reached; inf if it was not.
+        Smallest value of the measure at which the limit state is reached; inf if it was not reached.
     clusters, records : (n,) sequence, optional
         Labels of event and record; by default each row has its own.
     limits : (n,) array_like, optional
-        Largest value of the measure that was tried; needed if a capacity is inf.
+        Largest value of the measure that was analysed; required if a capacity is inf.
     model : {"lognormal", "logistic"}
         Distribution of ln capacity: normal or logistic.
     confidence : float
-        Of the bands, between 0 and 1 [-].
+        Confidence level of the bands, between 0 and 1 [-].
 
     Returns
     -------
@@ -129,12 +129,12 @@ def fit_stripes(
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:
-    """Fragility curve from motions that reached a limit state or did not: stripes, or records as they are.
+    """Fragility curve from records that reached a limit state or not: stripes, or unscaled records.
 
     Parameters
     ----------
     measure : (n,) array_like
-        Value of the measure of each motion, positive.
+        Value of the measure of each record, positive.
     exceeded : (n,) array_like of bool
         Whether the limit state was reached.
     clusters, records, model, confidence
@@ -143,7 +143,7 @@ def fit_stripes(
     Returns
     -------
     Curve
-        Of largest binomial likelihood: probit or logit in the logarithm of the measure.
+        The curve of maximum binomial likelihood: probit or logit in the logarithm of the measure.
 
     Raises
     ------
@@ -161,7 +161,7 @@ def fit_stripes(
 
 
 def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 0.9) -> Curve:
-    """Fragility curve of any observations; options and errors as in :func:`fit_capacities`.
+    """Fit a fragility curve to any observations; options and errors as in :func:`fit_capacities`.
 
     The band of eta = a + b ln x, of ln median and of ln beta is the estimate plus or minus Student's t with K - 1
     degrees of freedom times the jackknife error over the K events, s^2 = (K - 1)/K sum (estimate without event k -
@@ -188,20 +188,20 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
     with np.errstate(invalid="ignore"):
         estimates = np.stack([centre - a / b * spread, np.log(family.deviation * spread / b)], axis=1)
     half = jackknife_half_width(estimates, confidence) if band == Band.GIVEN else np.full(2, np.nan)
-    with np.errstate(over="ignore"):  # a limit beyond the largest number is inf
+    with np.errstate(over="ignore"):  # a limit above the largest float is inf
         median, low, high = (np.exp(values) for values in (estimates[0], estimates[0] - half, estimates[0] + half))
     if status == Status.STEP:
         median = np.array([rows.level[rows.kind == EXACT][0], 0.0])
     if status == Status.FITTED:
-        remarks = [*band_statement(band, rows, theta[:, 1]), *extrapolation_statement(median[0], rows)]
+        warnings = [*band_statement(band, rows, theta[:, 1]), *extrapolation_statement(median[0], rows)]
     else:
-        remarks = [STATEMENTS[status](rows)]
+        warnings = [STATEMENTS[status](rows)]
     return Curve(
         status=status,
         band=band,
         extrapolated=extrapolated(median[0], rows) if status == Status.FITTED else Extrapolated.NO,
-        statement="; ".join(remarks),
-        statement_values=as_stored(remarks) if remarks else "",
+        statement="; ".join(warnings),
+        statement_values=as_stored(warnings) if warnings else "",
         records=rows.records,
         events=events,
         observations=rows.level.size,
@@ -221,7 +221,7 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
 
 
 def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Values (n,), not all equal, brought to mean zero and standard deviation one; that mean and deviation."""
+    """Scale values (n,), not all equal, to mean zero and standard deviation one; return them, mean and deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
 

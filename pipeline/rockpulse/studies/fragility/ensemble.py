@@ -1,8 +1,8 @@
 """The capacities of all records and bodies, the curves fitted to them, and the efficiency of each measure.
 
-.. note:: A measure is efficient if the capacities in it scatter little (beta), and sufficient if they depend on nothing
-   else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of the curve with another
-   covariate, z = a + b ln x + c ln u, of the records that have the quality u, such as a magnitude.
+.. note:: A measure is efficient if the capacities in it scatter little (beta), and sufficient if they depend on no
+   other property of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of the curve with a
+   further covariate, z = a + b ln x + c ln u, for the records whose property u, such as a magnitude, is known.
 """
 
 from collections.abc import Sequence
@@ -20,14 +20,14 @@ from rockpulse.run.analysis import Part, joined
 from rockpulse.selection.tables import Selection
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
-from rockpulse.studies.fragility.capacity import NOT_KNOWN, nothing
 from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
+from rockpulse.studies.fragility.motion_capacity import NOT_KNOWN, empty_capacity
 from rockpulse.studies.fragility.statements import missing
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """beta over that of a reference measure [-], with limits, both jackknifed over the same events; NaN without."""
+    """Ratio of beta to that of a reference measure [-], with limits from the jackknife over the same events; or NaN."""
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
@@ -35,7 +35,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
-    """The slope d ln median/d ln u [-] by a quality u and its p-value, by the jackknife over events; or NaN."""
+    """Slope d ln median/d ln u [-] for a property u, and its p-value, from the jackknife over events; or NaN."""
     nothing = np.nan, np.nan
     known = rows.having(column)
     if not np.all(known):
@@ -63,20 +63,20 @@ def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tu
 class Ensemble:
     """Capacities of n records and m lanes, in k measures, for s limit states."""
 
-    ids: list[str]  # n, of the records
+    ids: list[str]  # n, ids of the records
     clusters: list[str]  # n, their events
     sources: list[str]  # n, their files
-    measures: np.ndarray  # (n, k, m), of the unscaled records
+    measures: np.ndarray  # (n, k, m), intensity measures of the unscaled records
     qualities: np.ndarray  # (n, c), in the order of QUALITIES
-    facts: dict[str, np.ndarray]  # (n,) each, of earthquake and site, by the names of FACTS
-    factors: np.ndarray  # (n, s, m) first that reaches each limit state, or (n, r, m) all that were tried [-]
+    facts: dict[str, np.ndarray]  # (n,) each, properties of earthquake and site by the names in FACTS
+    factors: np.ndarray  # (n, s, m) first to reach each limit state, or (n, r, m) all analysed [-]
     step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan for first factors
-    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was, at tried factors
-    weight: np.ndarray | None  # (n, r), of tried factors [-]
+    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was reached
+    weight: np.ndarray | None  # (n, r), weight of each factor [-]
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Rows of one limit state in one measure, by their numbers, of one or several lanes."""
+        """Return the observations of one limit state in one measure, given by index, for one or several lanes."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -101,22 +101,22 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """(n, c) The qualities that files state, in the order of STATED, magnitudes as exponentials; NaN without."""
+        """Properties given in record files (n, c), in the order of STATED, with exp(magnitude); NaN if not given."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
 
     def quality_counts(self) -> tuple[list[int], list[int]]:
-        """The numbers of records that have each quality in the order of TESTED, and of their events."""
-        every = np.ones((len(self.ids), 1))  # the measure before scaling, which every record has
+        """Return the number of records with each property in the order of TESTED, and the number of their events."""
+        every = np.ones((len(self.ids), 1))  # the measure before scaling is known for every record
         values = np.column_stack([self.qualities, every, self.stated])
         known, clusters = np.isfinite(values) & (values > 0.0), np.array(self.clusters, dtype=str)
         return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
-def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
-    """The capacities of any number of motions, in the order of their ids."""
-    done = joined([nothing(lanes, config, selection), *parts])
+def gather_ensemble(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
+    """Collect the capacities of all records, sorted by id."""
+    done = joined([empty_capacity(lanes, config, selection), *parts])
     return Ensemble(
         ids=done["record"].tolist(),
         clusters=done["event"].tolist(),
@@ -133,7 +133,7 @@ def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selecti
 
 
 def stored_ensemble(tree: xr.DataTree) -> Ensemble:
-    """The capacities of a fragility file."""
+    """Read the capacities from the tree of a fragility file."""
     table = tree["capacities"].to_dataset()
     config = config_from_text(str(tree.attrs["configuration"]))
     factors, reached = (table[name].values for name in ("factor", "reached"))
@@ -155,19 +155,19 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """Curves (g, s, k) of g sets of lanes, with slopes and p-values (g, s, k, c) by the qualities of TESTED."""
+    """Curves (g, s, k) of g sets of lanes, with slopes and p-values (g, s, k, c) for the properties in TESTED."""
 
     curves: np.ndarray
     slope: np.ndarray
     p_value: np.ndarray
 
     def of(self, attribute: str) -> np.ndarray:
-        """One attribute of every :class:`~rockpulse.studies.fragility.curves.Curve`: (g, s, k)."""
+        """Return one attribute of every :class:`~rockpulse.studies.fragility.curves.Curve`: (g, s, k)."""
         return np.vectorize(lambda curve: getattr(curve, attribute), otypes=[object])(self.curves)
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Curves of all limit states and measures, several lanes together in dimensionless ones only, and sufficiency."""
+    """Fit curves and sufficiency for all limit states and measures; groups of lanes only in dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

@@ -1,9 +1,10 @@
-"""Observations of capacities that are known, above a level or below one, and fragility curves of maximum likelihood.
+"""Observations of capacities (exact, above or below a level), and maximum-likelihood fits of fragility curves.
 
 .. note:: The logarithm x of a capacity has the distribution F(a + b x), F normal or logistic. A capacity that is known
    adds log f(a + b x) + log b to the log-likelihood; one that is above x (the limit state was not reached there) adds
-   log (1 - F), and one that is not above x adds log F. Incremental analysis, its truncated form and stripes are one
-   likelihood. It is concave in (a, b) (Olsen 1978), so that Newton's method with halved steps finds its only maximum.
+   log (1 - F), and one that is not above x adds log F. Incremental analysis, truncated or not, and stripes have the
+   same likelihood. It is concave in (a, b) (Olsen 1978), so that Newton's method with halved steps finds its only
+   maximum.
 """
 
 from collections.abc import Callable
@@ -21,21 +22,21 @@ EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observations of capacities, in the unit of one intensity measure; the rows ascend."""
+    """Observations of capacities, in the unit of one intensity measure, in ascending order."""
 
-    level: np.ndarray  # (n,) the capacity, or the level that it is compared with, positive
+    level: np.ndarray  # (n,) the capacity, or the level with which it is compared; positive
     kind: np.ndarray  # (n,) EXACT, ABOVE or NOT_ABOVE
-    cluster: np.ndarray  # (n,) number of the event of each row
-    record: np.ndarray  # (n,) number of the record of each row
+    cluster: np.ndarray  # (n,) index of the event of each row
+    record: np.ndarray  # (n,) index of the record of each row
     events: tuple[str, ...]  # labels of the events, sorted
-    qualities: np.ndarray  # (n, c) positive numbers that capacity should not depend on; NaN if not known
-    weight: np.ndarray  # (n,) of mean one
+    qualities: np.ndarray  # (n, c) positive properties tested for an effect on capacity; NaN if unknown
+    weight: np.ndarray  # (n,) with mean one
 
     @classmethod
     def of(
         cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None, weight: Any = None
     ) -> Self:
-        """Rows of equal weight, and of an event and record each, by default.
+        """Make observations from arrays; by default each row has weight one and its own event and record.
 
         Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
         """
@@ -50,7 +51,7 @@ class Observations:
                 f"{rows[0].size} and {rows[1].size}"
             )
         (events, cluster), (_, record) = (np.unique(labels, return_inverse=True) for labels in rows)
-        order = np.lexsort((record, cluster, kind, level))  # sums to the last digit, whatever the order of the rows
+        order = np.lexsort((record, cluster, kind, level))  # exact sums, independent of the order of the rows
         beside = np.empty((level.size, 0)) if qualities is None else np.asarray(qualities, dtype=float)
         counts = (
             np.ones(level.size)
@@ -66,25 +67,25 @@ class Observations:
         return int(np.unique(self.record).size)
 
     def having(self, column: int) -> np.ndarray:
-        """Whether (n,) a row has a quality with a finite logarithm."""
+        """Mask (n,) of the rows whose property in a column has a finite logarithm."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
 
     def only(self, kept: np.ndarray) -> "Observations":
-        """The rows of a mask (n,), with their events alone."""
+        """Keep the rows of a mask (n,), and only their events."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Weights (1 + events, n): of all rows, then of the rows without each event."""
+        """Weights (1 + events, n): of all rows, then with each event left out."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 
 
-#: Most Newton steps, most halvings of one, and the step at which the search ends, in units of the standard error.
+#: Largest number of Newton steps and of halvings of one, and step that ends the search, in standard errors.
 STEPS, HALVINGS, CLOSE = 60, 30, 1e-8
-#: Rounding of a sum of logarithms, and largest usable condition number of the second derivatives.
+#: Rounding error of a sum of logarithms, and largest usable condition number of the second derivatives.
 ROUNDING, LARGEST_CONDITION = 1e-12, 1e14
 
 
@@ -120,7 +121,7 @@ def _logistic_cdf(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return log_expit(z), down, -up * down
 
 
-#: Distributions by the word of ``[fragility] model``.
+#: Distributions by the value of ``[fragility] model``.
 FAMILIES: dict[str, Family] = {
     "lognormal": Family(ndtr, _normal_density, _normal_cdf, 1.0),
     "logistic": Family(expit, _logistic_density, _logistic_cdf, float(np.pi / np.sqrt(3.0))),
@@ -128,11 +129,11 @@ FAMILIES: dict[str, Family] = {
 
 
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Whether (q,) the likelihood has a maximum at finite a, b, that is, the data do not separate.
+    """Mask (q,) of data sets whose likelihood has a maximum at finite a and b, as the data are not separated.
 
-    `x` (n,) are logarithms of levels of a `kind` (n,), `weights` (q, n) those of q data sets. Without exact capacities
-    both kinds of rows have to overlap (Albert & Anderson 1984). With some, b is unlimited only if they are all equal
-    and no other row contradicts that value.
+    `x` (n,) are logarithms of levels of a `kind` (n,), `weights` (q, n) the weights of q data sets. Without exact
+    capacities both kinds of rows have to overlap (Albert & Anderson 1984). With exact ones, b is unbounded only if they
+    are all equal and no other row contradicts that value.
     """
 
     def extremes(of: int) -> tuple[np.ndarray, np.ndarray]:
@@ -149,7 +150,7 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Log-likelihood of each row, and its first two derivatives by z (without those of log b), each (q, n).
+    """Log-likelihood of each row and its first two derivatives by z (without the terms of log b), each (q, n).
 
     `design` (n, k) has the columns 1, ln x and any covariates, z = design @ theta; `theta` (q, k) are the parameters
     (a, b, ...) of q data sets, b > 0 if a row is EXACT.
@@ -167,7 +168,7 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Parameters (q, k) of largest likelihood for q weightings (q, n), columns centred; NaN where it has no maximum."""
+    """Maximum-likelihood parameters (q, k) for weights (q, n) and centred columns; NaN if there is no maximum."""
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0
     exact = np.where(kind == EXACT, 1.0, 0.0)

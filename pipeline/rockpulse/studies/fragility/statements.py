@@ -1,4 +1,4 @@
-"""Whether the data determine a fragility curve and a band, and the statement if they do not."""
+"""Tests of whether the data determine a fragility curve and a band, and statements of the reason if not."""
 
 import math
 from collections.abc import Callable
@@ -6,16 +6,16 @@ from collections.abc import Callable
 import numpy as np
 
 from rockpulse.earthquakes import FEWEST_EVENTS
-from rockpulse.remark import Remark, counted
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations, has_maximum
+from rockpulse.warning_text import WarningText, counted
 
-#: Relative difference of capacities that is rounding.
+#: Capacities with a smaller relative difference count as equal.
 EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """The status of the data before any fit."""
+    """Return the status of the data before a fit."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -26,7 +26,7 @@ def missing(rows: Observations) -> Status:
         return Status.NOTHING_REACHED
     if np.all(rows.kind == NOT_ABOVE):
         return Status.EVERYTHING_REACHED
-    if np.unique(rows.record[reached]).size == 1:  # of any number of rows: levels, or bodies together
+    if np.unique(rows.record[reached]).size == 1:  # with several rows per record: levels, or several bodies
         return Status.ONE_REACHED
     if known.size and np.ptp(known) <= EQUAL * known[0]:
         above, below = rows.level[rows.kind == ABOVE], rows.level[rows.kind == NOT_ABOVE]
@@ -37,18 +37,18 @@ def missing(rows: Observations) -> Status:
     return Status.FITTED
 
 
-def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[Remark]:
-    """The statement on a missing band; `slopes` (1 + events,) are b of all rows, then without each event."""
+def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
+    """Explain a missing band; `slopes` (1 + events,) are b from all rows, then with each event left out."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:
         alone = [name for name, b in zip(rows.events, slopes[1:], strict=True) if not b > 0.0]
-        return [Remark("band_one_event", event=str(alone[0]))]
-    return [Remark("band_few_events", events=counted(len(rows.events), "event"), needed=FEWEST_EVENTS)]
+        return [WarningText("band_one_event", event=str(alone[0]))]
+    return [WarningText("band_few_events", events=counted(len(rows.events), "event"), needed=FEWEST_EVENTS)]
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Whether the median of a curve, in the unit of the measure, lies above or below all levels."""
+    """Return whether the median of a curve, in the unit of the measure, is above or below all levels."""
     if median > np.max(rows.level):
         return Extrapolated.ABOVE
     if median < np.min(rows.level):
@@ -56,60 +56,60 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
     return Extrapolated.NO
 
 
-def extrapolation_statement(median: float, rows: Observations) -> list[Remark]:
-    """The statement on a median beyond all levels; none if it lies among them."""
+def extrapolation_statement(median: float, rows: Observations) -> list[WarningText]:
+    """Explain a median outside the range of levels; empty if it is inside."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return []
     reached = counted(np.unique(rows.record[rows.kind != ABOVE]).size, "record")
     level = np.max(rows.level) if side == Extrapolated.ABOVE else np.min(rows.level)
     code = f"median_{side.name.lower()}"
-    return [Remark(code, median=float(median), level=float(level), reached=reached, records=int(rows.records))]
+    return [WarningText(code, median=float(median), level=float(level), reached=reached, records=int(rows.records))]
 
 
 def _range(levels: np.ndarray) -> str:
     low, high = float(np.min(levels)), float(np.max(levels))
-    return f"{low:.3g}" if math.isclose(low, high, rel_tol=1e-3) else Remark("interval", low=low, high=high)
+    return f"{low:.3g}" if math.isclose(low, high, rel_tol=1e-3) else WarningText("interval", low=low, high=high)
 
 
-def _nothing_reached(rows: Observations) -> Remark:
+def _nothing_reached(rows: Observations) -> WarningText:
     records, levels = counted(rows.records, "record"), _range(rows.level)
-    if isinstance(levels, Remark):
-        return Remark("nothing_reached_between", records=records, **levels.values)
-    return Remark("nothing_reached", records=records, level=float(np.min(rows.level)))
+    if isinstance(levels, WarningText):
+        return WarningText("nothing_reached_between", records=records, **levels.values)
+    return WarningText("nothing_reached", records=records, level=float(np.min(rows.level)))
 
 
-def _one_record(rows: Observations) -> Remark:
+def _one_record(rows: Observations) -> WarningText:
     reached = "reached" if np.any(rows.kind != ABOVE) else "not_reached"
-    return Remark(f"one_record_{reached}", levels=_range(rows.level))
+    return WarningText(f"one_record_{reached}", levels=_range(rows.level))
 
 
-def _separated(rows: Observations) -> Remark:
+def _separated(rows: Observations) -> WarningText:
     if np.ptp(rows.level) == 0.0:
-        return Remark("one_level", level=float(rows.level[0]))
+        return WarningText("one_level", level=float(rows.level[0]))
     not_reached, reached = (
         extreme(rows.level[rows.kind == kind]) for extreme, kind in ((np.max, ABOVE), (np.min, NOT_ABOVE))
     )
     if not_reached == reached:
-        return Remark("separated_at", level=float(reached))
+        return WarningText("separated_at", level=float(reached))
     if not_reached < reached:
-        return Remark("separated", low=float(not_reached), high=float(reached))
-    return Remark("not_stronger")
+        return WarningText("separated", low=float(not_reached), high=float(reached))
+    return WarningText("not_stronger")
 
 
-#: The statement where there is no curve, by the status.
-STATEMENTS: dict[Status, Callable[[Observations], Remark]] = {
-    Status.NO_RECORD: lambda rows: Remark("no_record"),
+#: The statement for a missing curve, by status.
+STATEMENTS: dict[Status, Callable[[Observations], WarningText]] = {
+    Status.NO_RECORD: lambda rows: WarningText("no_record"),
     Status.ONE_RECORD: _one_record,
     Status.NOTHING_REACHED: _nothing_reached,
-    Status.EVERYTHING_REACHED: lambda rows: Remark(
+    Status.EVERYTHING_REACHED: lambda rows: WarningText(
         "everything_reached", records=counted(rows.records, "record"), level=float(np.min(rows.level))
     ),
-    Status.ONE_REACHED: lambda rows: Remark(
+    Status.ONE_REACHED: lambda rows: WarningText(
         "one_reached", levels=_range(rows.level[rows.kind != ABOVE]), records=int(rows.records)
     ),
-    Status.STEP: lambda rows: Remark("step", level=float(rows.level[rows.kind == EXACT][0])),
+    Status.STEP: lambda rows: WarningText("step", level=float(rows.level[rows.kind == EXACT][0])),
     Status.SEPARATED: _separated,
-    Status.NOT_INCREASING: lambda rows: Remark("not_increasing"),
-    Status.NO_MAXIMUM: lambda rows: Remark("no_maximum"),
+    Status.NOT_INCREASING: lambda rows: WarningText("not_increasing"),
+    Status.NO_MAXIMUM: lambda rows: WarningText("no_maximum"),
 }

@@ -1,1 +1,1 @@
-"""How often bodies overturn at a site: fragility and hazard together."""
+"""Annual frequency at which bodies overturn at a site, from fragility and hazard."""

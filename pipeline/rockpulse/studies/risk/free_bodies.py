@@ -1,9 +1,9 @@
-"""The fragility of free bodies over an intensity measure, from the stored overturning spectra of records.
+"""Fragility of free bodies over an intensity measure, from the stored overturning spectra of records.
 
 .. note:: At the level x of a measure a record of the value m acts with the factor x/m, so its effective impulse on a
    body is S x/m, and the body overturns if that exceeds g tan(alpha)/p. With the mean and standard deviation of ln(S/m)
    over records, equal for all earthquakes, P(overturning | x) is the normal distribution of (ln x + mean - ln(g
-   tan(alpha)/p))/deviation. The mean of the records' own probabilities assumes no distribution.
+   tan(alpha)/p))/deviation. The mean of the probabilities of the records needs no assumed distribution.
 """
 
 import math
@@ -21,23 +21,23 @@ from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.storage.variables.risk import FREE_FRAGILITY
 
-#: Pairs of a body and a record computed at once.
+#: Number of pairs of body and record that are computed at once.
 AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
     """The curves of m bodies under r records at l levels each; logarithms of levels are in SI units."""
 
-    at: np.ndarray  #: (m, r, l) logarithms of the levels, in steps equal for all
-    probability: np.ndarray  #: (m, r, l) of overturning [-]
+    at: np.ndarray  #: (m, r, l) logarithms of the levels, with the same step for all
+    probability: np.ndarray  #: (m, r, l) probability of overturning [-]
     log_s: np.ndarray  #: (m, r) logarithms of the overturning spectra
-    own: np.ndarray  #: (r,) logarithms of the records' own values of the measure
+    own: np.ndarray  #: (r,) logarithms of the measure of the unscaled records
     speed: np.ndarray  #: (m,) logarithms of g tan(alpha)/p
     floor: np.ndarray  #: (m,) logarithms of g tan(alpha), the acceleration that lifts a body
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """The curves of (m,) bodies that the spectra cover; ResultsError for gaps at their p."""
+        """Read the curves of (m,) bodies that the spectra cover; raise ResultsError for gaps at their p."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -57,25 +57,25 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """The step (m, r) between two stored levels that contains a level (m or 1, r or 1); the nearest one."""
+        """Index (m, r) of the step between stored levels that contains or is nearest to a level (m or 1, r or 1)."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
-        """Values (m, r, l) interpolated at other levels (m or 1, r or 1): (m, r), constant beyond the ends."""
+        """Interpolate values (m, r, l) at levels (m or 1, r or 1): (m, r), constant beyond the ends."""
         step = self.step_of(log_level)
-        share = np.clip((log_level - chosen(self.at, step)) / self.spacing, 0.0, 1.0)
-        low = chosen(values, step)
-        return np.asarray(low + share * (chosen(values, step + 1) - low))
+        share = np.clip((log_level - values_at(self.at, step)) / self.spacing, 0.0, 1.0)
+        low = values_at(values, step)
+        return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Weighted over records: ln of the level (m,) at which S is g tan(alpha)/p, the deviation of ln S."""
+        """Weighted mean over records of ln of the level (m,) at which S = g tan(alpha)/p, and deviation of ln S."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Logarithms (m,) of the levels at which the mean over records with weights (r,) is 1/2."""
+        """Logarithms (m,) of the levels at which the weighted mean over records, weights (r,), is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -84,13 +84,13 @@ class BodyCurves(NamedTuple):
         return np.asarray(0.5 * (low + high))
 
 
-def chosen(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """The values (m, r, l) at the places (m, r) of the last axis."""
+def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Pick values (m, r, l) at indices (m, r) of the last axis."""
     return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """The overturning spectra of results, and the summaries of their records; ConfigError for another measure."""
+    """Return the overturning spectra of results and the summaries of their records; ConfigError for another measure."""
     measured = [one.name for one in STORED_LEVELS]
     if measure not in measured:
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, which results hold, got {measure}")
@@ -103,7 +103,7 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 def curves_in_parts(
     spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
 ) -> Iterator[tuple[np.ndarray, BodyCurves]]:
-    """Numbers and curves of the (m,) bodies that the spectra cover, some at a time."""
+    """Yield indices and curves of the (m,) bodies that the spectra cover, in parts of limited size."""
     own = np.log(summary[measure].values.astype(float))
     covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
     for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):
@@ -112,7 +112,7 @@ def curves_in_parts(
 
 
 def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure: str = PGA) -> xr.Dataset:
-    """The probability of overturning of free bodies at levels of an intensity measure.
+    """Compute the probability of overturning of free bodies at levels of an intensity measure.
 
     Parameters
     ----------
@@ -121,15 +121,15 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     block : Block
         (m,) slender free-standing bodies.
     levels : (n,) array_like
-        Of the measure, positive [m/s2 or m/s].
+        Levels of the measure, positive [m/s2 or m/s].
     measure : str
         "pga" or "pgv", of one component.
 
     Returns
     -------
     xarray.Dataset
-        Over (body, level): `probability`, the mean over records, and `lognormal`, by the `median` and `dispersion` of S
-        over (body). In PGA they are 0 below g tan(alpha). NaN for a body that the spectra do not cover.
+        Over (body, level): `probability`, the mean over records, and `lognormal`, from the `median` and `dispersion` of
+        S over (body). In PGA both are 0 below g tan(alpha). NaN for a body that the spectra do not cover.
 
     Raises
     ------

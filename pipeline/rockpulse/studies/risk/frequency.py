@@ -1,9 +1,9 @@
-"""The annual frequency of a limit state at a site: the fragility of a file summed over the hazard, with bands.
+"""Annual frequency of a limit state at a site: the fragility integrated over the hazard, with bands.
 
-.. note:: lambda = integral of P(x) (-dH/dx) dx, with the shares from levels outside those of the records or of the
-   hazard. In PGA levels below the uplift of a body on the ground do not count.
+.. note:: lambda = integral of P(x) (-dH/dx) dx; the shares from levels outside the range of the records or of the
+   hazard are given. In PGA, levels below the uplift of a body on the ground do not count.
 
-   A body that overturns lambda times a year has stood for T years with the probability exp(-lambda T). At a confidence
+   A body that overturns lambda times a year survives T years with the probability exp(-lambda T). At a confidence
    q frequencies up to -ln(1 - q)/T are possible; a larger one contradicts the hazard, to which it is proportional.
 """
 
@@ -28,7 +28,7 @@ from rockpulse.studies.fragility.statements import STATEMENTS, missing
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
 from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integral, band_of, fitted_lines, integrate
 
-#: The horizontal component of the hazard, by [records] components.
+#: Horizontal component for which the hazard must hold, by [records] components.
 COMPONENTS = {
     "horizontal": "any single horizontal component, as each channel is a motion of its own, not the larger of two",
     "azimuth": "a single horizontal component in a given direction, not the larger of two",
@@ -36,7 +36,7 @@ COMPONENTS = {
     "sweep": "any single horizontal component, as each direction is a motion of its own, not the larger of two",
 }
 
-#: The data of a fragility, by [fragility] data.
+#: Descriptions of the data of a fragility, by [fragility] data.
 DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
@@ -46,27 +46,27 @@ DATA = {
     "cloud": "records as they are, not scaled (cloud)",
 }
 
-#: Share of a frequency from levels beyond the data that gives a warning.
+#: A share of the frequency from levels beyond the data above this gives a warning.
 OUTSIDE = 0.1
-#: Number of bins with the contributions of levels, and their share of the frequency.
+#: Number of bins of the contributions by level, and the share of the frequency that they cover.
 BINS, HELD = 16, 0.998
-#: A and B of a fragility that is 1 at every level above its floor.
+#: A and B of a fragility that is 1 at every level above the floor.
 CERTAIN = (40.0, 1e-9)
 
 
 def several_events(count: int) -> str:
-    """The number of earthquakes in words."""
+    """Format the number of earthquakes."""
     return f"{count} earthquake{'' if count == 1 else 's'}"
 
 
-def hazard_conditions(remarks: Iterable[str], config: Config) -> str:
-    """The remarks on a hazard, and the ground and component for which it has to be given."""
+def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
+    """Return the warnings on a hazard, and the ground and component for which it must hold."""
     wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
-    return "; ".join([*remarks, wanted])
+    return "; ".join([*warnings, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
-    """The data and the distribution of a fragility, in words."""
+    """Describe the data and the distribution of a fragility."""
     settings, chosen = config.fragility, config.fragility.selection is not None
     of, alike = ("records chosen elsewhere", "by their weights") if chosen else (DATA[settings.data], "alike")
     shown = f"{records} record{'' if records == 1 else 's'} of {several_events(events)}"
@@ -74,7 +74,7 @@ def fragility_assumed(config: Config, model: str, records: int, events: int) -> 
 
 
 class _Asked(NamedTuple):
-    """The arguments for every body."""
+    """The arguments that hold for every body."""
 
     family: Family
     hazard: Hazard
@@ -94,36 +94,36 @@ def risk(
     resamples: int = 500,
     seed: int = 0,
 ) -> xr.Dataset:
-    """The annual frequency at which each body reaches a limit state.
+    """Compute the annual frequency at which each body reaches a limit state.
 
     Parameters
     ----------
     fragility : xarray.DataTree or path
         Of :func:`rockpulse.fragility`, or a file of ``rockpulse fragility``, with the measure of the hazard.
     hazard : PowerLawHazard or HazardCurve
-        Annual rate of exceedance of that measure at the ground below the bodies.
+        Annual rate of exceedance of the measure of the fragility at the ground below the bodies.
     limit_state : str
-        Of the fragility.
+        A limit state of the fragility.
     years : float
-        Time of the probability [years].
+        Exposure time for `probability` and `survival` [years].
     confidence : float, optional
-        Of the bands; by default that of the fragility.
+        Confidence level of the bands; by default that of the fragility.
     resamples, seed : int
-        Draws of the earthquakes for the bands, 0 for no band; seed of the draws.
+        Number of bootstrap samples of the earthquakes for the bands, 0 for no band; seed of the random numbers.
 
     Returns
     -------
     xarray.Dataset
         Over (block): `frequency` [1/year] with `frequency_low` and `frequency_high`, `probability` in `years` with its
-        limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels beyond
-        those of the records or of the hazard, `events`, `status`, `statement` and `warning`; over (block, bin)
+        limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels outside
+        the range of the records or of the hazard, `events`, `status`, `statement` and `warning`; over (block, bin)
         `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. The uplift of a body on the
         ground in PGA needs no fit: it is the rate of exceedance of its uplift PGA.
 
     Raises
     ------
     ResultsError
-        For another tree, or one without the limit state or the measure.
+        For a tree of another kind, or one without the limit state or the measure.
     ConfigError
         For invalid years, confidence or resamples.
 
@@ -180,7 +180,7 @@ def risk(
     risk = xr.Dataset(columns, {"block": table["block"]})
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_conditions=hazard_conditions(hazard.remarks, ensemble.config),
+        hazard_conditions=hazard_conditions(hazard.warnings, ensemble.config),
         fragility=fragility_assumed(ensemble.config, model, len(ensemble.ids), len(set(ensemble.clusters))),
         measure=hazard.measure,
         unit=hazard.unit,
@@ -193,7 +193,7 @@ def risk(
 
 
 def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
-    """The variables of one body, which does not move below the level exp(floor)."""
+    """Compute the variables of one body, which does not move below the level exp(floor)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
@@ -209,7 +209,7 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
     lines = fitted_lines(rows, asked.family)
     if not lines[0, 1] > 0.0:
         return found | {"statement": STATEMENTS[Status.NOT_INCREASING](rows)}
-    # Levels of both the records and the hazard.
+    # range of levels common to the records and the hazard
     least = max(float(rows.level[0]), asked.hazard.covered[0])
     low, high = math.log(least), math.log(max(least, min(float(rows.level[-1]), asked.hazard.covered[1])))
     whole = integrate(asked.family, (lines[0, 0], lines[0, 1]), asked.hazard, (low, high), floor)
@@ -224,7 +224,7 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, Any]:
-    """A frequency with its contributions by level, and the warning of those beyond two logarithms of levels."""
+    """Return a frequency with its contributions by level, and a warning of those beyond ln levels `low` and `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -239,7 +239,7 @@ def _frequency(whole: Integral, low: float, high: float, asked: _Asked) -> dict[
 
 
 def _warning(below: float, above: float, low: float, high: float, hazard: Hazard) -> str:
-    """The warning of large shares from levels beyond the data; empty without."""
+    """Warn of large shares of the frequency from levels beyond the data; empty for small shares."""
     told = []
     ends = zip((below, above), (low, high), ("below", "above"), hazard.covered, strict=True)
     for share, limit, side, end in ends:
@@ -252,7 +252,7 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
 
 
 def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _Asked) -> dict[str, Any]:
-    """The limits of the frequency and of the probability, with their statement."""
+    """Return the limits of the frequency and of the probability, with a statement if they are missing."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
         return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}
@@ -275,14 +275,14 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
 
 
 def _lifted_from(rows: Observations, floor: float) -> bool:
-    """Whether the uplift level is known, and no row contradicts it."""
+    """Whether the uplift level is known and no observation contradicts it."""
     lifted, level = math.exp(floor), rows.level
     against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
     return lifted > 0.0 and not np.any(against)
 
 
 def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
-    """Logarithms of the levels below which no body moves; -inf if not known, as for other measures than PGA."""
+    """Logarithms of the levels below which each body stays at rest; -inf if unknown, as in measures other than PGA."""
     if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
     lifting = np.log(table["uplift_acceleration"].values)
@@ -290,7 +290,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:
-    """Bins of equal width in the logarithm of the level, with nearly all of a frequency, and the share of each."""
+    """Bins of equal width in the logarithm of the level that cover nearly all of a frequency, and their shares."""
     summed = np.cumsum(whole.contribution) / np.sum(whole.contribution)
     low, high = np.interp([0.5 - 0.5 * HELD, 0.5 + 0.5 * HELD], summed, whole.log_level).tolist()
     edges = np.linspace(low, high, BINS + 1)
@@ -299,22 +299,23 @@ def _contributions(whole: Integral) -> dict[str, np.ndarray]:
 
 
 def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.Dataset:
-    """Test the hazard by bodies that have stood for a number of years.
+    """Test a hazard against bodies that have survived for a number of years.
 
     Parameters
     ----------
     risk : xarray.Dataset
         Of :func:`rockpulse.risk` for overturning, or of :func:`rockpulse.inventory_frequency`.
     age : float
-        Time for which the bodies have stood [years].
+        Time that the bodies have survived [years].
     confidence : float
-        At which a frequency is excluded [-].
+        Confidence level at which a frequency is excluded [-].
 
     Returns
     -------
     xarray.Dataset
-        Over the bodies: `chance` = exp(-frequency age) with `chance_low` and `chance_high`, `largest`, the frequency at
-        which the chance is 1 - confidence [1/year], its `factor` on the rates of the hazard, and `contradicted`.
+        Over the bodies: survival probability `chance` = exp(-frequency age) with `chance_low` and `chance_high`,
+        `largest`, the frequency at which it is 1 - confidence [1/year], the `factor` on the hazard that gives this
+        frequency, and `contradicted`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The annual rate at which the ground exceeds a level of an intensity measure: a power law, a table, or one per body.
+"""Seismic hazard, the annual rate of exceedance of an intensity measure: a power law, a table, or one per body.
 
 .. note:: A hazard is an annual rate of exceedance H over levels x in SI units. A curve is linear in the logarithms
    between its points, and continues with its outermost slopes. With the soil factor S the rate of x at the ground of a
@@ -19,7 +19,7 @@ from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
-    """A unit of a measure in SI units; ConfigError for an unknown unit."""
+    """Return the factor from a unit of a measure to SI; raise ConfigError for an unknown unit."""
     known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
@@ -27,21 +27,21 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """The measure itself; ConfigError if it is not one of a hazard."""
+    """Return the measure; raise ConfigError if it is not a measure of a hazard."""
     if measure not in HAZARD:
         raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, found {measure!r}")
     return measure
 
 
 class _Hazard(ABC):
-    """The common part of a power law and a curve."""
+    """The common base of a power law and a curve."""
 
     measure: str
     unit: str
     soil_factor: float
 
     def _check(self, where: str, **positive: float) -> None:
-        """Sets the default unit; ConfigError for an unknown measure or unit, or a number that is not positive."""
+        """Set the default unit; raise ConfigError for an unknown measure or unit, or a number that is not positive."""
         known_measure(self.measure, f"{where} measure")
         object.__setattr__(self, "unit", self.unit or MEASURES[self.measure].shown_unit)
         unit_factor(self.measure, self.unit, f"{where} unit")
@@ -51,7 +51,7 @@ class _Hazard(ABC):
 
     @property
     def unit_in_si(self) -> float:
-        """The unit in SI units."""
+        """Factor from the unit to SI."""
         return MEASURES[self.measure].known_units[self.unit]
 
     @property
@@ -79,11 +79,11 @@ class PowerLawHazard(_Hazard):
     measure : str
         Intensity measure of :data:`rockpulse.record.measures.HAZARD`, such as "pga".
     unit : str
-        Of the level of k0: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of a velocity; SI by default.
+        Unit of the level of k0: "m/s2", "g", "cm/s2", or for a velocity "m/s", "cm/s"; SI by default.
     soil_factor : float
         Levels at the ground of the site over those of k0 and k [-].
-    remarks : tuple of str
-        Remarks on the hazard.
+    warnings : tuple of str
+        Warnings on the hazard.
 
     Raises
     ------
@@ -102,14 +102,14 @@ class PowerLawHazard(_Hazard):
     measure: str = PGA
     unit: str = ""
     soil_factor: float = 1.0
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         self._check("[hazard]", k0=self.k0, k=self.k)
 
     @property
     def knots(self) -> np.ndarray:
-        """Logarithms of the levels at which the slope changes: none."""
+        """Logarithms of the levels at which the slope changes; empty for a power law."""
         return np.zeros(0)
 
     @property
@@ -137,30 +137,30 @@ class PowerLawHazard(_Hazard):
         return math.log(self.k) + self.log_rate(log_level)
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """The integral of the rate over ln x from logarithms of levels in SI units upwards [1/year]."""
+        """Integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
         return np.exp(self.log_rate(log_level)) / self.k
 
 
 @dataclass(frozen=True, eq=False)
 class HazardCurve(_Hazard):
-    """A tabled hazard curve.
+    """A hazard curve given by a table.
 
     Attributes
     ----------
     level, rates : (n,) ndarray
-        Levels in SI units, ascending, and annual rates of exceedance [1/year], positive and not rising.
+        Levels in SI units, ascending, and annual rates of exceedance [1/year], positive and not increasing.
     source : str
-        For messages.
+        Name of the source in messages.
     unit : str
-        Of levels in texts; SI by default.
-    measure, soil_factor, remarks
+        Unit of levels in texts; SI by default.
+    measure, soil_factor, warnings
         As for :class:`PowerLawHazard`.
 
     Raises
     ------
     ConfigError
         For fewer than two points, levels or rates that are not positive or not in order, an unknown measure or unit, or
-        last rates that are alike.
+        equal last rates.
 
     Examples
     --------
@@ -175,7 +175,7 @@ class HazardCurve(_Hazard):
     source: str = "hazard"
     unit: str = ""
     soil_factor: float = 1.0
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     knots: np.ndarray = field(init=False, repr=False)  #: Logarithms of the levels at which the slope changes
     slopes: np.ndarray = field(init=False, repr=False)  #: The slopes in the logarithms, from low levels to high ones
 
@@ -219,15 +219,15 @@ class HazardCurve(_Hazard):
         return np.asarray(np.log(self.rates[piece]) - self.slopes[piece] * (log_level - self.knots[piece]))
 
     def log_density(self, log_level: np.ndarray) -> np.ndarray:
-        """ln of -dH/d ln x [1/year] at logarithms of levels in SI units; -inf where the rate does not fall."""
+        """ln of -dH/d ln x [1/year] at logarithms of levels in SI units; -inf if the rate is constant."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(self.slopes[self._piece(log_level)]) + self.log_rate(log_level))
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """The integral of the rate over ln x from logarithms of levels in SI units upwards [1/year]."""
+        """Integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
         piece = self._piece(log_level)
         ends = np.append(self.knots[1:-1], np.inf)
-        level = self.slopes == 0.0  # never the last piece
+        level = self.slopes == 0.0  # excludes the last piece
         slopes = np.where(level, 1.0, self.slopes)
 
         def of_piece(start: np.ndarray, number: np.ndarray) -> np.ndarray:
@@ -251,9 +251,9 @@ class SiteHazards:
     Attributes
     ----------
     hazards : tuple of PowerLawHazard or HazardCurve
-        The different ones, all of one measure and unit.
+        The distinct hazards, all of one measure and unit.
     of_body, distance : (m,) ndarray
-        The number of the hazard of each body, and its distance from the site [m]; NaN if not known.
+        Index of the hazard of each body, and the distance of its place from the site [m]; NaN if unknown.
 
     Raises
     ------
@@ -282,50 +282,50 @@ class SiteHazards:
 
     @classmethod
     def distinct(cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None) -> Self:
-        """The hazards of m bodies, one for each different row of the keys (m, k); `hazard` makes it."""
+        """Make the hazards of m bodies by calling `hazard` for each distinct row of the keys (m, k)."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
         return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)
 
     @property
     def measure(self) -> str:
-        """The intensity measure of all."""
+        """Intensity measure of the hazards."""
         return self.hazards[0].measure
 
     @property
     def unit(self) -> str:
-        """The unit of levels in texts."""
+        """Unit of levels in texts."""
         return self.hazards[0].unit
 
     @property
     def unit_in_si(self) -> float:
-        """The unit in SI units."""
+        """Factor from the unit to SI."""
         return self.hazards[0].unit_in_si
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazards; NaN if it differs."""
+        """First and last level of the hazards; NaN if the hazards differ in it."""
         ends = np.array([one.covered for one in self.hazards])
         low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
         return low, high
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        """The remarks on all hazards, and the largest distance of their places."""
-        told = tuple(dict.fromkeys(text for one in self.hazards for text in one.remarks))
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings on the hazards, and the largest distance of their places."""
+        told = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
             return told
         return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *told)
 
     @property
     def words(self) -> str:
-        """The hazards in words."""
+        """Description of the hazards."""
         if len(self.hazards) == 1:
             return self.hazards[0].words
         return f"{len(self.hazards)} hazards of {self.measure} in {self.unit}, such as {self.hazards[0].words}"
 
     def chosen(self, bodies: np.ndarray) -> "SiteHazards":
-        """The hazards of some bodies, by number."""
+        """Select the hazards of bodies by index."""
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
@@ -333,7 +333,7 @@ class SiteHazards:
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """The integral of each rate over ln x from logarithms (m, ...) of levels in SI units upwards [1/year]."""
+        """Integral of each rate over ln x from logarithms (m, ...) of levels in SI units to infinity [1/year]."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
@@ -351,7 +351,7 @@ class SiteHazards:
 
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
-    """A positive number for each of several bodies, or one for all: (count,); ConfigError for others."""
+    """Return positive numbers (count,), one for each body or one for all; raise ConfigError for other values."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Files of hazard curves of one place or many: levels with rates or probabilities, OpenQuake's, return periods."""
+"""Readers of hazard curves for one or many places: levels with rates or probabilities, OpenQuake, return periods."""
 
 import re
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from rockpulse.config.study_settings import HazardSettings
 from rockpulse.errors import ConfigError
-from rockpulse.files import numbers, read_text, separator, table_of
+from rockpulse.files import column_numbers, read_text, separator, table_of
 from rockpulse.record.measures import MEASURES, PGA, ROWS
 from rockpulse.studies.risk.hazard import (
     Hazard,
@@ -32,12 +32,12 @@ EXPECTED = (
 
 #: Default unit of a_g in the grid of NTC 2008 (annex B).
 ANNEX = "g/10"
-#: A heading of the grid: a_g of a return period, as "T475ag", "ag_475" or "ag TR=475", optionally with its unit.
+#: Heading of a column of the grid: a_g of a return period, as "T475ag", "ag_475" or "ag TR=475", also with its unit.
 OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """Levels in their unit and annual rates [1/year], (k,) for every place or (n, k)."""
+    """Levels in the unit of the file and annual rates [1/year], (k,) for all places or (n, k)."""
 
     path: str
     measure: str
@@ -45,13 +45,13 @@ class _Sheet(NamedTuple):
     level: np.ndarray
     rates: np.ndarray
     places: np.ndarray | None = None  #: (n, 2) longitude and latitude [degrees]
-    remarks: tuple[str, ...] = ()
-    rock: bool = False  #: whether the levels are those on rock
+    warnings: tuple[str, ...] = ()
+    rock: bool = False  #: whether the levels are for rock
 
-    def curve(self, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
-        """The curve of a row in SI units, without the points at which a probability was 1 or 0."""
+    def curve(self, row: int, soil_factor: float, warnings: tuple[str, ...] = ()) -> HazardCurve:
+        """Return the curve of a row in SI units, without points of probability 1 or 0."""
         in_si = unit_factor(self.measure, self.unit, self.path)
-        where = self.path if self.places is None else f"{self.path}, place {named(*self.places[row])}"
+        where = self.path if self.places is None else f"{self.path}, place {place_in_words(*self.places[row])}"
         level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
         order = np.argsort(level, kind="stable")
         kept = order[np.isfinite(rate[order]) & (rate[order] > 0.0)]
@@ -60,13 +60,13 @@ class _Sheet(NamedTuple):
                 f"{where}: expected two or more levels at which the rate is finite and not zero, found {kept.size} of "
                 f"{level.size}"
             )
-        remarks += self.remarks
+        warnings += self.warnings
         if self.rock and soil_factor == 1.0:
-            remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
-        return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, remarks)
+            warnings += ("a_g is that on rock: soil_factor brings it to other ground",)
+        return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """The row of a site, and the distance of its place in words; ConfigError if none can be chosen."""
+        """Return the row of a site, and the distance of its place as text; raise ConfigError if none can be chosen."""
         if self.places is None:
             if site is None:
                 return 0, ()
@@ -86,16 +86,16 @@ class _Sheet(NamedTuple):
 
 
 def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_factor: float = 1.0) -> HazardCurve:
-    """A hazard curve from a CSV file.
+    """Read a hazard curve from a CSV file.
 
     Parameters
     ----------
     path : str or Path
         A table of two columns, the level with its measure and unit ("pga [g]", "pgv [cm/s]", "si [m/s]", "sa(1.0)
         [g]") and "rate" [1/year] or "probability in 50 years"; OpenQuake's hazard curves of one measure; return periods
-        of Italian practice, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, a row for each node
-        with "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with these periods in a line above.
-        With the delimiters ; or tab commas are decimal ones.
+        of Italian practice, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, one row per node with
+        "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with the periods in the line above. With
+        the delimiters ; or tab, commas are decimal commas.
     site : (float, float), optional
         Longitude and latitude [degrees], for a file of several places: the nearest one up to 50 km away.
     soil_factor : float
@@ -104,20 +104,20 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     Returns
     -------
     HazardCurve
-        In SI units, without points at which a probability was 1 or 0.
+        The curve in SI units, without points of probability 1 or 0.
 
     Raises
     ------
     ConfigError
-        For another file, one of several sites without `site`, or of none near it.
+        For a file of another format, a file of several sites without `site`, or no place near the site.
     """
     sheet = _read(path)
-    row, remarks = sheet.at(site)
-    return sheet.curve(row, soil_factor, remarks)
+    row, warnings = sheet.at(site)
+    return sheet.curve(row, soil_factor, warnings)
 
 
 def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike = 1.0) -> SiteHazards:
-    """A hazard for each of many bodies, from a CSV file with the curves of many places.
+    """Read a hazard for each of many bodies from a CSV file with the curves of many places.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Longitude and latitude (m, 2) of one or more bodies; ConfigError for others."""
+    """Return longitude and latitude (m, 2) of one or more bodies; raise ConfigError for invalid ones."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)
@@ -166,14 +166,14 @@ def _checked_sites(sites: ArrayLike) -> np.ndarray:
 
 
 def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
-    """The hazard of a configuration, with its file relative to a folder; ConfigError without one."""
+    """Return the hazard of a configuration, its file relative to `folder`; raise ConfigError if it has none."""
     return _of_factor(settings, folder)(settings.soil_factor)
 
 
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """The hazards of several bodies; sites and soil factors are their own or those of the configuration, never both."""
+    """Return the hazards of several bodies; sites and soil factors come from either the bodies or the configuration."""
     for key, told, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil_factor != 1.0, soil_factor),
@@ -192,7 +192,7 @@ def site_hazards_of(
 
 
 def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Hazard]:
-    """The hazard of a configuration as a function of the soil factor."""
+    """Return the hazard of a configuration as a function of the soil factor."""
     site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
     if settings.k0 is not None and settings.k is not None:
         if site is not None:
@@ -204,8 +204,8 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
             "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
         )
     sheet = _read(folder / settings.file)
-    row, remarks = sheet.at(site)
-    return lambda factor: sheet.curve(row, factor, remarks)
+    row, warnings = sheet.at(site)
+    return lambda factor: sheet.curve(row, factor, warnings)
 
 
 def _read(path: str | Path) -> _Sheet:
@@ -217,7 +217,7 @@ def _read(path: str | Path) -> _Sheet:
         return _openquake(name, lines)
     table = table_of(name, _with_one_heading([line for line in lines if line.strip() and not line.startswith("#")]))
     heads = [str(column).strip() for column in table.columns]
-    places = coordinates(name, table)
+    places = place_coordinates(name, table)
     if places is not None:
         return _grid(name, table, heads, places)
     if heads and heads[0].lower().startswith("tr"):
@@ -231,7 +231,7 @@ def _measure_of(path: str, told: str) -> str:
 
 
 def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
-    """Annual rates from probabilities in a number of years, H = -ln(1 - probability)/years (Poisson); inf for 1."""
+    """Convert probabilities in a number of years to annual rates, -ln(1 - probability)/years (Poisson); inf for 1."""
     if not years > 0.0 or np.any((probability < 0.0) | (probability > 1.0)):
         raise ConfigError(f"{path}: expected probabilities from 0 to 1 in a positive number of years")
     with np.errstate(divide="ignore"):
@@ -247,9 +247,9 @@ def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
         or not (years or re.fullmatch(r"rate(\s*\[1/(a|year|yr)\])?", heads[1].lower()))
     ):
         raise ConfigError(f"{path}: {EXPECTED}; found the columns {', '.join(heads) or 'none'}")
-    second = numbers(path, table, heads[1])
+    second = column_numbers(path, table, heads[1])
     rate = _rates(path, second, float(years[1])) if years else second
-    return _Sheet(path, _measure_of(path, first[1]), first[2].strip(), numbers(path, table, heads[0]), rate)
+    return _Sheet(path, _measure_of(path, first[1]), first[2].strip(), column_numbers(path, table, heads[0]), rate)
 
 
 def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
@@ -257,14 +257,14 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     unit = re.fullmatch(r"ag\s*\[(.+?)\]", heads[named["ag"]].lower()) if "ag" in named else None
     if unit is None:
         raise ConfigError(f'{path}: expected the column "ag [g]" beside the return periods, found {", ".join(heads)}')
-    period, level = numbers(path, table, heads[0]), numbers(path, table, heads[named["ag"]])
+    period, level = column_numbers(path, table, heads[0]), column_numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
     return _Sheet(path, PGA, unit[1].strip(), level, 1.0 / period, rock=True)
 
 
 def _with_one_heading(lines: list[str]) -> str:
-    """The lines, with return periods of the first ("TR = 30") joined to the names of the second."""
+    """Join the return periods of the first line ("TR = 30") to the column names of the second line."""
     above = lines[0] if lines else ""
     if len(lines) < 2 or len(re.findall(r"\bTR\s*=\s*\d+", above, re.IGNORECASE)) < 2:
         return "\n".join(lines)
@@ -290,13 +290,13 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
     period = np.array([float(told[1] or told[2]) for _, told in columns])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    level = np.stack([numbers(path, table, heads[place]) for place, _ in columns], axis=1)
+    level = np.stack([column_numbers(path, table, heads[place]) for place, _ in columns], axis=1)
     unit = units.pop()
     return _Sheet(path, PGA, unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
-    # A spreadsheet may leave a row of commas before the comment.
+    # A spreadsheet may write a row of commas before the comment.
     told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[0-9.eE+-]+)", lines[0]))
     if set(told) != {"investigation_time", "imt"}:
         raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
@@ -308,14 +308,17 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
         raise ConfigError(f"{path}, line 1: expected imt among {', '.join(known)}, found {told['imt']}")
     table = table_of(path, "\n".join(lines[1:]))
     heads = [str(name) for name in table.columns]
-    columns, places = [place for place, name in enumerate(heads) if name.startswith("poe-")], coordinates(path, table)
+    columns, places = (
+        [place for place, name in enumerate(heads) if name.startswith("poe-")],
+        place_coordinates(path, table),
+    )
     if not columns or places is None:
         raise ConfigError(f"{path}, line 2: expected lon, lat and poe-LEVEL columns, found {', '.join(heads)}")
     try:
         level = np.array([float(heads[place].removeprefix("poe-")) for place in columns])
     except ValueError as error:
         raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
-    probability = np.stack([numbers(path, table, heads[place]) for place in columns], axis=1)
+    probability = np.stack([column_numbers(path, table, heads[place]) for place in columns], axis=1)
     return _Sheet(path, measure, unit, level, _rates(path, probability, years), places)
 
 
@@ -323,18 +326,18 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
 FARTHEST = 50.0
 
 
-def coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
-    """Longitude and latitude (n, 2) of each row [degrees]; None without these columns, ConfigError without a row."""
+def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
+    """Longitude and latitude (n, 2) of each row [degrees], None without these columns; ConfigError without rows."""
     columns = {str(name).lower(): str(name) for name in table.columns}
     if not {"lon", "lat"} <= columns.keys():
         return None
     if len(table) == 0:
         raise ConfigError(f"{path}: expected a row for a site, found none")
-    return np.stack([numbers(path, table, columns[name]) for name in ("lon", "lat")], axis=1)
+    return np.stack([column_numbers(path, table, columns[name]) for name in ("lon", "lat")], axis=1)
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Row (m,) of the place (n, 2) nearest to each site (m, 2) [degrees], and distance [m]; ConfigError above 50 km."""
+    """Index (m,) of the place (n, 2) nearest to each site (m, 2) [degrees], and distance [m] (ConfigError > 50 km)."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 
@@ -344,19 +347,19 @@ def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np
     far = int(np.argmax(distance))
     if not distance[far] <= FARTHEST:
         raise ConfigError(
-            f"{path}: the place nearest to the site {named(*sites[far])} is {named(*near[far])}, {distance[far]:,.0f} "
-            f"km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
+            f"{path}: the place nearest to the site {place_in_words(*sites[far])} is {place_in_words(*near[far])}, "
+            f"{distance[far]:,.0f} km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
         )
     return rows, 1e3 * distance
 
 
-def named(longitude: float, latitude: float) -> str:
-    """A place in words."""
+def place_in_words(longitude: float, latitude: float) -> str:
+    """Format a place by longitude and latitude."""
     return f"{longitude:.4g} E {latitude:.4g} N"
 
 
 def _on_sphere(places: np.ndarray) -> np.ndarray:
-    """Places (n, 2) as points (n, 3) of the unit sphere, which has no date line."""
+    """Convert places (n, 2) to points (n, 3) on the unit sphere, which has no jump at the date line."""
     longitude, latitude = np.radians(places).T
     level = np.cos(latitude)
     return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

@@ -1,12 +1,12 @@
 """The integral of fragility over hazard, the annual frequency of a limit state, and its band over earthquakes.
 
 .. note:: With a fragility F(A + B u) over u = ln x and a hazard H, lambda = integral of F(A + B u) (-dH/du) du. It is
-   summed by Gauss-Legendre nodes on short pieces between the bends of the hazard, and in closed form beyond them: far
-   above its median a fragility is 1, and H remains; far below it a logistic one is an exponential.
+   computed by Gauss-Legendre quadrature on short pieces between the changes of slope of the hazard, and in closed form
+   beyond them: far above its median a fragility is 1, and H remains; far below it a logistic one is an exponential.
 
-The band is that of the bootstrap-t over earthquakes, since records of one earthquake are not independent. Each draw has
-a frequency and, by leaving out one of its earthquakes after the other, a standard error; the quantiles of (ln lambda -
-its estimate)/standard error over the draws are those of the estimate itself. The hazard is taken as known. Efron, B.,
+The band is a bootstrap-t over earthquakes, since records of one earthquake are not independent. Each bootstrap sample
+has a frequency and, from leaving out each of its earthquakes in turn, a standard error; the quantiles of (ln lambda -
+its estimate)/standard error over the samples are used for the estimate itself. The hazard counts as exact. Efron, B.,
 Tibshirani, R. (1993), An Introduction to the Bootstrap, chapter 12.
 """
 
@@ -22,28 +22,28 @@ from rockpulse.studies.fragility.curves import standardised
 from rockpulse.studies.fragility.likelihood import Family, Observations, maximise
 from rockpulse.studies.risk.hazard import Hazard
 
-#: Nodes of a piece, and its length over the shortest length on which anything changes.
+#: Number of nodes of a piece, and its length over the shortest scale of fragility and hazard.
 NODES, SHARE = 8, 0.5
-#: Logarithm at which tails are cut off, and standard units beyond which a distribution is 0 or 1 to rounding.
+#: Logarithm at which tails are truncated, and standard units beyond which a distribution is 0 or 1 to rounding.
 TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
-#: Logarithm of an unreachable level: a fragility that counts below its inverse has no frequency.
+#: Logarithm of the largest level; if levels below its inverse contribute, the frequency is undetermined.
 FARTHEST = 300.0
-#: Fewest earthquakes of a band with the right coverage, and of any band.
+#: Smallest number of earthquakes for a band with correct coverage, and for any band.
 LEAST_EVENTS, FEWEST_EVENTS = 14, 4
-#: Arguments of the family's distribution at which the frequencies of the draws are summed.
+#: Arguments of the distribution at which the frequencies of bootstrap samples are summed.
 STEP = 0.1
 CAPACITY = np.arange(-60.0, 40.0, STEP)
 
 
 class Integral(NamedTuple):
-    """A frequency, with the contributions of levels to it."""
+    """A frequency with its contributions by level."""
 
-    frequency: float  #: [1/year]; inf if towards low levels the fragility falls less than the hazard rises
+    frequency: float  #: [1/year]; inf if towards low levels the hazard rises faster than the fragility falls
     log_level: np.ndarray  #: (n,) nodes
-    contribution: np.ndarray  #: (n,) of each to the frequency [1/year]
+    contribution: np.ndarray  #: (n,) contribution of each node to the frequency [1/year]
 
     def between(self, low: float, high: float) -> float:
-        """Share of the frequency from levels between two logarithms [-]."""
+        """Return the share of the frequency from levels between two logarithms [-]."""
         inside = (self.log_level >= low) & (self.log_level <= high)
         return float(np.sum(self.contribution[inside]) / np.sum(self.contribution))
 
@@ -51,13 +51,13 @@ class Integral(NamedTuple):
 def integrate(
     family: Family, line: tuple[float, float], hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
 ) -> Integral:
-    """The fragility of the `line` A, B > 0, zero below exp(floor), summed over a hazard, with nodes at the `breaks`."""
+    """Integrate the fragility of `line` (A, B > 0), zero below exp(floor), over a hazard, split at the `breaks`."""
     a, b = line
     lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
     logistic, middle = family.deviation != 1.0, -a / b
     if logistic and floor == -math.inf and b <= lowest:
         return Integral(math.inf, np.zeros(0), np.zeros(0))
-    # Below the median the integrand falls at least as exp((k - b) t), or exp(k t - (b t)^2/2).
+    # Below the median the integrand decreases at least as exp((k - b) t), or exp(k t - (b t)^2/2).
     below = LOGISTIC_REACH / b if logistic else (lowest + math.sqrt(lowest**2 + 2.0 * TAIL * b**2)) / b**2
     above = (LOGISTIC_REACH if logistic else NORMAL_REACH) / b
     outer = [middle, *hazard.knots[:1], *hazard.knots[-1:], *(cut for cut in breaks if math.isfinite(cut))]
@@ -80,7 +80,7 @@ def integrate(
     def fragility(at: np.ndarray) -> np.ndarray:
         return family.log_cdf(a + b * at)[0]
 
-    # In logarithms: in the tails one of the two is beyond the range of numbers.
+    # In logarithms, as in the tails one of the two factors is outside the range of floats.
     parts = (0.5 * widths * weights).ravel() * np.exp(fragility(u) + hazard.log_density(u))
     tops = np.array([first, last])
     low, high = np.exp(fragility(tops) + np.stack([hazard.log_density(tops)[0], hazard.log_rate(tops)[1]]))
@@ -90,27 +90,27 @@ def integrate(
 
 
 def _decay(rate: float, length: float) -> float:
-    """The integral of exp(-rate t) over t from 0 to a length, infinite for a positive rate only."""
+    """Integral of exp(-rate t) over t from 0 to a length, which may be infinite if the rate is positive."""
     if rate == 0.0:
         return length
     return 1.0 / rate if length == math.inf else -math.expm1(-rate * length) / rate
 
 
 def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
-    """A and B (1 + events, 2) in ln of the level of the fits to all rows, and without each earthquake."""
+    """A and B (1 + events, 2) in ln of the level, fitted to all rows and with each earthquake left out."""
     events = len(rows.events)
     return _lines(rows, family, np.vstack([np.ones(events), 1.0 - np.eye(events)]))
 
 
 def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
-    """A and B (q, 2) in ln of the level of the fits with q weightings (q, events) of the earthquakes; NaN without."""
+    """A and B (q, 2) in ln of the level, fitted with weights (q, events) of the earthquakes; NaN without a fit."""
     u, centre, spread = standardised(np.log(rows.level))
     theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
     return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
 
 
 def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """ln of the frequencies of q fits, integrals of H(exp((z - A)/B)) f(z) dz, to about 1e-4; NaN if none rises."""
+    """ln of the frequencies of q fits, integrals of H(exp((z - A)/B)) f(z) dz, to about 1e-4; NaN for B <= 0."""
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
     density = family.log_density(CAPACITY)[0] + math.log(STEP)
@@ -131,14 +131,14 @@ def band_of(
     seed: int,
     floor: float = -math.inf,
 ) -> Limits:
-    """Limits of the frequency exp(estimate), from :func:`fitted_lines`; draws that have no standard error are lost."""
+    """Limits of the frequency exp(estimate), from :func:`fitted_lines`, without samples that have no standard error."""
     events = len(rows.events)
     error = jackknife_error(_frequencies(family, lines, hazard, floor)[:, np.newaxis])[0]
     counts = draw_earthquakes(events, resamples, seed)
     fewer = np.maximum(counts[:, np.newaxis] - np.eye(events, dtype=int), 0)
     weights = np.concatenate([counts[:, np.newaxis], fewer], axis=1).reshape(-1, events)
     drawn = _frequencies(family, _lines(rows, family, weights), hazard, floor).reshape(resamples, -1)
-    # Earthquakes that are not in a draw do not count.
+    # Earthquakes that are not in a sample do not count.
     moved = np.where(counts > 0, drawn[:, 1:] - drawn[:, :1], 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt((events - 1) / events * np.sum(counts * moved**2, axis=1))

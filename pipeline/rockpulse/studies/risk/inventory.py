@@ -1,8 +1,9 @@
-"""Tables of free bodies, and the annual frequency of any number of them from one set of overturning spectra.
+"""Tables of free bodies, and the annual frequency of overturning of many bodies from one set of overturning spectra.
 
 .. note:: The overturning spectrum S(p, C) of a record gives the probability that any slender free body overturns at any
-   scale factor: P_r(x) at the level x of a measure is that at x over the record's own value. The mean over records,
-   earthquakes alike, is the fragility, without a fit, and the frequency is the mean of those of the records.
+   scale factor: P_r(x) at the level x of a measure is the probability at the scale factor x over the record's value.
+   The mean over records, with equal weight of earthquakes, is the fragility, without a fit; the frequency is the mean
+   of the frequencies of the records.
 """
 
 import math
@@ -17,17 +18,17 @@ from rocking.body.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import lognormal_mean_half_width, mean_weights
 from rockpulse.errors import ConfigError
-from rockpulse.files import numbers, read_text, table_of
+from rockpulse.files import column_numbers, read_text, table_of
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
-from rockpulse.studies.risk.free_bodies import BodyCurves, chosen, curves_in_parts, spectra_of
+from rockpulse.studies.risk.free_bodies import BodyCurves, curves_in_parts, spectra_of, values_at
 from rockpulse.studies.risk.frequency import hazard_conditions, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
 
 #: Required and optional columns of a table.
 NEEDED, OPTIONAL = ("name", "width [m]", "height [m]"), ("restitution", "longitude", "latitude", "soil_factor")
-#: Ranges of coordinates [degrees].
+#: Allowed ranges of coordinates [degrees].
 DEGREES = {"longitude": (-180.0, 360.0), "latitude": (-90.0, 90.0)}
 
 
@@ -42,7 +43,7 @@ class Inventory(NamedTuple):
 
 
 def read_inventory(path: str | Path) -> Inventory:
-    """Free rectangular bodies from a CSV table of the columns NEEDED and OPTIONAL; ConfigError for another table."""
+    """Read free rectangular bodies from a CSV table with the columns NEEDED and OPTIONAL, or raise ConfigError."""
     where = Path(path)
     if not where.exists() or where.is_dir():
         raise ConfigError(f"{path}: expected a table of bodies, found no file")
@@ -53,7 +54,7 @@ def read_inventory(path: str | Path) -> Inventory:
     names = table["name"].tolist()
     if not names or "" in names or len(set(names)) < len(names):
         raise ConfigError(f"{path}: expected a name for each body, no two alike")
-    known = {name: numbers(str(path), table, name) for name in (*NEEDED[1:], *OPTIONAL) if name in table.columns}
+    known = {name: column_numbers(str(path), table, name) for name in (*NEEDED[1:], *OPTIONAL) if name in table.columns}
     for name, values in known.items():
         low, high = DEGREES.get(name, (0.0, np.inf))
         wrong = ~((low <= values) & (values <= high)) if name in DEGREES else values <= low
@@ -75,7 +76,7 @@ def read_inventory(path: str | Path) -> Inventory:
 
 
 def _known(name: str) -> str:
-    """The usual spelling of the name of a column."""
+    """Return the standard spelling of a column name."""
     plain = re.sub(r"\s*\[(deg|degrees|°|-)\]$", "", name.lower()).replace(" ", "_")
     plain = {"lon": "longitude", "lat": "latitude"}.get(plain, plain)
     if plain in OPTIONAL:
@@ -86,7 +87,7 @@ def _known(name: str) -> str:
 def inventory_frequency(
     results: xr.DataTree, block: Block, hazard: Hazard | SiteHazards, years: float = 50.0, confidence: float = 0.9
 ) -> xr.Dataset:
-    """The annual frequency at which each of many free bodies overturns, from the overturning spectra of results.
+    """Compute the annual frequency of overturning of many free bodies, from the overturning spectra of results.
 
     Parameters
     ----------
@@ -95,11 +96,12 @@ def inventory_frequency(
     block : Block
         (m,) slender free-standing bodies.
     hazard : PowerLawHazard, HazardCurve or SiteHazards
-        Of all bodies, or of each (:func:`rockpulse.load_site_hazards`); of "pga" or "pgv" of one component.
+        One hazard for all bodies, or one for each (:func:`rockpulse.load_site_hazards`), of "pga" or "pgv" of one
+        component.
     years : float
-        Time of the probability [years].
+        Exposure time for `probability` and `survival` [years].
     confidence : float
-        Of the band over earthquakes.
+        Confidence level of the band over earthquakes.
 
     Returns
     -------
@@ -107,9 +109,9 @@ def inventory_frequency(
         Over (body): `frequency` [1/year] with `frequency_low` and `frequency_high` (for lognormal frequencies of the
         earthquakes; NaN below four), `probability` and `survival` in `years`, `median` [unit of the measure in SI] at
         which the fragility is 1/2, `dispersion`, the standard deviation of ln(S/measure) over earthquakes and records
-        [-], the shares of the frequency `below` and `above` the levels of the hazard, and `far`, at scale factors
+        [-], the shares of the frequency `below` and `above` the levels of the hazard, and `far`, from scale factors
         beyond ``[fragility] factors``; `hazard_distance` [m] from the site to the place of its hazard. NaN for a body
-        that the spectra do not cover. In PGA levels below g tan(alpha) do not count.
+        that the spectra do not cover. In PGA, levels below g tan(alpha) do not count.
 
     Raises
     ------
@@ -154,7 +156,7 @@ def inventory_frequency(
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_conditions=hazard_conditions(hazard.remarks, config),
+        hazard_conditions=hazard_conditions(hazard.warnings, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,
@@ -174,22 +176,22 @@ def inventory_frequency(
 def _of_bodies(
     curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
-    """The variables of (m,) bodies that the spectra cover; `events` (k, r) are the weights of records in each."""
-    # P is linear in the logarithm between two levels: its rise counts with the mean of H between them.
+    """Variables of (m,) bodies that the spectra cover; `events` (k, r) are the weights of records by event."""
+    # P is linear in ln x between two levels: its increase is multiplied by the mean of H between them.
     whole_above = hazards.integral_above(curves.at)
     slope = np.diff(curves.probability, axis=2) / curves.spacing
     rising = slope * -np.diff(whole_above, axis=2)
-    # The rise of P above each stored level, to 1 beyond the last one.
+    # Increase of P above each stored level, up to 1 beyond the last one.
     last = (1.0 - curves.probability[:, :, -1:]) * np.exp(hazards.log_rate(curves.at[:, :, -1:]))
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
-        """The frequency from levels above some (m or 1, r or 1), at which the body moves: (m, r)."""
+        """Return the frequency (m, r) from levels above a limit (m or 1, r or 1) at which the body moves."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)
-        part = chosen(slope, step) * (hazards.integral_above(inside) - chosen(whole_above, step + 1))
-        found = chance * np.exp(hazards.log_rate(inside)) + part + chosen(tail, step + 1)
+        part = values_at(slope, step) * (hazards.integral_above(inside) - values_at(whole_above, step + 1))
+        found = chance * np.exp(hazards.log_rate(inside)) + part + values_at(tail, step + 1)
         top = np.exp(hazards.log_rate(np.maximum(bound, curves.at[:, :, -1])))
         return np.where(bound > curves.at[:, :, -1], top, found)
 

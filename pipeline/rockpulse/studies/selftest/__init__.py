@@ -1,1 +1,1 @@
-"""Stored cases that an installation is tried on, and the solver that a user would write beside them."""
+"""Stored cases that test an installation, and a conventional solver for comparison."""

@@ -1,8 +1,8 @@
 """The reference method for errors and costs: scipy's ``solve_ivp``, restarted after each impact.
 
-It is as fast as possible: rest is skipped up to the next sample above the threshold, overturning stops the run, tiny
-hops begin with a step of their own length, and the motion after the record is decided by energy. ``max_step=dt``, since
-longer steps would miss the kinks of the record.
+It is tuned for speed: rest is skipped up to the next sample above the threshold, overturning stops the run, tiny hops
+start with a step of their own length, and the motion after the record follows from energy. ``max_step=dt``, as longer
+steps would miss changes of slope in the record.
 """
 
 import math
@@ -16,11 +16,11 @@ MOST_HOPS = 100_000
 
 
 class Baseline(NamedTuple):
-    """The answer of the baseline."""
+    """The result of the baseline."""
 
     peak_rotation_ratio: float  #: theta_max/alpha [-], inf when overturned
     outcome: str  #: AT_REST, ROCKS, OVERTURNS or UNRESOLVED
-    active_samples: int  #: samples with the block neither at rest nor overturned
+    active_samples: int  #: number of samples in which the block moves
 
 
 def response(
@@ -86,7 +86,7 @@ def response(
     t, theta, speed, side, peak, after = 0.0, 0.0, 0.0, 0, 0.0, -1
     for _ in range(MOST_HOPS):
         if side == 0:
-            # Beyond the last one: a rounding error would restart at the same instant for ever.
+            # Beyond the last event: rounding could restart at the same instant endlessly.
             k = int(np.searchsorted(strong, max(math.ceil(t / dt - 1e-9), after + 1)))
             if k == strong.size:
                 return Baseline(peak, "ROCKS" if moving.any() else "AT_REST", int(moving.sum()))
@@ -132,7 +132,7 @@ def response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Peak over alpha on the ground at rest, and whether the block overturns, from x > 0 and u = x'/p by energy."""
+    """Return peak over alpha after the record and whether the block overturns, from x > 0 and u = x'/p by energy."""
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

@@ -1,6 +1,6 @@
-"""The stored cases of `rockpulse selftest`: answers of 24 digits, errors and costs on this machine.
+"""The stored cases of `rockpulse selftest`: results to 24 digits, with errors and run times on this machine.
 
-The ground of a case consists of parabolic half-waves, whose samples are exact in binary; ``cases.csv`` has the answers,
+The ground motion of a case is made of parabolic half-waves with samples exact in binary; ``cases.csv`` has the results,
 computed by ``benchmarks/selftest_cases.py`` in 42 digits, and the largest error of each.
 """
 
@@ -22,16 +22,16 @@ from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 
-__all__ = ["COLUMNS", "TABLE", "Case", "Stored", "Tried", "stored_cases", "tried"]
+__all__ = ["COLUMNS", "TABLE", "AnsweredCase", "Case", "Tried", "stored_cases", "tried"]
 TABLE = Path(__file__).with_name("cases.csv")
-#: Scale factors of a case that are solved in one call to measure its cost.
+#: Number of scale factors of a case that are solved in one call to measure its run time.
 FACTORS = np.linspace(0.9, 1.1, 64)
-#: Most samples of a case that solve_ivp solves too, in 0.15 ms each.
+#: Largest number of samples of a case that is also solved by solve_ivp, at 0.15 ms each.
 FEW_SAMPLES = 200
 
 
 def lobes(peaks: str, samples: int, quiet: int) -> np.ndarray:
-    """Parabolic half-waves with these peaks [m/s2] and a number of samples each, then `quiet` ones of zeros."""
+    """Return parabolic half-waves with these peaks [m/s2] and number of samples, then `quiet` half-waves of zeros."""
     place = np.arange(samples) / samples
     shape = 4.0 * place * (1.0 - place)
     return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])
@@ -39,25 +39,25 @@ def lobes(peaks: str, samples: int, quiet: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Case:
-    """A body on a motion."""
+    """A body under a ground motion."""
 
-    MASS: ClassVar[float] = 1000.0  # of a body with ties [kg]
+    MASS: ClassVar[float] = 1000.0  # mass of a body with ties [kg]
 
     case: str
     kind: str
     equation: Any  # "nonlinear" or "linear"
     width: float  # [m]
     height: float  # [m]
-    restitution: float  # C, or before a wall e [-]
+    restitution: float  # C, or beside a wall e [-]
     dt: float  # [s]
-    samples: int  # of a half-wave; a power of two
+    samples: int  # samples of a half-wave; a power of two
     ground: str  # peaks of the half-waves [m/s2]
-    quiet: int  # half-waves of rest after them
-    vertical: str  # peaks of the vertical motion, as many; empty without
+    quiet: int  # number of half-waves of zeros after them
+    vertical: str  # peaks of the vertical motion, same number; empty for none
     scale: float  # factor on the record [-]
-    wall: int  # 1 for a body before a wall
-    floor: float  # period of the building on whose top it stands [s]; 0 on the ground
-    stiffness: float  # of elastic ties on both sides [N/m]; 0 without
+    wall: int  # 1 for a body beside a wall
+    floor: float  # period of the building whose top carries the body [s]; 0 on the ground
+    stiffness: float  # stiffness of elastic ties on both sides [N/m]; 0 for none
     tie_height: float  # [m]
 
     def motions(self) -> tuple[np.ndarray, np.ndarray]:
@@ -66,15 +66,15 @@ class Case:
         return both[0], both[1] if self.vertical else np.zeros(both[0].size)
 
     def with_scale(self, scale: float) -> Case:
-        """The same with another factor on the record."""
+        """Return the case with another scale factor on the record."""
         return replace(self, scale=scale)
 
     def row(self) -> dict[str, Any]:
-        """The columns of the case in the table."""
+        """Return the columns of the case in the table."""
         return asdict(self)
 
     def block(self) -> Block:
-        """The body."""
+        """The body as a block."""
         size: dict[str, Any] = {"width": self.width, "height": self.height, "log": False}
         if self.wall:
             return Block(**size, one_sided=True, rebound=self.restitution)
@@ -82,8 +82,8 @@ class Case:
         return Block(**size, restitution=self.restitution, ties=ties, mass=self.MASS if ties else None)
 
 
-class Stored(NamedTuple):
-    """A case with its answer."""
+class AnsweredCase(NamedTuple):
+    """A case with its reference result."""
 
     case: Case
     peak: Decimal
@@ -92,30 +92,30 @@ class Stored(NamedTuple):
 
 
 class Tried(NamedTuple):
-    """What this machine answers to a case."""
+    """The result of a case on this machine."""
 
-    stored: Stored
+    stored: AnsweredCase
     outcome: str
-    error: float  #: of theta_max/alpha_c [-]; 0 where both overturn, inf where the verdict is another
-    cost: float  #: of an active sample [ns], many factors in a call; NaN without one
-    error_of_solve_ivp: float  #: NaN where it does not solve the case
+    error: float  #: error of theta_max/alpha_c [-]; 0 if both overturn, inf if the outcomes differ
+    cost: float  #: time per active sample [ns], many factors in one call; NaN without active samples
+    error_of_solve_ivp: float  #: NaN if it does not solve the case
     cost_of_solve_ivp: float
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within its bound."""
+        """Whether the error is within its limit."""
         return self.error <= self.stored.bound
 
 
 COLUMNS = (*(one.name for one in fields(Case)), "peak", "outcome", "bound")
 
 
-def stored_cases(path: Path = TABLE) -> list[Stored]:
-    """The stored cases, in their order."""
+def stored_cases(path: Path = TABLE) -> list[AnsweredCase]:
+    """Read the stored cases in the order of the file."""
     kinds = {one.name: {"float": float, "int": int}.get(str(one.type), str) for one in fields(Case)}
     with path.open(encoding="utf-8", newline="") as file:
         return [
-            Stored(
+            AnsweredCase(
                 Case(**{name: kind(row[name]) for name, kind in kinds.items()}),
                 Decimal(row["peak"]),
                 row["outcome"],
@@ -125,8 +125,8 @@ def stored_cases(path: Path = TABLE) -> list[Stored]:
         ]
 
 
-def tried(stored: Stored) -> Tried:
-    """A case solved here, by one thread."""
+def tried(stored: AnsweredCase) -> Tried:
+    """Solve a case on this machine with one thread."""
     case, block = stored.case, stored.case.block()
     ground, up = case.motions()
     dt = case.dt
@@ -150,12 +150,12 @@ def tried(stored: Stored) -> Tried:
 
 
 def _cost(start: float, active: int) -> float:
-    """Time since a start for each active sample [ns]; NaN without one."""
+    """Time since `start` per active sample [ns]; NaN without active samples."""
     return 1e9 * (time.perf_counter() - start) / active if active else np.nan
 
 
-def _error(stored: Stored, outcome: str, peak: float) -> float:
-    """abs(peak - stored) to the digits of a float; the stored answer has more."""
+def _error(stored: AnsweredCase, outcome: str, peak: float) -> float:
+    """Return abs(peak - stored) at the precision of a float; the stored result has more digits."""
     if outcome != stored.outcome:
         return np.inf
     return float(abs(Decimal(peak) - stored.peak)) if stored.peak.is_finite() else 0.0

@@ -1,1 +1,1 @@
-"""The design sequence of a site, from the sequences of its records."""
+"""The design spectrum or design sequence of a site, from its records."""

@@ -1,4 +1,4 @@
-"""The design of a site from its records, with uncertainties."""
+"""Calibration of the design of a site on its records, with uncertainties."""
 
 import math
 import os
@@ -14,18 +14,18 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
-from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, told
+from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, reasons_in_words
 from rockpulse.record.record import Record
 from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, joined, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.studies.site.records import block_family, no_site_record, site_record
 from rockpulse.studies.site.sequence_design import sequence_design
+from rockpulse.studies.site.site_records import block_family, no_site_record, site_record
 from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
 
 
@@ -38,8 +38,8 @@ def calibrate(
 ) -> xr.DataTree:
     """Calibrate the design of a site on a set of records.
 
-    By default it is a quantile over earthquakes of the overturning spectra of the records, with a sequence for every
-    body; by ``[calibration] method`` one sequence for all bodies, from the statistics of the half-waves.
+    By default the design is a quantile over earthquakes of the overturning spectra of the records, with a sequence for
+    every body; ``[calibration] method`` can select one sequence for all bodies, from the statistics of the half-waves.
 
     Parameters
     ----------
@@ -48,8 +48,8 @@ def calibrate(
     config : Config or path, optional
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
-        one sequence covers a family of 100 (:func:`rockpulse.studies.site.records.block_family`).
+        The bodies of the design, instead of those of the configuration. Without bodies only the spectrum is stored, and
+        a single sequence is designed for 100 bodies (:func:`rockpulse.studies.site.site_records.block_family`).
     failures, progress
         As for :func:`rockpulse.assess`.
 
@@ -57,15 +57,15 @@ def calibrate(
     -------
     xarray.DataTree
         /site, /failures and by the spectrum /spectra, see docs/schema.md. Numbers that few records or events do not
-        determine are NaN, inf or a wide interval, with the reason in `remarks`.
+        determine are NaN, inf or a wide interval, with the reason in `site_warnings`.
 
     Raises
     ------
     ConfigError
-        For two records of one id, or tables of events or weights that do not fit.
+        For two records with the same id, or tables of events or weights that do not match the records.
     RecordRefused
         If no record could be calibrated, or the records make no design sequence: nothing rocks, or one record has no
-        quantile. Too few earthquakes for a quantile of the spectrum are a line of `remarks`.
+        quantile. Too few earthquakes for a quantile of the spectrum are a line of `site_warnings`.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def calibrate(
 
 
 class NothingCalibrated(RecordRefused):
-    """No record could be calibrated; ``failures`` are the rows of all."""
+    """Error: no record could be calibrated; ``failures`` has a row for each record."""
 
     def __init__(self, message: str, failures: Sequence[Failure]) -> None:
         super().__init__(message)
@@ -92,7 +92,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """The overturning spectrum or the sequence of every motion, and the design of a site from all."""
+    """Computes the overturning spectrum or the sequence of every record, and the design of the site from all."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -106,25 +106,25 @@ class SiteCalibration(Analysis):
 
     @property
     def work(self) -> Work:
-        """Computes the spectrum or the sequence of a motion."""
+        """Return the function that computes the spectrum or the sequence of one record."""
         if self.lanes is None or self.by_spectrum:
             return partial(site_spectrum_record, config=self.config)
         return partial(site_record, blocks=self.lanes, config=self.config)
 
     @property
     def by_spectrum(self) -> bool:
-        """Whether the site has overturning spectra, in place of sequences."""
+        """Whether the site has overturning spectra instead of sequences."""
         return self.config.calibration.method == "spectrum"
 
     @cached_property
     def nothing(self) -> Part:
-        """Every array of a motion's spectrum or sequence, without a row."""
+        """Empty arrays of spectra or sequences, for a record without results."""
         if self.lanes is None or self.by_spectrum:
             return no_spectrum_record()
         return no_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
-        """Names and lanes of the bodies; a family of 100 for a sequence without bodies."""
+        """Return names and lanes of the bodies, or 100 standard bodies for a sequence without bodies."""
         if not blocks and self.by_spectrum:
             return [], None
         if not blocks:
@@ -143,7 +143,7 @@ class SiteCalibration(Analysis):
         return names, lanes
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plans the motions; refuses a record without a weight at once if its id is known."""
+        """Plan the records; raise an error for a record without a weight as soon as its id is known."""
         plan = super().plan(records, failures)
         known = [name for one in plan.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
@@ -151,22 +151,22 @@ class SiteCalibration(Analysis):
         return plan
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Describes the distribution over the records, and chooses the design."""
+        """Compute the distribution over the records and the design."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
-            reasons = "".join(f"\n  {told(group)}" for group in alike(rows))
+            reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
             what = f"not one record could be calibrated, so there is no site to describe{reasons}"
             raise NothingCalibrated(what, failures)
         done = joined(parts)
         ids, events = done["record"].tolist(), done["event"].tolist()
         weights = record_weights(ids, events, self.config.calibration.weighting, self.weights)
         rows = sorted(failures, key=lambda row: row.stage == "events")
-        remarks = [row.reason for row in rows if row.stage == "events"]
+        warnings = [row.reason for row in rows if row.stage == "events"]
         if self.lanes is None or self.by_spectrum:
-            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, warnings)
             title = "Overturning spectrum of a site"
         else:
-            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, warnings)
             title = "Design sequence of impulses of a site"
         settings = self.config.calibration
         nodes["/site"].attrs |= {
@@ -178,7 +178,7 @@ class SiteCalibration(Analysis):
 
 
 def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
-    """The design of a site file of ``rockpulse calibrate``: a design spectrum, or one sequence for all bodies.
+    """Read the design from a site file of ``rockpulse calibrate``: a design spectrum, or one sequence for all bodies.
 
     Parameters
     ----------
@@ -192,24 +192,24 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     Raises
     ------
     ResultsError
-        For another file, or one of too few earthquakes for a design.
+        For a file of another kind, or one with too few earthquakes for a design.
     OSError
         If the file cannot be opened.
     """
     tree = load(path)
     kind = tree.attrs.get("kind", ASSESSMENT)
     if kind != SITE_KIND:
-        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
+        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {kind_in_words(kind)}")
     return design_of(tree, str(path))
 
 
 def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
-    """The design of a site in memory, as by :func:`load_design`; `name` is that of the site in messages."""
+    """Return the design of a site in memory as :func:`load_design` does; `name` is the site's name in messages."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()
         if np.isnan(spectra["spectrum_design"].values).any():
-            raise ResultsError(f"{name}: no design: {str(site['remarks'].item()).splitlines()[0]}")
+            raise ResultsError(f"{name}: no design: {str(site['site_warnings'].item()).splitlines()[0]}")
         return DesignSpectrum(
             spectra["p"].values,
             spectra["restitution"].values,

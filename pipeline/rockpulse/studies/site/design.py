@@ -1,12 +1,12 @@
-"""The design sequence of a site: one sequence out of the distribution of its records' sequences.
+"""The design sequence of a site, chosen from the distribution of its records' sequences.
 
-.. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. Its parameters do not
-   order sequences by their effect (Casapulla & Maione 2017, section 4), but the rotations do. Hence the
-   design has the shape of the medians, and the smallest I at which the sequence covers the quantile of the recorded
-   rotations of the blocks that it leaves standing; the coverage of records left out judges it.
+.. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. Sequences cannot be ranked
+   by their parameters (Casapulla & Maione 2017, section 4), but by the rotations that they cause. Hence the design has
+   the median shape, and the smallest I at which the sequence covers the quantile of the recorded rotations of the
+   blocks that it does not overturn; it is tested by its coverage of records left out.
 
-   Blocks that the design overturns do not count: they are covered by any record, so that the quantile would not hold
-   for the blocks that the design calls safe (docs/decisions/011).
+   Blocks that the design overturns do not count: it covers any record on them, so that the quantile would not hold for
+   the blocks that are safe under the design (docs/decisions/011).
 """
 
 import math
@@ -22,39 +22,39 @@ from rockpulse.errors import RecordRefused
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
-#: Mark of a recorded rotation on a block that the sequence overturns, beside 1 covered and 0 not.
+#: Code of a recorded rotation of a block that the sequence overturns, besides 1 (covered) and 0 (not covered).
 BEYOND = 2.0
-#: Main impulses tried at once, from the weakest to one that overturns every block by itself, and rounds of refinement.
+#: Number of main impulses in a grid, from the weakest to one that overturns every block, and rounds of refinement.
 GRID, REFINED, ROUNDS = 256, 17, 3
-#: The weakest main impulse tried, over the smallest I_1c of the blocks: peaks of about 1e-8 alpha_c.
+#: Weakest main impulse of the grid, over the smallest I_1c of the blocks; it gives peaks of about 1e-8 alpha_c.
 WEAKEST = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class SiteSample:
-    """Sequences of n records (NaN: none) and peaks of m blocks to cover [-]: inf if overturned, NaN if never lifted."""
+    """Sequences of n records (NaN if none) and peaks of m blocks to cover [-]: inf if overturned, NaN if at rest."""
 
     values: np.ndarray  # (n, 5) in the order and unit of PARAMETERS
     peaks: np.ndarray  # (n, m)
     weights: np.ndarray  # (n,) not negative, not all zero
-    events: np.ndarray  # (n,) number of each record's event
+    events: np.ndarray  # (n,) index of each record's event
     blocks: Block  # (m,)
-    spacing: str  # of the secondary impulses of all sequences
+    spacing: str  # spacing of the secondary impulses of all sequences
 
     @property
     def logarithms(self) -> np.ndarray:
-        """(n, 5) logarithms of the values; NaN for none and for a secondary impulse of zero."""
+        """Logarithms of the values (n, 5); NaN for a missing sequence or a secondary impulse of zero."""
         with np.errstate(divide="ignore"):
             logarithms = np.log(self.values)
         return np.where(np.isfinite(logarithms), logarithms, np.nan)
 
     @property
     def counted(self) -> np.ndarray:
-        """(n, m) whether a pair of record and block counts."""
+        """Mask (n, m) of the pairs of record and block that count."""
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> "SiteSample":
-        """The sample of the records `kept` (n,) bool."""
+        """Return the sample of the records marked in `kept` (n,)."""
         return replace(
             self,
             values=self.values[kept],
@@ -65,7 +65,7 @@ class SiteSample:
 
 
 def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
-    """The design sequence that covers a share `quantile` of a sample [-]; RecordRefused if no record lifts a block."""
+    """Design sequence that covers a share `quantile` of a sample [-]; RecordRefused if no record lifts a block."""
     shape = _sequence(_medians(sample), sample)
     if not np.any(sample.counted):
         raise RecordRefused(
@@ -77,7 +77,7 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
         reached = _reached(sample, shape, mains)
         hits, total = _event_sums(sample, reached, ~np.isinf(reached))
         short = np.flatnonzero(_falls_short(hits.sum(axis=0), total.sum(axis=0), quantile))
-        # The response is not monotonic in I: the largest main impulse that falls short counts.
+        # The response is not monotonic in I: the largest main impulse that does not cover the quantile counts.
         if short.size == 0:
             high = float(mains[0])
             break
@@ -91,7 +91,7 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
 
 
 def _medians(sample: SiteSample) -> np.ndarray:
-    """(5,) Lognormal medians; for the whole number of main impulses the weighted median."""
+    """Lognormal medians (5,), and the weighted median for the number of main impulses."""
     once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
     medians = np.exp(log_moments(sample.logarithms, sample.weights, sample.events, once)[0][0])
     medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
@@ -113,29 +113,29 @@ def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
 
 
 def _range(sample: SiteSample) -> tuple[float, float]:
-    """Main impulses from the weakest that is tried to one that overturns every block in its first half-cycle.
+    """Return the range of main impulses, from the weakest of the grid to one that overturns every block at once.
 
-    Secondary impulses reduce its speed by at most half, unless they act at the same instant ("start").
+    Secondary impulses reduce its speed by at most half, unless they act at the same instant (spacing "start").
     """
     critical = np.atleast_1d(sample.blocks.critical_impulse)
     return WEAKEST * float(critical.min()), 4.0 * float(critical.max())
 
 
-def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Whether a sequence reaches the rotations (n, m): 1, 0, :data:`BEYOND` if it overturns, NaN if not counted."""
+def covered_rotations(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
+    """Whether a sequence covers the rotations (n, m): 1, 0, :data:`BEYOND` if it overturns, NaN if not counted."""
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
     return np.where(np.isnan(sample.peaks), np.nan, marks)
 
 
 def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> np.ndarray:
-    """(q, m) Peaks of the blocks under sequences of one shape."""
+    """Peaks (q, m) of the blocks under sequences of one shape."""
     sequences = shape.scaled(mains / shape.main)
     return np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weight covered and weight counted of every event (g, q) under q sequences, on the blocks `stands` (q, m)."""
+    """Covered and total weight of every event (g, q) under q sequences, over the blocks marked in `stands` (q, m)."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
@@ -147,7 +147,7 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
 
 
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
-    """Whether the share covered is below the quantile; never without a standing block."""
+    """Whether the covered share is below the quantile; False if every block overturns."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
 
 
@@ -167,12 +167,12 @@ def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: f
 def main_impulse_interval(
     sample: SiteSample, sequence: ImpulseSequence, quantile: float, draws: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Event-clustered bootstrap interval [m/s] of the main impulse of the design of a sample, its shape kept.
+    """Event-clustered bootstrap interval [m/s] of the main impulse of a design whose shape is fixed.
 
-    `draws` (b, g) are resamples of events. NaN with a single event; the upper end is inf if more resamples than the
-    interval leaves out overturn every block. NaN and inf if the design does, or if most resamples stop at the
-    overturning of one block, since their spread is that of the block. No end is closer to the design than a step of the
-    grid, about 2 %.
+    `draws` (b, g) are resamples of events. NaN with a single event; the upper end is inf if the share of resamples that
+    overturn every block exceeds the tail of the interval. NaN and inf if the design overturns every block, or if one
+    block's overturning limits most resamples, since their spread then describes that block. Each end differs from the
+    design by at least a step of the grid, about 2 %.
     """
     middle = math.log(sequence.main)
     mains = np.geomspace(*_range(sample), GRID * 2)
@@ -185,12 +185,12 @@ def main_impulse_interval(
     counted = draws @ total
     short = _falls_short(draws @ hits, counted, quantile)
     step = np.where(short.any(axis=1), mains.size - np.argmax(short[:, ::-1], axis=1), 0)
-    # Short of the quantile one step below, but not on the blocks that stand at the next too: an overturning.
+    # Below the quantile one step lower, but not on the blocks that also survive this step: overturning sets the limit.
     kept_hits, kept = _event_sums(sample, reached[:-1], stands[:-1] & stands[1:])
     enough = ~_falls_short(draws @ kept_hits, draws @ kept, quantile)
     limited = (step > 0) & (step <= last) & enough[rows, np.clip(step - 1, 0, last - 1)]
     most = np.bincount(step[limited], minlength=1).max() / rows.size
-    if most > 0.5 or not np.any(covered(sample, sequence)[sample.counted] != BEYOND):
+    if most > 0.5 or not np.any(covered_rotations(sample, sequence)[sample.counted] != BEYOND):
         return math.nan, math.inf
     bounded = (step <= last) & (counted[rows, np.minimum(step, last)] > 0.0)
     resampled = np.where(bounded, np.log(mains)[np.minimum(step, last)], math.inf)

@@ -1,4 +1,4 @@
-"""The design of a site by sequences: distributions, the design sequence, and its coverage of records left out."""
+"""Design of a site by sequences: distributions, the design sequence, and its coverage of records left out."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,6 @@ from rocking.impulses.sequence import sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
 from rockpulse.errors import RecordRefused
-from rockpulse.remark import as_stored
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.site import COORDINATES, PARAMETER, VARIABLES
 from rockpulse.studies.site.design import (
@@ -21,27 +20,28 @@ from rockpulse.studies.site.design import (
     PARAMETERS,
     SiteSample,
     correlation,
-    covered,
+    covered_rotations,
     design_sequence,
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.records import parameters_of, rotation_to_cover
-from rockpulse.studies.site.remarks import site_remarks
+from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
+from rockpulse.studies.site.site_warnings import site_warnings
+from rockpulse.warning_text import as_stored
 
 #: Value of a pair that does not count.
 NOT_COUNTED = -1
 
 
 class Coverage(NamedTuple):
-    """Coverage by designs that were fitted without the earthquake they are judged on; NaN without a design."""
+    """Coverage of each earthquake by a design fitted without it; NaN without a design."""
 
-    covered: np.ndarray  # (n, m) values of :func:`rockpulse.studies.site.design.covered`
+    covered: np.ndarray  # (n, m) codes of :func:`rockpulse.studies.site.design.covered_rotations`
     main: np.ndarray  # (n,) main impulse of that design [m/s]
 
 
 def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
-    """Judges the design of all earthquakes but one on the records of that one."""
+    """Test the design fitted to all earthquakes except one on the records of that one."""
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
         out = sample.events == event
@@ -50,15 +50,15 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
             continue
         try:
             sequence = design_sequence(sample.part(others), quantile)
-        except RecordRefused:  # the others make no design
+        except RecordRefused:  # the other earthquakes give no design
             continue
-        marks[out] = covered(sample.part(out), sequence)
+        marks[out] = covered_rotations(sample.part(out), sequence)
         mains[out] = sequence.main
     return Coverage(marks, mains)
 
 
 def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Pairs (n, m) of record and block in :func:`coverage_of`."""
+    """Mask (n, m) of the pairs of record and block that count in :func:`coverage_of`."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -68,7 +68,7 @@ def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.n
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Weighted share of covered pairs (of blocks left `standing`), with its event-clustered interval; NaN for none."""
+    """Weighted share of covered pairs (of surviving blocks if `standing`), with its event-clustered interval."""
     counted = judged(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
@@ -77,7 +77,7 @@ def coverage_of(
 
 
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Events without a judgement of standing blocks, and the code of the reason."""
+    """Return the events that could not be tested on surviving blocks, with the code of the reason."""
     rests, lifts, counted = judged(found.covered, sample).any(axis=1), ~np.isnan(sample.peaks), sample.weights > 0.0
     reasons = {}
     for event in np.unique(sample.events[counted & ~np.isin(sample.events, sample.events[rests])]).tolist():
@@ -97,9 +97,9 @@ def sequence_design(
     block_names: Sequence[str],
     blocks: Block,
     config: Config,
-    remarks: Sequence[str],
+    warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Fits, designs, judges: nodes of a site file by path, weights of mean one; RecordRefused without a design."""
+    """Compute distributions, design and coverage: nodes of a site file by path; RecordRefused without a design."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     peaks = done["peaks"]
@@ -111,14 +111,14 @@ def sequence_design(
         blocks=blocks,
         spacing=config.sequence.spacing,
     )
-    # Records of no weight are in the file, but not in the statistics.
+    # Records of zero weight are in the file, but not in the statistics.
     fitted = sample.part(weights > 0.0)
     draws = draw_earthquakes(int(fitted.events.max()) + 1, settings.bootstrap, [config.run.seed, *b"site"])
     design = design_sequence(fitted, settings.quantile)
     left_out = leave_one_event_out(sample, settings.quantile)
     marks = left_out.covered
     coverage = coverage_of(marks, sample, settings.confidence)
-    in_sample = covered(fitted, design)
+    in_sample = covered_rotations(fitted, design)
     per_parameter = _per_parameter(fitted, design, draws, config)
     counted, rests = ~np.isnan(fitted.peaks), judged(marks, sample)
     fallen, below = overturning_limit(fitted, design, settings.quantile)
@@ -143,8 +143,8 @@ def sequence_design(
     }
     unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    remarks = [*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)]
-    site |= {"remarks": "\n".join(remarks), "remark_values": as_stored(remarks)}
+    warnings = [*warnings, *site_warnings(told, done["scale_factor"], done["event"], weights, unjudged)]
+    site |= {"site_warnings": "\n".join(warnings), "site_warning_values": as_stored(warnings)}
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
     columns = {**done, "weight": weights, "left_out_main": left_out.main}
     of_records = [name for name, one in VARIABLES.items() if one.dims in (("record",), ("record", "parameter"))]

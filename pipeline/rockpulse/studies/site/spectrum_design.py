@@ -1,8 +1,8 @@
-"""The design of a site by the overturning spectra of its records: quantiles over earthquakes, sequences of bodies.
+"""Design of a site by the overturning spectra of its records: quantiles over earthquakes, and sequences of bodies.
 
 .. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
-   intervals resample earthquakes. With fewer than 1/(1 - quantile) of them it is the largest one, of which no interval
-   is known.
+   intervals come from resampling earthquakes. With fewer than 1/(1 - quantile) earthquakes it is the largest S, without
+   an interval.
 """
 
 import math
@@ -22,22 +22,22 @@ from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, Quantiles, draw_earthquakes, record_quantiles
 from rockpulse.errors import RecordRefused
 from rockpulse.record.half_wave import half_waves
-from rockpulse.remark import Remark, as_stored
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
-from rockpulse.studies.site.remarks import FEWEST_EVENTS, scaled_far
+from rockpulse.studies.site.site_records import facts_of_record, no_facts, scaled_motion
+from rockpulse.studies.site.site_warnings import FEWEST_EVENTS, scaled_far
+from rockpulse.warning_text import WarningText, as_stored
 
-#: Quantiles of every file beside that of the design, by name.
+#: Quantiles in every file besides the design quantile, by name.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Overturning spectrum of a scaled motion: arrays (1, ...) by names of the file; RecordRefused if it is zero."""
+    """Overturning spectrum of a scaled record, as arrays (1, ...) by names in the file; RecordRefused if it is zero."""
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
         if record.pga == 0.0:
@@ -55,7 +55,7 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
 
 
 def no_spectrum_record() -> Part:
-    """Every array of :func:`site_spectrum_record`, and "event", without a row."""
+    """Return every array of :func:`site_spectrum_record`, and "event", with zero rows."""
     return {
         **no_facts(),
         "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
@@ -64,7 +64,7 @@ def no_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Fewest earthquakes for a quantile of a site: one lies beyond it, and at least five."""
+    """Smallest number of earthquakes for a quantile of a site: at least five, and one beyond the quantile."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
@@ -74,9 +74,9 @@ def spectrum_design(
     block_names: Sequence[str],
     blocks: Block | None,
     config: Config,
-    remarks: Sequence[str],
+    warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """The spectra of all records, their quantiles, the design of every body: nodes of a file; weights of mean one."""
+    """Compute the spectra of all records, their quantiles and the design of every body as nodes of a site file."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     counted = weights > 0.0
@@ -92,8 +92,8 @@ def spectrum_design(
         own = {name: values[counted] for name, values in spectra.items()}
         spectra |= _interval_tables(quantiles, own, settings.quantile)
     else:
-        few = Remark("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
-        remarks = [few, *remarks]
+        few = WarningText("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
+        warnings = [few, *warnings]
         sizes = {"p": RATES.size, "restitution": RESTITUTIONS.size}
         others = {name: one.dims for name, one in SPECTRA.items() if name not in spectra}
         spectra |= {name: np.full([sizes[dim] for dim in dims], math.nan) for name, dims in others.items()}
@@ -101,18 +101,18 @@ def spectrum_design(
     effects = zip(block_names, of_bodies["effective_impulse"].tolist(), strict=True)
     outside = [str(name) for name, effect in effects if enough and math.isnan(effect)]
     if outside:
-        remarks = [*remarks, Remark("outside_spectrum", names=", ".join(outside))]
+        warnings = [*warnings, WarningText("outside_spectrum", names=", ".join(outside))]
     if config.records.include_vertical:
-        remarks = [*remarks, Remark("vertical_left_out")]
-    remarks = [*remarks, *scaled_far(done["scale_factor"])]
+        warnings = [*warnings, WarningText("vertical_left_out")]
+    warnings = [*warnings, *scaled_far(done["scale_factor"])]
     site = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,
         "resamples": settings.bootstrap,
         "record_count": np.count_nonzero(counted),
         "event_count": count,
-        "remarks": "\n".join(remarks),
-        "remark_values": as_stored(remarks),
+        "site_warnings": "\n".join(warnings),
+        "site_warning_values": as_stored(warnings),
         **{name: done[name] for name in OF_RECORDS if name != "weight"},
         "weight": weights,
         "event_records": np.bincount(numbers),
@@ -129,7 +129,7 @@ def spectrum_design(
 def _interval_tables(
     quantiles: Callable[..., list[Quantiles]], of_records: Mapping[str, np.ndarray], quantile: float
 ) -> dict[str, np.ndarray]:
-    """The quantiles of /spectra with their intervals, by name."""
+    """Return the quantiles of /spectra with their intervals, by name."""
     levels = {**STATED, "spectrum_design": quantile}
     of_levels = quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
     found = dict(zip(levels, of_levels, strict=True))
@@ -142,7 +142,7 @@ def _interval_tables(
 
 
 def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
-    """The design of each body (m,) and its interval; NaN outside the spectrum or without weights."""
+    """Return the design of each body (m,) and its interval; NaN outside the spectrum or without weights."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}

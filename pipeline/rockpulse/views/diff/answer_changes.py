@@ -9,9 +9,9 @@ import xarray as xr
 
 from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
-from rockpulse.views.shared.columns import margin_cells
 from rockpulse.views.shared.formatting import ratio
 from rockpulse.views.shared.notes import factor_heading
+from rockpulse.views.shared.shown_columns import margin_cells
 
 #: Variables that the margin of a body is told by.
 MARGIN = (

@@ -41,14 +41,14 @@ class Matched:
 
 @dataclass
 class RowMatcher:
-    """The rows of one group of two files; fills ``only`` and ``remarks``, and from /summary ``named``, by dimension."""
+    """The rows of one group of two files; fills ``only``, ``warnings`` and, from /summary, ``named`` by dimension."""
 
     group: str
     one: xr.Dataset
     other: xr.Dataset
     named: dict[str, Matched]
     only: list[OnlyIn]
-    remarks: list[str]
+    warnings: list[str]
     _matched: dict[str, Matched | None] = field(default_factory=dict)
 
     def of(self, dim: str) -> Matched | None:
@@ -67,7 +67,7 @@ class RowMatcher:
             return self._by_pointers(dim)
         size = self.one.sizes[dim]
         if size != self.other.sizes[dim]:
-            self.remarks.append(
+            self.warnings.append(
                 f"/{self.group}: {size} along {dim}, then {self.other.sizes[dim]}: what lies along it was not compared"
             )
             return None
@@ -93,7 +93,7 @@ class RowMatcher:
         old, new = self.one[sizes].values, self.other[sizes].values
         alike = old[owner.first] == new[owner.second]
         if not alike.all():
-            self.remarks.append(
+            self.warnings.append(
                 f"/{self.group}: {int((~alike).sum())} of {alike.size} have another number along {dim}, which was not "
                 f"compared (the first is {', '.join(owner.names(int(np.flatnonzero(~alike)[0])))})"
             )
@@ -133,7 +133,7 @@ class RowMatcher:
             *keys, *(np.all([column >= 0 for column in side], axis=0) for side in columns)
         )
         if apart:
-            self.remarks.append(
+            self.warnings.append(
                 f"/{self.group}: {apart} combinations of record, block and model have another number of rows, "
                 "which were not compared"
             )

@@ -9,7 +9,7 @@ from .ground_motion import motion_of_record as motion_of_record
 from .ground_motion import stored_motion as stored_motion
 from .impulse_sequences import limit_accelerogram as limit_accelerogram
 from .kinds import KINDS as KINDS
-from .model_histories import History as History
+from .model_histories import ModelHistory as ModelHistory
 from .model_histories import histories as histories
 from .objects import block_outlines as block_outlines
 from .objects import bodies as bodies
@@ -19,7 +19,7 @@ from .objects import two_half_cycles as two_half_cycles
 from .picture import picture_bytes as picture_bytes
 from .picture import svg as svg
 from .probability_map import probability_map as probability_map
-from .rotation import rotation_history as rotation_history
+from .rotation_panels import rotation_history as rotation_history
 from .selection import block_of as block_of
 from .selection import sequence_of as sequence_of
 from .site import calibration as calibration

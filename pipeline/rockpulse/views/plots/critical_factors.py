@@ -16,7 +16,7 @@ from rockpulse.views.plots.selection import chosen_case, named_body, one_name, s
 from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.notes import factor_name
-from rockpulse.views.shared.words import listed, named, numerals, say
+from rockpulse.views.shared.words import listed, numerals, say, translated
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
@@ -237,7 +237,7 @@ def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], le
     values = answers["safety_factor"].values
     unknown = int(np.count_nonzero(np.isnan(values)))
     words = [say("plot.scale.smallest", count=rows, total=every)] if rows < every else []
-    words.append(say("plot.scale.order", model=named(f"models.{leading}", leading)))
+    words.append(say("plot.scale.order", model=translated(f"models.{leading}", leading)))
     words += [say("plot.scale.none", factor=six_digits(end))] if np.isinf(values).any() else []
     words += style.notes(
         hollow_outside=bool((answers["applicable"].values == 0).any()),

@@ -19,7 +19,7 @@ from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.option import hint
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
@@ -31,11 +31,11 @@ from rockpulse.views.plots.kinds import KINDS, OPTIONS
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
 from rockpulse.views.plots.probability_map import probability_map
-from rockpulse.views.plots.rotation import rotation_history
+from rockpulse.views.plots.rotation_panels import rotation_history
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
-from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.formatting import six_digits
+from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.words import say
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
@@ -188,7 +188,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     found = str(tree.attrs.get("kind", ASSESSMENT))
     if found != row.file or (row.group and row.group not in tree.children):
         without = f" without the group {row.group}" if found == row.file else ""
-        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {named(found)} file{without}")
+        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)} file{without}")
     given = {name: value for name, value in options.items() if value is not None}
     for name in given:
         if name not in row.options:
@@ -278,7 +278,7 @@ def _first(tree: xr.DataTree) -> str:
     for kind in FIRST.get(found, ()):
         if not KINDS[kind].group or KINDS[kind].group in tree.children:
             return kind
-    raise ResultsError(f"plot: of {named(found)} there is no picture")
+    raise ResultsError(f"plot: of {kind_in_words(found)} there is no picture")
 
 
 #: Functions of an object, by its type.

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from rockpulse.assessment.demand import stored_demands
+from rockpulse.assessment.site_demands import stored_demands
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import SearchSettings
 from rockpulse.views.plots.selection import named_body, settings_of

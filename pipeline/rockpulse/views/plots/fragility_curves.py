@@ -13,7 +13,7 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.plots.style import GREY, Look, Panels
 from rockpulse.views.shared.formatting import six_digits
-from rockpulse.views.shared.words import in_numerals, named, numerals, say
+from rockpulse.views.shared.words import in_numerals, numerals, say, translated
 from rockpulse.views.text.fragility import shown_measure, statement
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
@@ -23,8 +23,8 @@ _POINTS = 3
 #: A band that is wider than this [-] at most of the levels says nothing; a curve that lies by more than this [-] above
 #: that of a milder limit state is told of.
 _WIDE, _ABOVE = 0.8, 0.01
-#: Points of a curve between two levels of the file, and remarks that are given one by one.
-_BETWEEN, _REMARKS = 8, 4
+#: Points of a curve between two levels of the file, and warnings that are given one by one.
+_BETWEEN, _WARNINGS = 8, 4
 
 
 def fragility(
@@ -112,8 +112,8 @@ def fragility_panels(
 
 
 def _measure_words(own: xr.Dataset) -> str:
-    words = named(f"measures.{own['measure'].item()}", str(own["measure_long_name"].item()))
-    return style.readable(in_numerals(words))
+    words = translated(f"measures.{own['measure'].item()}", str(own["measure_long_name"].item()))
+    return style.readable_name(in_numerals(words))
 
 
 def _panel(
@@ -123,12 +123,12 @@ def _panel(
     level, measure = own["level"].values, str(own["measure"].item())
     shown = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
-    remarks: dict[str, list[str]] = {}
+    warnings: dict[str, list[str]] = {}
     for state, appearance in zip(states, style.looks([_named(state) for state in states]), strict=True):
         one, line = own.sel(limit_state=state), {"color": appearance.color, "ls": appearance.line}
         words = appearance.label
         if said := statement(one):
-            remarks.setdefault(said, []).append(words)
+            warnings.setdefault(said, []).append(words)
         if not bool(one["probability"].notnull().any()):
             ax.plot([], [], label=say("plot.fragility.no_curve", state=words) if alone else words, **line)
             continue
@@ -147,7 +147,7 @@ def _panel(
     first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
         ax.set_xlim(first, last)
-    counts = style.counts(int(own["records"].max()), int(own["events"].max()))
+    counts = style.record_counts(int(own["records"].max()), int(own["events"].max()))
     data = say(f"plot.fragility.data.{tree.attrs['data']}")
     notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, shown)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan
@@ -158,7 +158,7 @@ def _panel(
     ax.set_xlabel(f"{_measure_words(own)} [{style.unit(str(own['measure_units'].item()))}]")
     style.plain_ticks(ax.xaxis)
     crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown)
-    return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _told(remarks, len(states))
+    return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _told(warnings, len(states))
 
 
 def _named(state: str) -> str:
@@ -226,12 +226,12 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: n
     return [say("plot.fragility.band", state=_named(banded), confidence=confidence)]
 
 
-def _told(remarks: dict[str, list[str]], states: int) -> list[str]:
-    """Every remark once, with the limit states to which it applies."""
+def _told(warnings: dict[str, list[str]], states: int) -> list[str]:
+    """Every warning once, with the limit states to which it applies."""
     every = say("plot.fragility.all")
     words = [
-        f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {remark}."
-        for remark, names in remarks.items()
+        f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {warning}."
+        for warning, names in warnings.items()
     ]
-    more = len(words) - _REMARKS
-    return words if more <= 0 else [*words[:_REMARKS], say("plot.more_remarks", count=more)]
+    more = len(words) - _WARNINGS
+    return words if more <= 0 else [*words[:_WARNINGS], say("plot.more_warnings", count=more)]

@@ -19,8 +19,8 @@ from rockpulse.storage.variables.summary import RECORD
 from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import ragged
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
-from rockpulse.views.shared.facts import Known, RecordFacts
 from rockpulse.views.shared.formatting import fixed, three_digits
+from rockpulse.views.shared.record_facts import Known, RecordFacts
 from rockpulse.views.shared.words import say
 
 #: The remedy where the samples of a record are not in the file.

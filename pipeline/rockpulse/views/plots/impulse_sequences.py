@@ -78,7 +78,7 @@ def limit_accelerogram(
     panels[-1].set_xlabel(say("plot.from_first.impulse"))
     if name:
         style.title(panels[0], name, rows=1)
-    style.caption(panels[-1], _remarks(found, sequence))
+    style.caption(panels[-1], _warnings(found, sequence))
     return panels
 
 
@@ -117,7 +117,7 @@ def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.nd
             ax.annotate(words, middle, (0, 3), ha="center", va="bottom", color="#333333", **_BESIDE)
 
 
-def _remarks(found: list[Response], sequence: ImpulseSequence) -> str:
+def _warnings(found: list[Response], sequence: ImpulseSequence) -> str:
     words = style.notes(below=True)
     count = [int(main_impulses_given(one, sequence)) for one in found]
     if max(count) > _MAIN_SHOWN:

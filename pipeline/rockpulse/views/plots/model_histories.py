@@ -21,17 +21,17 @@ from rockpulse.record.record import Record
 from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.views.plots import selection
 from rockpulse.views.plots.ground_motion import STORE, had_vertical, stored_record
-from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
+from rockpulse.views.plots.motion_history import HalfCycle, motion_samples
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
-#: Difference of peaks [-] from which on a history has a remark, and instants of the history of a sequence.
+#: Difference of peaks [-] from which on a history has a warning, and instants of the history of a sequence.
 _SAME, _INSTANTS = 1e-3, 4000
 #: Remedies where the file does not hold the motion of a body.
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
 
 
-class History(NamedTuple):
+class ModelHistory(NamedTuple):
     """The motion of a block by one model; without an instant where it could not say."""
 
     model: str
@@ -41,7 +41,7 @@ class History(NamedTuple):
     impact_count: int = -1  # of the model; -1 where they never end or are not known
     overturning: float = math.nan  # time from which it is certain [s]; NaN without
     peak: float = math.nan  # theta_max/alpha_c [-]; inf where the block overturns, NaN where the model cannot say
-    remark: str = ""  # doubts about the motion
+    warning: str = ""  # doubts about the motion
 
 
 def histories(
@@ -51,7 +51,7 @@ def histories(
     models: Sequence[str] | None = None,
     case: int = 1,
     factor: float = 1.0,
-) -> list[History]:
+) -> list[ModelHistory]:
     """Motion of a block under a record by each model.
 
     Parameters
@@ -62,7 +62,7 @@ def histories(
         Names; none where there is one only.
     models : sequence of str, optional
         Some of nonlinear, linear, impulsive, sequence and resonance; by default those of the results that follow the
-        record, the first three. One that could not say (UNRESOLVED) has an empty history and a remark.
+        record, the first three. One that could not say (UNRESOLVED) has an empty history and a warning.
     case : int
         Number of the restitution, from 1.
     factor : float
@@ -93,18 +93,18 @@ def histories(
         return [_history(tree, record, block, name, case) for name in models]
     body = selection.block_of(summary, block, case)
     scaled = [recomputed(tree, record, block, body, name, [factor])[0] for name in models]
-    return [History(one.model, remark=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
+    return [ModelHistory(one.model, warning=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
 
 
-def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> History:
+def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> ModelHistory:
     summary = tree["summary"].to_dataset()
     answer = summary.sel(record=record, block=block, model=model).isel(selection.chosen_case(summary, case))
     peak, outcome = float(answer["peak_rotation_ratio"]), int(answer["outcome"])
     overturning = float(answer["overturning_time"]) if "overturning_time" in answer else np.nan
     count = int(answer["impacts"]) if "impacts" in answer else -1
-    remarks = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
+    warnings = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
     if outcome == Outcome.UNRESOLVED:
-        return History(model, remark="; ".join([say("unknown.unresolved"), *remarks]))
+        return ModelHistory(model, warning="; ".join([say("unknown.unresolved"), *warnings]))
     body = selection.block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
@@ -120,8 +120,8 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
             again, before = (
                 say("limit_state.overturning") if np.isinf(one) else three_digits(one) for one in (found, peak)
             )
-            remarks.append(say("plot.motion.again", again=again, stored=before))
-    return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remarks))
+            warnings.append(say("plot.motion.again", again=again, stored=before))
+    return ModelHistory(model, time, rotation, hits, count, overturning, peak, "; ".join(warnings))
 
 
 def stored_history(
@@ -157,7 +157,7 @@ def _of_sequence(
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
     last = (float(ends[-1]) if ends.size else 0.0) + (0.0 if np.isfinite(cycles[-1].duration) else 6.0 / p)
     time = np.linspace(0.0, last, _INSTANTS)
-    return time, rotation_history(cycles, p, share, sequence.spacing, time), ends
+    return time, motion_samples(cycles, p, share, sequence.spacing, time), ends
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
@@ -175,7 +175,7 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
 
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
-) -> list[History]:
+) -> list[ModelHistory]:
     """Motions of a block, `body`, under a record times factors; ResultsError without the motion that acts on it."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
@@ -230,7 +230,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
     )
 
 
-def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
+def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
     """Of each factor the response with the larger peak, one that cannot say counting as the largest."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
@@ -238,5 +238,5 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
     for lane, worse in enumerate(np.argmax(rank, axis=0)):
         rotation = body.ratio(np.asarray(found[worse].rotation)[lane])
         told = (getattr(found[worse], name)[lane].item() for name in names)
-        histories.append(History(model, time, rotation, _impacts(time, rotation, body), *told))
+        histories.append(ModelHistory(model, time, rotation, _impacts(time, rotation, body), *told))
     return histories

@@ -33,9 +33,7 @@ def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tupl
     return (order - _PHASE[spacing]) * cycle.interval, np.where(order % 2, -secondary, secondary)
 
 
-def rotation_history(
-    cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray
-) -> np.ndarray:
+def motion_samples(cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray) -> np.ndarray:
     """Signed rotation theta/alpha_c [-] at increasing instants from the first main impulse [s], within the half-cycles.
 
     `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. The half-cycle that overturns comes last; in it the main impulse

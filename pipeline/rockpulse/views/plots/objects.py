@@ -17,7 +17,7 @@ from rocking.response import Outcome, Response
 from rockpulse.config.block_settings import floors_from_text
 from rockpulse.record.half_wave import STRONG, HalfWaves
 from rockpulse.views.plots import style
-from rockpulse.views.plots.rotation import moving_stretch
+from rockpulse.views.plots.rotation_panels import moving_stretch
 from rockpulse.views.plots.selection import block_of, one_name
 from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREY, INSTANTS, ORANGE, PALE, RED, SMALL
 from rockpulse.views.shared.formatting import six_digits, three_digits

@@ -14,11 +14,11 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, PALE, RED, SKY, SMALL, Panels
 from rockpulse.views.shared.formatting import six_digits, three_digits
-from rockpulse.views.shared.words import named, say
-from rockpulse.views.text.site import site_remarks
+from rockpulse.views.shared.words import say, translated
+from rockpulse.views.text.site import site_warnings
 
-#: Largest ratio to the range of the records up to which the axis follows the design; the longest remark [characters].
-_NEAR, _REMARK = 3.0, 230
+#: Largest ratio to the range of the records up to which the axis follows the design; the longest warning [characters].
+_NEAR, _WARNING = 3.0, 230
 #: Letters of the parameters that have one.
 _SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}
 
@@ -52,10 +52,10 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     last.set_axis_off()
     handles, words = panels[0].get_legend_handles_labels()
     last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
-    counts = style.counts(int(site["record_count"]), int(site["event_count"]))
+    counts = style.record_counts(int(site["record_count"]), int(site["event_count"]))
     name = style.plain(tree.attrs.get("title", ""))
     style.title(panels[0], say("plot.site.title", name=name, records=counts, method=site.attrs["method"]))
-    style.caption(panels[-2], " ".join(_remarks(site)))
+    style.caption(panels[-2], " ".join(_warnings(site)))
     return panels
 
 
@@ -63,7 +63,7 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
     """Draw the distribution of a parameter over the records, its fit, and the design."""
     value, confidence = own["value"].values, six_digits(100.0 * float(own["confidence"]))
     known = np.isfinite(value) & (weight > 0.0)
-    words = style.readable(named(f"parameters.{name}", str(own["parameter_name"].item())))
+    words = style.readable_name(translated(f"parameters.{name}", str(own["parameter_name"].item())))
     style.panel_title(ax, words.replace(", $I_s/I$", ""), width=52)
     symbol = _SYMBOLS.get(name) or say(f"plot.site.{name}")
     ax.set_xlabel(f"{symbol} [{style.unit(str(own['parameter_unit'].item()))}]")
@@ -120,18 +120,18 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
         ax.plot([low, high], [0.5, 0.5], color=SKY, lw=4.0, solid_capstyle="butt", zorder=2.5, label=words)
 
 
-def _remarks(site: xr.Dataset) -> list[str]:
-    """The design, and the gravest remark, which comes first."""
+def _warnings(site: xr.Dataset) -> list[str]:
+    """The design, and the gravest warning, which comes first."""
     words = [say("plot.site.quantile", quantile=six_digits(float(site["quantile"])))]
-    remarks = _sentences(site)
-    for one in remarks[:1]:
-        first = textwrap.shorten(one, _REMARK, placeholder=" …")
+    warnings = _sentences(site)
+    for one in warnings[:1]:
+        first = textwrap.shorten(one, _WARNING, placeholder=" …")
         words.append(style.plain(first if first.endswith("…") else f"{first}."))
-    return words + ([say("plot.more_remarks", count=len(remarks) - 1)] if len(remarks) > 1 else [])
+    return words + ([say("plot.more_warnings", count=len(warnings) - 1)] if len(warnings) > 1 else [])
 
 
 def _sentences(site: xr.Dataset) -> list[str]:
-    return [line[:1].upper() + line[1:] for line in site_remarks(site)]
+    return [line[:1].upper() + line[1:] for line in site_warnings(site)]
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:

@@ -19,7 +19,7 @@ from rockpulse.views.plots.factor_rows import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, PALE, RED, SMALL
 from rockpulse.views.shared.formatting import restitution, shortened, six_digits
-from rockpulse.views.shared.words import counted, say
+from rockpulse.views.shared.words import counted_words, say
 
 #: Sizes whose p is marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -90,9 +90,9 @@ def rocking_spectrum(
     style.title(ax, words, rows=3 - (-len(handles) // 3))
     low, high = (restitution(float(end(spectrum["restitution"]))) for end in (np.min, np.max))
     span = low if low == high else say("plot.spectra.housner", low=low, high=high)
-    remarks = [say("plot.spectra.equation", c=span)]
-    remarks += style.notes(all_at_rest=bool(np.all(outcome == Outcome.AT_REST)), other_c=bool(bodies))
-    style.caption(ax, " ".join([*remarks, note]).strip())
+    warnings = [say("plot.spectra.equation", c=span)]
+    warnings += style.notes(all_at_rest=bool(np.all(outcome == Outcome.AT_REST)), other_c=bool(bodies))
+    style.caption(ax, " ".join([*warnings, note]).strip())
     return ax
 
 
@@ -201,15 +201,15 @@ def overturning_spectra(
     points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
     rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
-    words = style.plain(names[known[0]]) if known.size == 1 else counted(known.size, "record")
+    words = style.plain(names[known[0]]) if known.size == 1 else counted_words(known.size, "record")
     style.title(ax, f"{words}, $C$ = {six_digits(grid[chosen])}", rows=rows)
-    remarks = [*style.notes(below_curve=True), *below_the_picture(ax, curves)]
-    remarks += style.notes(larger_c=bool(bodies), no_spectrum=not known.size, straight=straight)
+    warnings = [*style.notes(below_curve=True), *below_the_picture(ax, curves)]
+    warnings += style.notes(larger_c=bool(bodies), no_spectrum=not known.size, straight=straight)
     if few:
-        remarks.append(say("plot.spectra.few", count=FEWEST_EVENTS))
+        warnings.append(say("plot.spectra.few", count=FEWEST_EVENTS))
     if known.size < len(names):
-        remarks.append(say("plot.spectra.without", count=len(names) - known.size, total=len(names)))
-    style.caption(ax, " ".join(remarks))
+        warnings.append(say("plot.spectra.without", count=len(names) - known.size, total=len(names)))
+    style.caption(ax, " ".join(warnings))
     return ax
 
 
@@ -235,7 +235,7 @@ def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: floa
 def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
     """Draw the spectra of single records (records, a) [m/s] over p (a,) thinly, with one entry in the legend."""
     for place, curve in enumerate(curves[:_DRAWN]):
-        ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else counted(len(curves), "record"))
+        ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else counted_words(len(curves), "record"))
 
 
 def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:

@@ -18,7 +18,7 @@ from rockpulse.foreign_text import escaped
 from rockpulse.model_table import MODELS
 from rockpulse.views.plots.picture import NotebookFigure
 from rockpulse.views.shared.formatting import six_digits
-from rockpulse.views.shared.words import counted, in_numerals, language, named, say
+from rockpulse.views.shared.words import counted_words, in_numerals, language, say, translated
 
 #: Width of a picture [in], that of the text on a page of A4 with margins of 25 mm; sizes of text at that width [pt].
 WIDTH, FONT, SMALL = 6.3, 8.5, 7.5
@@ -70,7 +70,7 @@ def look(name: str) -> Look:
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
     color, line, marker = MODELS[name].look
-    return Look(named(f"labels.{name}", MODELS[name].label), PALETTE[color], line, marker)
+    return Look(translated(f"labels.{name}", MODELS[name].label), PALETTE[color], line, marker)
 
 
 def looks(names: Sequence[str]) -> list[Look]:
@@ -119,7 +119,7 @@ def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float
     return panels
 
 
-class Numerals(ScalarFormatter):
+class TickNumerals(ScalarFormatter):
     """The usual numbers at ticks, in the form of the language that is written."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
@@ -138,13 +138,13 @@ def dressed(ax: Axes) -> Axes:
         axis.label.set_fontsize(FONT)
         axis.get_offset_text().set_fontsize(SMALL)
         if language() != "en":
-            axis.set_major_formatter(Numerals())
+            axis.set_major_formatter(TickNumerals())
     return ax
 
 
 def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
     """Draw the scale of colours of a map beside it."""
-    options = {"format": Numerals(), **options}
+    options = {"format": TickNumerals(), **options}
     bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
     bar.set_label(words, fontsize=FONT)
@@ -227,14 +227,14 @@ def unit(units: str) -> str:
     return _UNITS.get(units, units)
 
 
-def readable(long_name: str) -> str:
-    """A long name with its symbols as mathematics, without the remarks that follow a semicolon."""
+def readable_name(long_name: str) -> str:
+    """A long name with its symbols as mathematics, without the warnings that follow a semicolon."""
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 
 def label(variable: xr.DataArray, symbol: str = "") -> str:
     """Text of an axis: the long name of a variable of results, the letter of the quantity, and the unit."""
-    name = readable(named(f"variables.{variable.name}", str(variable.attrs["long_name"])))
+    name = readable_name(translated(f"variables.{variable.name}", str(variable.attrs["long_name"])))
     return f"{name} {symbol}".rstrip() + f" [{unit(str(variable.attrs['units']))}]"
 
 
@@ -257,6 +257,6 @@ def wrapped(words: str, width: int) -> str:
     return text
 
 
-def counts(records: int, events: int) -> str:
+def record_counts(records: int, events: int) -> str:
     """The numbers of records and of their earthquakes."""
-    return say("records_of", records=counted(records, "record"), earthquakes=counted(events, "earthquake"))
+    return say("records_of", records=counted_words(records, "record"), earthquakes=counted_words(events, "earthquake"))

@@ -15,13 +15,13 @@ from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.views.shared.columns import shown, tabulated, titled
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import share
-from rockpulse.views.shared.table import Cell, Heading, Table, number
-from rockpulse.views.shared.words import counted, listed, say
+from rockpulse.views.shared.shown_columns import shown, tabulated, titled
+from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
+from rockpulse.views.shared.words import counted_words, listed, say
 from rockpulse.views.text import fragility as curves_text
-from rockpulse.views.text.site import about_records, coverage, design, site_remarks, site_tables
+from rockpulse.views.text.site import about_records, coverage, design, site_tables, site_warnings
 
 #: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
 TOLERANCE = 1e-6
@@ -200,17 +200,17 @@ def _set(value: Any) -> str:
 
 
 @dataclass(frozen=True)
-class Part:
-    """A section of the report: loud remarks, sentences, tables; the bodies with curves, and whether one has a band."""
+class BesideSection:
+    """A section of the report: loud warnings, sentences, tables; the bodies with curves, and whether one has a band."""
 
-    remarks: tuple[str, ...]
+    warnings: tuple[str, ...]
     statements: tuple[str, ...]
     tables: tuple[Table, ...]
     blocks: tuple[str, ...] = ()
     banded: bool = True
 
 
-def describe_site(of: Paired, assessed: int) -> Part:
+def describe_site(of: Paired, assessed: int) -> BesideSection:
     """The section on the site; no record is assessed where its design sequence stands for them."""
     site = of.tree["site"].to_dataset()
     said, tables = [coverage(site)], site_tables(site)
@@ -218,16 +218,16 @@ def describe_site(of: Paired, assessed: int) -> Part:
         said, tables = [design(site), *said], [*tables, _events(site), _every_record(site)]
     common = [say("site.common" if assessed else "site.judged_here", same=of.same, assessed=assessed)]
     if of.foreign:
-        bodies, names = counted(site.sizes["block"], "body"), listed(of.foreign)
+        bodies, names = counted_words(site.sizes["block"], "body"), listed(of.foreign)
         common.append(say("site.foreign", bodies=bodies, count=len(of.foreign), names=names))
-    remarks = (*_not_used(of), *of.other_motions("site", assessed), *site_remarks(site))
-    return Part(remarks, (*about_records(site), *common, *said), tuple(tables))
+    warnings = (*_not_used(of), *of.other_motions("site", assessed), *site_warnings(site))
+    return BesideSection(warnings, (*about_records(site), *common, *said), tuple(tables))
 
 
 def _not_used(of: Paired) -> list[str]:
     """A sentence on the files that were not used for the site or the curves; none where all were."""
     files = files_used(of.tree)
-    return [f"{files.counted or say('remark.files.none')}: {files.reasons}."] if files.line else []
+    return [f"{files.counted or say('warning.files.none')}: {files.reasons}."] if files.line else []
 
 
 def _events(site: xr.Dataset) -> Table:
@@ -245,19 +245,19 @@ def _every_record(site: xr.Dataset) -> Table:
     selected = (
         titled(say("head.record"), Cell, "record"),
         titled(say("head.earthquake"), Cell, "event"),
-        titled(say("site.weight"), number, "weight"),
-        titled(say("site.factor"), number, "scale_factor"),
-        titled("PGA", number, "pga", unit="m/s2"),
-        titled("PGV", number, "pgv", unit="m/s"),
-        *(titled(title, number, title, unit=unit) for title, unit in parameters),
-        titled(say("site.misfit"), number, "misfit", note="ln, rms"),
+        titled(say("site.weight"), number_cell, "weight"),
+        titled(say("site.factor"), number_cell, "scale_factor"),
+        titled("PGA", number_cell, "pga", unit="m/s2"),
+        titled("PGV", number_cell, "pgv", unit="m/s"),
+        *(titled(title, number_cell, title, unit=unit) for title, unit in parameters),
+        titled(say("site.misfit"), number_cell, "misfit", note="ln, rms"),
         titled(say("site.below"), shown(share), "unsafe_share", note=say("site.of_blocks")),
     )
     values = {title: site["value"].isel(parameter=place) for place, (title, _) in enumerate(parameters)}
     return tabulated("site-records", say("site.caption.records"), selected, site.assign(values))
 
 
-def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
+def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
     """The section on fragility beside a verdict by a model; no record is assessed where a sequence stands for them."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
@@ -265,20 +265,20 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
     common = say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed)
     data = say(f"fragility.{tree.attrs['data']}")
     said = say("fragility.from", records=curves_text.records_words(tree), common=common, data=data)
-    remarks = [*_not_used(of), *of.other_motions("fragility", assessed)]
+    warnings = [*_not_used(of), *of.other_motions("fragility", assessed)]
     equation = stored_sections(str(tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
     if equation != model and model not in SEQUENCE_MODELS:
-        remarks.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
+        warnings.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
     named = {"missing": of.missing, "foreign": of.foreign}
-    remarks += [say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names]
+    warnings += [say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names]
     of_measures = curves_text.sufficiency_tables(tree["efficiency"].to_dataset())
-    tables = tuple(one for one in (curves_text.median_table(tree), _remark_table(own), *of_measures) if one.rows)
+    tables = tuple(one for one in (curves_text.median_table(tree), _warning_table(own), *of_measures) if one.rows)
     banded = bool(own["median_low"].notnull().any())
-    return Part(tuple(remarks), (said,), tables, tuple(own["block"].values.tolist()), banded)
+    return BesideSection(tuple(warnings), (said,), tables, tuple(own["block"].values.tolist()), banded)
 
 
-def _remark_table(own: xr.Dataset) -> Table:
-    """Every remark on the curves of a body, with the limit states that it is on."""
+def _warning_table(own: xr.Dataset) -> Table:
+    """Every warning on the curves of a body, with the limit states that it is on."""
     rows = []
     for block in own["block"].values.tolist():
         found: dict[str, list[str]] = {}
@@ -286,5 +286,5 @@ def _remark_table(own: xr.Dataset) -> Table:
             if said := curves_text.statement(own.sel(block=block, limit_state=state)):
                 found.setdefault(said, []).append(curves_text.state_words(state))
         rows += [(Cell(block), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
-    headings = tuple(Heading(say(key)) for key in ("head.body", "fragility.limit_states", "fragility.remark"))
-    return Table("fragility-remarks", say("fragility.remarks"), headings, tuple(rows))
+    headings = tuple(Heading(say(key)) for key in ("head.body", "fragility.limit_states", "fragility.warning"))
+    return Table("fragility-warnings", say("fragility.warnings"), headings, tuple(rows))

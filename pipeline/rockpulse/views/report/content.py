@@ -15,17 +15,26 @@ from rockpulse.errors import ResultsError
 from rockpulse.model_table import MODELS
 from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.results_file import WRITTEN_BY
-from rockpulse.views.report import records
-from rockpulse.views.report.answers import AnswerCells, answer_table, count_table, record_table, table_notes
+from rockpulse.views.report import record_tables as records
+from rockpulse.views.report.answer_tables import AnswerCells, answer_table, count_table, record_table, table_notes
 from rockpulse.views.report.beside import Paired, describe_fragility, describe_site
-from rockpulse.views.report.remarks import limits, remarks
-from rockpulse.views.report.verdict import MOST, acceleration, basis, body_table, cards, counted_by, drawings, legend
-from rockpulse.views.shared.columns import columns, grade_cell, headed
-from rockpulse.views.shared.facts import Known
+from rockpulse.views.report.report_warnings import limits, warnings
+from rockpulse.views.report.verdict import (
+    MOST,
+    acceleration_in_words,
+    basis,
+    body_table,
+    cards,
+    counted_by,
+    drawings,
+    figures_legend,
+)
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, restitution, three_digits
+from rockpulse.views.shared.record_facts import Known
+from rockpulse.views.shared.shown_columns import columns, grade_cell, headed
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
-from rockpulse.views.shared.words import named, say
+from rockpulse.views.shared.words import say, translated
 
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
@@ -38,7 +47,7 @@ _ASSUMPTIONS = ("body", "impact", "motion", "uplift", "strength")
 _NOT_COVERED = ("sliding", "flexible", "walls", "floors", "space", "soil", "hazard")
 
 
-def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> SimpleNamespace:
+def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> SimpleNamespace:
     """The page in data; ``found`` are the verdicts on all bodies, ``counted_by`` explains its words."""
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
@@ -50,7 +59,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     sections = stored_sections(configuration)
     files, drawn = files_used(tree), drawings(tree)
     calibrated = None if site is None else site.tree["site"].to_dataset()
-    said = remarks(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
+    said = warnings(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
     title = str(tree.attrs.get("title", ""))
     history = (line.partition(WRITTEN_BY) for line in str(tree.attrs.get("history", "")).splitlines())
     if configuration and not sections.get("site", {}).get("name"):
@@ -66,14 +75,14 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         drawings=drawn,
         limits=limits(said, found, motions),
         verdict=body_table(answers, found),
-        legend=legend(answers),
+        legend=figures_legend(answers),
         used=records.used_table(answers),
         left_out=records.left_out_table(site.tree if by_sequence and site else tree),
         counted_by=counted_by(answers),
-        remarks=said,
+        warnings=said,
         counts=count_table(answers),
         answers=answer_table(cells),
-        earthquakes=records.event_table(answers),
+        earthquakes=records.earthquake_table(answers),
         notes=tuple(table_notes(cells, found, UncertaintySettings(**sections.get("uncertainty", {})))),
         site=None if site is None else describe_site(site, assessed),
         fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
@@ -86,8 +95,8 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         not_covered=tuple(_fact(f"not_covered.{name}") for name in _NOT_COVERED),
         versions=records.versions(tree),
         inputs=records.input_table(summary),
-        failures=records.failure_table(tree),
-        warnings=records.warning_table(summary),
+        failures=records.left_out_files(tree),
+        record_warnings=records.warning_table(summary),
         configuration=configuration,
     )
 
@@ -99,7 +108,7 @@ def _fact(key: str) -> Fact:
 def _model(name: str, judging: bool) -> Fact:
     """A model with what it is; the verdict counts the one that is judging."""
     shown = say(f"models.{name}")
-    words = named(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
+    words = translated(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
     return Fact(say("method.judging", model=shown) if judging else shown, (words,))
 
 
@@ -231,7 +240,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
             "station_name": own("station_name"),
             "start": own("start_time"),
             "samples": say("fact.at_interval", count=one.value("npts"), interval=known("dt", "s")),
-            "pga": acceleration(one.value(PGA)),
+            "pga": acceleration_in_words(one.value(PGA)),
             "pgv": one.peak_velocity,
             "arias": known("arias_intensity", "m/s"),
             "intense": say("between", low=start, high=end),

@@ -18,10 +18,10 @@ from rockpulse.assessment.spectra import overturning_curve
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import FOLLOWING
 from rockpulse.views.plots.ground_motion import stored_record
-from rockpulse.views.plots.model_histories import History, histories, recomputed
+from rockpulse.views.plots.model_histories import ModelHistory, histories, recomputed
 from rockpulse.views.plots.selection import block_of, plain_bodies
-from rockpulse.views.report.records import record_words
-from rockpulse.views.shared.facts import Known
+from rockpulse.views.report.record_tables import record_words
+from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.words import say, section
 
 #: Factors on each record.
@@ -43,7 +43,7 @@ BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 
 
 @dataclass(frozen=True)
-class Columns:
+class TimeColumns:
     """A stretch of time from `start` to `end` [s], divided into `count` columns of one width."""
 
     start: float
@@ -110,7 +110,7 @@ class _Scenes:
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
         """A scene for each record that is chosen, or the reason why there is none."""
         found = []
-        for row, why in chosen(self._answers, lane).items():
+        for row, why in shown_records(self._answers, lane).items():
             told = [self._words[one] for one in why]
             try:
                 found.append({"record": row, "why": told, **self._scene(row, lane, body)})
@@ -141,14 +141,14 @@ class _Scenes:
         except ResultsError:
             time, acceleration = as_it_is.time, np.full(as_it_is.time.size, np.nan)
         if time.size < 2:
-            raise ResultsError(f"{body.name} under {record}, {self._answers.model} model: {as_it_is.remark}")
+            raise ResultsError(f"{body.name} under {record}, {self._answers.model} model: {as_it_is.warning}")
         columns = _window(time, list(motions.values()))
         return {
             "start": round(columns.start, 4),
             "end": round(columns.end, 4),
             "columns": columns.count,
             "whole": round(float(time[-1]), 4),
-            "remark": as_it_is.remark,
+            "warning": as_it_is.warning,
             "ground": packed(columns.extremes(time, acceleration)),
             "curve": None if curve is None else [np.round(values, 4).tolist() for values in curve],
             "points": points,
@@ -175,7 +175,7 @@ class _Scenes:
         return laid_through(factors, probability, stored)
 
 
-def _window(time: np.ndarray, motions: list[History]) -> Columns:
+def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
     """The stretch of a record in which the body moves at one of the factors, with some time around it."""
     moving = [one.time[np.abs(one.rotation) > NO_MOTION] for one in motions if one.time.size]
     instants = np.concatenate([*moving, np.zeros(0)])
@@ -183,10 +183,10 @@ def _window(time: np.ndarray, motions: list[History]) -> Columns:
     if instants.size:
         start, end = max(float(instants.min()) - BEFORE, 0.0), min(float(instants.max()) + AFTER, end)
     samples = int(np.count_nonzero((time >= start) & (time <= end)))
-    return Columns(start, end, max(min(COLUMNS, samples - 1), 1))
+    return TimeColumns(start, end, max(min(COLUMNS, samples - 1), 1))
 
 
-def _told(motion: History, columns: Columns) -> dict[str, Any]:
+def _told(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
     """How a motion ends, its largest rotation and the time of overturning, and the rotation where the body moves."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
@@ -211,7 +211,7 @@ def _outline(block: Block) -> dict[str, Any]:
     }
 
 
-def chosen(answers: Answers, lane: int) -> dict[int, list[str]]:
+def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
     """Rows of the records shown of a body, and why: the worst (else the strongest), f_50 nearest to 1, the median."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))

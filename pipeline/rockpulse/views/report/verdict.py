@@ -11,7 +11,7 @@ from markupsafe import Markup, escape
 
 from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Motions, Share
-from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
 from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import CONFIDENCE
@@ -21,13 +21,13 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.plots.selection import block_of
 from rockpulse.views.report.drawings import Support, drawing
-from rockpulse.views.report.records import record_named
-from rockpulse.views.shared.columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
-from rockpulse.views.shared.facts import Known
+from rockpulse.views.report.record_tables import record_named
 from rockpulse.views.shared.formatting import ABSENT, ratio, share, six_digits, three_digits
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.table import Cell, Heading, Table, number
-from rockpulse.views.shared.words import counted, in_numerals, say
+from rockpulse.views.shared.record_facts import Known
+from rockpulse.views.shared.shown_columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
+from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
+from rockpulse.views.shared.words import counted_words, in_numerals, say
 
 #: Between the ends of an interval, where no line breaks.
 TO = "\N{WORD JOINER}–\N{WORD JOINER}"
@@ -110,8 +110,10 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
     if demand is None:
         under = say("verdict.as_recorded", motions=motions_words(answers.motions))
     else:
-        lost = say("verdict.left_out", motions=counted(demand.left_out, "motion")) if demand.left_out else ""
-        under = say("verdict.at_demand", name=demand.name, events=counted(demand.earthquakes, "earthquake")) + lost
+        lost = say("verdict.left_out", motions=counted_words(demand.left_out, "motion")) if demand.left_out else ""
+        under = (
+            say("verdict.at_demand", name=demand.name, events=counted_words(demand.earthquakes, "earthquake")) + lost
+        )
         under += say("verdict.few", needed=FEWEST_AT_DEMAND) if demand.few else ""
     fields = {"what": what, "value": ratio(one.decides.value), "high": ratio(one.decides.high)}
     return say("verdict.probability", under=under, confidence=share(CONFIDENCE), **fields)
@@ -132,11 +134,11 @@ def motions_words(motions: Motions) -> str:
     if motions.kind == "sequence":
         return say("motions.sequence")
     key = f"motions.{motions.kind}{'_mean' if motions.kind == 'pair' and motions.any_azimuth else ''}"
-    each = {"motions": counted(len(motions.names), motions.kind), "directions": motions.index.shape[1]}
-    return say(key, events=counted(motions.event_count, "earthquake"), **each)
+    each = {"motions": counted_words(len(motions.names), motions.kind), "directions": motions.index.shape[1]}
+    return say(key, events=counted_words(motions.event_count, "earthquake"), **each)
 
 
-def legend(answers: Answers) -> str:
+def figures_legend(answers: Answers) -> str:
     """The meaning of the figures of the table of bodies, in a line."""
     if answers.motions.kind == "sequence":
         return say("legend.sequence")
@@ -167,7 +169,7 @@ def of_unknown_event(motions: Motions) -> str:
     if not count:
         return ""
     key = "unknown_event.as_one" if count == len(motions.events) else "unknown_event.not_counted"
-    return say(key, motions=counted(count, "motion"))
+    return say(key, motions=counted_words(count, "motion"))
 
 
 def model_words(model: str) -> str:
@@ -175,7 +177,7 @@ def model_words(model: str) -> str:
     return say("model.upper_bound" if is_upper_bound(model) else "model.name", name=say(f"models.{model}"))
 
 
-def acceleration(value: float) -> str:
+def acceleration_in_words(value: float) -> str:
     """An acceleration [m/s2] in m/s² and g."""
     return f"{three_digits(value, 'm/s²')} ({three_digits(value / STANDARD_GRAVITY, 'g')})"
 
@@ -186,7 +188,7 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     c = COLUMNS["restitution"]
     of = say("head.probability" if answers.probable else "head.share")
     by_sequence = motions.kind == "sequence"  # of which there is one
-    of_motions = "" if by_sequence else say("head.of", motions=counted(len(motions.names), motions.kind))
+    of_motions = "" if by_sequence else say("head.of", motions=counted_words(len(motions.names), motions.kind))
     columns: list[tuple[Heading, Callable[[BodyVerdict], Cell]]] = [
         (Heading(say("head.body")), lambda one: Cell(one.body.block, link=f"body-{one.body.place}")),
         (c.heading._replace(note=""), lambda one: c.cell(one.body.restitution)),
@@ -199,9 +201,9 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
         (Heading(say("head.smallest", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[0])),
         (Heading(say("head.under")), lambda one: _governing(answers, one)),
         (Heading(say("head.median", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[1])),
-        (Heading(say("head.overturned"), note=of_motions), lambda one: number(one.overturned, str)),
-        (Heading(say("head.unknown")), lambda one: number(one.share.unknown, str)),
-        (Heading(say("head.not_lifted")), lambda one: number(one.at_rest, str)),
+        (Heading(say("head.overturned"), note=of_motions), lambda one: number_cell(one.overturned, str)),
+        (Heading(say("head.unknown")), lambda one: number_cell(one.share.unknown, str)),
+        (Heading(say("head.not_lifted")), lambda one: number_cell(one.at_rest, str)),
     ]
     if by_sequence:
         columns = [*columns[:3], columns[len(answers.demands) + 4]]

@@ -18,15 +18,15 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
 from rockpulse.views.report.beside import paired
-from rockpulse.views.report.content import gather, logo, parties
+from rockpulse.views.report.content import logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
-from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import say, writing
 
@@ -39,7 +39,7 @@ HEAD = 4096
 #: The kinds of files, by which words name them.
 _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
 #: The parts of the annex, by their ids; one that the results have nothing for is left out.
-ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
+ANNEXES = ("warnings", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 #: The letters and powers of a page for words of the terminal.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
 #: Names of these browsers on PATH.
@@ -172,7 +172,7 @@ def report_page(
     environment.filters["typeset"] = typeset
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
-        content = gather(tree, *beside)
+        content = page_content(tree, *beside)
         curves = content.fragility.blocks if content.fragility else ()
         gravest = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
         worst = [one.body.block for one in gravest]
@@ -205,7 +205,9 @@ def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # a tree that was never saved may lack the attribute
     by_group = next((groups[name] for name in groups if name in tree.children), "tree of another kind")
     if (found := str(tree.attrs.get("kind", by_group))) != kind:
-        raise ResultsError(f"{_name(source)}: expected {named(kind)} of rockpulse, found {named(found)}")
+        raise ResultsError(
+            f"{_name(source)}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}"
+        )
     return tree
 
 

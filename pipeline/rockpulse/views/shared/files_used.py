@@ -11,7 +11,7 @@ import xarray as xr
 
 from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
-from rockpulse.views.shared.words import counted, say
+from rockpulse.views.shared.words import counted_words, say
 
 #: Kinds of rows of channels that were read, and are in the results or stand for a motion that is.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
@@ -36,7 +36,7 @@ class FilesUsed:
     @property
     def counted(self) -> str:
         """How many files were used and how many not, and how many channels of those used failed; empty for none."""
-        failed = say("files.channels", channels=counted(self.channels, "channel")) if self.channels else ""
+        failed = say("files.channels", channels=counted_words(self.channels, "channel")) if self.channels else ""
         return ", ".join(filter(None, (self._files, failed)))
 
     @property
@@ -50,8 +50,8 @@ class FilesUsed:
         if not count:
             return ""
         if self.used is None:
-            return say("files.not_used", files=counted(count, "file"))
-        return say("files.used", used=self.used, files=counted(self.used + count, "file"), unused=count)
+            return say("files.not_used", files=counted_words(count, "file"))
+        return say("files.used", used=self.used, files=counted_words(self.used + count, "file"), unused=count)
 
     @property
     def sentence(self) -> str:

@@ -9,8 +9,8 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_screens
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
-from rockpulse.views.shared.columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.formatting import ratio, several
+from rockpulse.views.shared.shown_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.table import CellMark
 from rockpulse.views.shared.words import say
 

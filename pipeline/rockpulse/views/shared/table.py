@@ -75,7 +75,7 @@ class Table:
     caption: str
     headings: tuple[Heading, ...]
     rows: tuple[tuple[Cell, ...], ...]
-    remarks: tuple[str, ...] = ()
+    footnotes: tuple[str, ...] = ()
     searched: int = 20
 
     def __post_init__(self) -> None:
@@ -96,9 +96,9 @@ class Table:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """The remarks of the table, then what the marks mean that occur in it, in the order of their appearance."""
+        """The footnotes of the table, then what the marks mean that occur in it, in the order of their appearance."""
         notes = dict.fromkeys(mark.note for row in self.rows for cell in row for mark in cell.marks if mark.note)
-        return *self.remarks, *notes
+        return *self.footnotes, *notes
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,9 @@ class Fact:
     lines: tuple[str, ...]
 
 
-def number(value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()) -> Cell:
+def number_cell(
+    value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()
+) -> Cell:
     """A cell of a number, with the marks only where the number is known."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)
@@ -129,7 +131,7 @@ def lines(table: Table) -> list[str]:
     return ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
 
 
-def text(table: Table) -> str:
+def table_text(table: Table) -> str:
     """The table for the terminal: caption where there is one, indented rows, notes."""
     caption = [paragraph(table.caption)] if table.caption else []
     rows = ["  " + line for line in lines(table)]

@@ -12,7 +12,7 @@ from typing import Any
 
 from rockpulse.errors import ConfigError
 from rockpulse.option import hint
-from rockpulse.remark import Remark, restored
+from rockpulse.warning_text import WarningText, restored
 
 _FOLDER = files("rockpulse.views").joinpath("words")
 #: Codes of the languages that there is a file of.
@@ -55,14 +55,14 @@ def _flat(nested: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, st
             yield from _flat(value, f"{before}{key}.")
 
 
-def template(key: str) -> str:
+def raw_text(key: str) -> str:
     """The text of a key in the language that is written, with its fields as they stand."""
     return table(language())[key]
 
 
 def say(key: str, /, **fields: object) -> str:
     """The text of a key in the language that is written, its fields filled in."""
-    return template(key).format(**fields)
+    return raw_text(key).format(**fields)
 
 
 def section(name: str) -> dict[str, str]:
@@ -71,12 +71,12 @@ def section(name: str) -> dict[str, str]:
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
 
-def named(key: str, english: str) -> str:
+def translated(key: str, english: str) -> str:
     """The words for a text declared in English below the views, by its key in the other languages."""
     return english if language() == "en" else table(language()).get(key, english)
 
 
-def counted(count: int, noun: str) -> str:
+def counted_words(count: int, noun: str) -> str:
     """A number and what is counted, by a key of [count] that has a form for one and one for more."""
     return say(f"count.{noun}.{'one' if count == 1 else 'more'}", count=count)
 
@@ -98,10 +98,10 @@ def in_numerals(text: str) -> str:
 
 
 class _Numerals(Formatter):
-    """Fills in fields, numbers in the form of the language that is written, remarks in its words."""
+    """Fills in fields, numbers in the form of the language that is written, warnings in its words."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """A value, a remark in the words of the language."""
+        """A value, a warning in the words of the language."""
         return _told(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
@@ -111,17 +111,17 @@ class _Numerals(Formatter):
 
 
 def _told(value: Any) -> Any:
-    if isinstance(value, Remark):
-        return remark_words(value)
+    if isinstance(value, WarningText):
+        return warning_words(value)
     return ", ".join(map(_told, value)) if isinstance(value, list) else value
 
 
-def remark_words(remark: Remark) -> str:
-    """A remark in the language that is written."""
-    words = named(f"remarks.{remark.code.partition('/')[0]}", "")
-    return _Numerals().vformat(words, (), remark.values) if words else str(remark)
+def warning_words(warning: WarningText) -> str:
+    """A warning in the language that is written."""
+    words = translated(f"warnings.{warning.code.partition('/')[0]}", "")
+    return _Numerals().vformat(words, (), warning.values) if words else str(warning)
 
 
-def remarks_of(stored: str) -> list[str]:
-    """Remarks as they are stored by codes and values, in the language that is written."""
-    return [remark_words(one) for one in restored(stored)]
+def warnings_of(stored: str) -> list[str]:
+    """Warnings as they are stored by codes and values, in the language that is written."""
+    return [warning_words(one) for one in restored(stored)]

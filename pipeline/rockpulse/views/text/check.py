@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import xarray as xr
 
-from rockpulse.views.shared.columns import tabulated, titled
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, three_digits
+from rockpulse.views.shared.shown_columns import tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
 
 #: Names of the codes.

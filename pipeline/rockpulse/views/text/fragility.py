@@ -8,11 +8,11 @@ import xarray as xr
 from rockpulse.record.measures import REFERENCE
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
-from rockpulse.views.shared.columns import count_of, shown, tabulated, titled
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, six_digits
-from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number, text
-from rockpulse.views.shared.words import counted, named, numerals, remarks_of, say
+from rockpulse.views.shared.shown_columns import count_of, shown, tabulated, titled
+from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell, table_text
+from rockpulse.views.shared.words import counted_words, numerals, say, translated, warnings_of
 from rockpulse.views.text.left_out import unused
 from rockpulse.views.text.site import explained
 
@@ -33,7 +33,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
         unused(files_used(tree).line),
         explained(median_table(tree)),
         _pooled(curves, efficiency),
-        *map(text, sufficiency_tables(efficiency)),
+        *map(table_text, sufficiency_tables(efficiency)),
         _statements(curves),
     ]
     return "\n\n".join(filter(None, parts))
@@ -48,7 +48,7 @@ def shown_measure(curves: xr.Dataset) -> str:
 def records_words(tree: xr.DataTree) -> str:
     """The numbers of records and of earthquakes that the curves rest on."""
     event = tree["capacities"].to_dataset()["event"].values
-    records, earthquakes = counted(event.size, "record"), counted(np.unique(event).size, "earthquake")
+    records, earthquakes = counted_words(event.size, "record"), counted_words(np.unique(event).size, "earthquake")
     known = say("records_of", records=records, earthquakes=earthquakes)
     return say("fragility.as_one", records=known) if UNKNOWN in event else known
 
@@ -60,7 +60,7 @@ def state_words(name: str) -> str:
 
 def statement(one: xr.Dataset) -> str:
     """What there is to say of a curve, of a body and limit state in one measure; empty for nothing."""
-    return "; ".join(remarks_of(str(one["statement_values"].item())))
+    return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 
 def median_table(tree: xr.DataTree) -> Table:
@@ -70,10 +70,10 @@ def median_table(tree: xr.DataTree) -> Table:
     level = f"{six_digits(100.0 * float(tree.attrs['confidence']))} %"
 
     def beyond(median: float, extrapolated: int) -> Cell:
-        return number(median, ratio, (BEYOND,) if extrapolated else ())
+        return number_cell(median, ratio, (BEYOND,) if extrapolated else ())
 
     def upper(limit: float) -> Cell:
-        return number(limit, lambda high: say("no_limit") if math.isinf(high) else ratio(high))
+        return number_cell(limit, lambda high: say("no_limit") if math.isinf(high) else ratio(high))
 
     selected = (
         titled(say("head.body"), Cell, "block", width=30),
@@ -87,7 +87,7 @@ def median_table(tree: xr.DataTree) -> Table:
         titled(say("fragility.earthquakes"), shown(str), "events"),
     )
     words, units = (str(own[f"measure_{of}"].item()) for of in ("long_name", "units"))
-    words = named(f"measures.{own['measure'].item()}", words)
+    words = translated(f"measures.{own['measure'].item()}", words)
     caption = say("fragility.caption", measure=words if units == "1" else f"{words} [{units}]")
     note = say("fragility.limits", absent=ABSENT) + (say("fragility.first") if tree.attrs["data"] == "ida" else "")
     rows = own[[name for column in selected for name in column.of]].stack(row=("block", "limit_state"))
@@ -106,7 +106,9 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
     compared = [efficiency[f"pooled_beta_ratio{end}"].sel(limit_state=states[-1]) for end in ("", "_low", "_high")]
     rows = []
     for name, line in zip(kept, table, strict=True):
-        cells = [number(x, ratio, (SMALLEST,) if x == best else ()) for x, best in zip(line, smallest, strict=True)]
+        cells = [
+            number_cell(x, ratio, (SMALLEST,) if x == best else ()) for x, best in zip(line, smallest, strict=True)
+        ]
         value, low, high = (float(limit.sel(measure=name)) for limit in compared)
         band = ratio(value) if math.isnan(low) else f"{ratio(value)} ({ratio(low)}..{ratio(high)})"
         rows.append((Cell(name), *cells, Cell(band, value)))
@@ -115,7 +117,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
     if bool(compared[1].sel(measure=kept).notnull().any()):
         head += " with its band"
     words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]
-    return text(Table("", head, headings, tuple(rows), tuple(words)))
+    return table_text(Table("", head, headings, tuple(rows), tuple(words)))
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
@@ -140,19 +142,19 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
     """A sentence for every quality that files of some records state: by how many, and whether they are enough."""
-    total = counted(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
+    total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
         count, events = (int(efficiency[f"quality_{of}"].sel(quality=name)) for of in ("records", "events"))
         if count:
             key = "stated" if np.isfinite(p_value.sel(quality=name)).any() else "too_few"
-            fields = {"quality": say(f"quality.{name}"), "events": counted(events, "earthquake")}
+            fields = {"quality": say(f"quality.{name}"), "events": counted_words(events, "earthquake")}
             said.append(say(f"fragility.{key}", count=count, records=total, **fields))
     return said
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """A remark of each kind, by the state of curve, band and median, and how many others there are like it."""
+    """A warning of each kind, by the state of curve, band and median, and how many others there are like it."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):
@@ -161,4 +163,4 @@ def _statements(curves: xr.Dataset) -> str:
         found.setdefault(kind, []).append(f"{', '.join(labels)}: {statements.values[place]}")
     like = {first: f" (and {len(others)} more like it)" if others else "" for first, *others in found.values()}
     said = [paragraph(first + more, "      ", "  ") for first, more in like.items()]
-    return "\n".join(["remarks", *said]) if said else ""
+    return "\n".join(["warnings", *said]) if said else ""

@@ -6,10 +6,10 @@ from textwrap import shorten
 
 import xarray as xr
 
-from rockpulse.errors import NO_RECORD, Failure, alike, last_part, some, told
-from rockpulse.remark import PLAIN
+from rockpulse.errors import NO_RECORD, Failure, alike, last_part, reasons_in_words, some
 from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.formatting import WIDTH, paragraph
+from rockpulse.warning_text import PLAIN
 
 #: Rows of a kind other than "failed" in the overview, those of one reason as one; and in a brief one.
 LISTED, FEW = 12, 3
@@ -71,7 +71,7 @@ def left_out_in_short(tree: xr.DataTree) -> str:
 
 def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
     """The first of some groups of rows, and the number of rows in the others."""
-    lines = [paragraph(told(group), "      ", "  ") for group in entries[:most]]
+    lines = [paragraph(reasons_in_words(group), "      ", "  ") for group in entries[:most]]
     if more := sum(map(len, entries[most:])):
         lines.append(f"  and {more} more (rockpulse inspect RESULTS --failures shows them)")
     return lines
@@ -103,7 +103,7 @@ def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
 
 
 def _with_kind(kind: str, entries: Sequence[Sequence[Failure]]) -> list[str]:
-    return [paragraph(told(group), "      ", f"{kind} ({group[0].stage}) ") for group in entries]
+    return [paragraph(reasons_in_words(group), "      ", f"{kind} ({group[0].stage}) ") for group in entries]
 
 
 def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:

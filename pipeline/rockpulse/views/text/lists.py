@@ -10,12 +10,12 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
-from rockpulse.storage.export.row_selection import Selection, rows
+from rockpulse.storage.export.row_selection import RowSelection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
-from rockpulse.views.shared import columns as col
+from rockpulse.views.shared import shown_columns as col
 from rockpulse.views.shared.formatting import paragraph, several, shortened
 from rockpulse.views.shared.notes import factor_heading, factor_name
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
 from rockpulse.views.shared.words import say
 
 #: Columns of a list of cases; those of each factor, where it is known, and what they are.
@@ -49,14 +49,14 @@ class _Points:
         return self._found[name]
 
 
-def worst_first(answers: Answers, selection: Selection) -> Selection:
+def worst_first(answers: Answers, selection: RowSelection) -> RowSelection:
     """A selection in the order of the factor, or of the rotation where none is known."""
     if answers.told:
         return replace(selection, sort=answers.factor, descending=False)
     return replace(selection, sort="peak_rotation_ratio", descending=True)
 
 
-def case_list(summary: xr.Dataset, selection: Selection) -> str:
+def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
     """The answers that a selection names, one a line; those of the fullest model where it names none."""
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
@@ -93,7 +93,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     return _listed(heading, col.headed(selected), table, notes)
 
 
-def record_list(summary: xr.Dataset, selection: Selection) -> str:
+def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
     """The records that a selection names; a condition on an answer has to hold for one of the blocks."""
     answers, selection = _selected(summary, selection)
     summary = answers.summary
@@ -101,12 +101,12 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     return _of_motions(answers, selection, "record", names)
 
 
-def block_list(summary: xr.Dataset, selection: Selection) -> str:
+def block_list(summary: xr.Dataset, selection: RowSelection) -> str:
     """The blocks that a selection names; a condition on an answer has to hold for one of the records."""
     return _of_motions(*_selected(summary, selection), "block", BLOCK)
 
 
-def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequence[str]) -> str:
+def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequence[str]) -> str:
     """A list of the records or blocks: columns of their own, how many of the others overturn, the smallest factor."""
     summary, of_records = answers.summary, dim == "record"
     places, found = rows(summary, [dim], selection)
@@ -146,11 +146,11 @@ def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequenc
     return _listed(f"{shown}{several(found, dim)}{_order(selection)}", headings, table, notes)
 
 
-def _selected(summary: xr.Dataset, selection: Selection) -> tuple[Answers, Selection]:
+def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, RowSelection]:
     """The answers of the fullest model that the selection names, and the selection with that model alone."""
     part = summary[["model"]]
     if patterns := selection.names.get("model", ()):
-        places, _ = rows(part, ["model"], Selection({"model": patterns}))
+        places, _ = rows(part, ["model"], RowSelection({"model": patterns}))
         part = part.isel(model=places["model"])
     model = fullest_model(part)
     return Answers(summary, model=model), replace(selection, names={**selection.names, "model": (model,)})
@@ -165,7 +165,7 @@ def _distinct(summary: xr.Dataset) -> np.ndarray:
 
 
 def _of_interest(
-    summary: xr.Dataset, selection: Selection, shown: Sequence[col.Column], dim: str = ""
+    summary: xr.Dataset, selection: RowSelection, shown: Sequence[col.Column], dim: str = ""
 ) -> tuple[col.Column, ...]:
     """A column for each variable that a selection is about and that has none yet; of records alone, along `dim`."""
     told = {name for column in shown for name in column.of} | {"factor_resolved"}
@@ -181,10 +181,10 @@ def _plain(variable: xr.Variable) -> Any:
     """How a value of a variable that has no column of its own is shown."""
     if words := flag_words(variable):
         return lambda code: Cell(words[code])
-    return number if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), col.NAME_WIDTH))
+    return number_cell if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), col.NAME_WIDTH))
 
 
-def _order(selection: Selection) -> str:
+def _order(selection: RowSelection) -> str:
     return f", {'largest' if selection.descending else 'smallest'} {selection.sort} first" if selection.sort else ""
 
 

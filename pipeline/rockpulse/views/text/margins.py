@@ -9,10 +9,10 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared import columns as col
+from rockpulse.views.shared import shown_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, shortened, three_digits
 from rockpulse.views.shared.notes import cautions, factor_heading, factor_name, factor_notes
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
@@ -104,8 +104,8 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         (
             Cell("  " + shortened(body.block, col.NAME_WIDTH)),
             col.COLUMNS["restitution"].cell(body.restitution),
-            *(number(float(peaks[pair, lane]), _peak) for peaks in (median, largest)),
-            number(largest_at[pair, lane], _degrees),
+            *(number_cell(float(peaks[pair, lane]), _peak) for peaks in (median, largest)),
+            number_cell(largest_at[pair, lane], _degrees),
             *(_smallest(answers, directions, pair, lane) if titles else ()),
             *(_fallen(share[pair, lane] * count, silent[pair, lane]) for share, silent in fallen),
         )
@@ -140,7 +140,7 @@ def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) ->
     azimuth = float(directions["direction_azimuth"].values[index == row][0]) if row >= 0 else math.nan
     limit = float(np.min(answers.proven()[index[index >= 0], lane], initial=math.inf))
     bound = row >= 0 and bool(answers.bound[row, lane])
-    return col.factor_cell(float(factor), limit, bound), number(azimuth, _degrees)
+    return col.factor_cell(float(factor), limit, bound), number_cell(azimuth, _degrees)
 
 
 def _name(answers: Answers, pair: xr.Dataset) -> Cell:

@@ -9,13 +9,13 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, answers_of, lanes
 from rockpulse.record.measures import STORED
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.export.row_selection import Selection, unknown
-from rockpulse.views.shared.columns import doubt, doubt_notes, record_cells
-from rockpulse.views.shared.facts import Known
+from rockpulse.storage.export.row_selection import RowSelection, unknown
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, fixed, paragraph, restitution, several, three_digits
 from rockpulse.views.shared.notes import cautions
-from rockpulse.views.shared.table import Cell, Heading, Table, number, text
+from rockpulse.views.shared.record_facts import Known
+from rockpulse.views.shared.shown_columns import doubt, doubt_notes, record_cells
+from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
 from rockpulse.views.text.lists import case_list, worst_first
@@ -82,7 +82,7 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
     """Strength of the records, verdicts by model, the worst blocks, and the worst cases or pairs of a sweep."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
-        parts.append(case_list(answers.summary, worst_first(answers, Selection(limit=WORST))))
+        parts.append(case_list(answers.summary, worst_first(answers, RowSelection(limit=WORST))))
     else:
         parts.append(_pairs(answers, directions))
     parts.append(verdicts.governing(answers))
@@ -103,9 +103,9 @@ def _record_strength(answers: Answers) -> str:
         known = values[~np.isnan(values)]
         if known.size:
             quantiles = np.quantile(known, (0.0, 0.5, 1.0)).tolist()
-            rows.append((Cell(title), *map(number, quantiles), Cell(unit)))
+            rows.append((Cell(title), *map(number_cell, quantiles), Cell(unit)))
     headings = tuple(map(Heading, ("", "smallest", "median", "largest", "")))
-    lines = [text(Table("", "The records:", headings, tuple(rows)))]
+    lines = [table_text(Table("", "The records:", headings, tuple(rows)))]
     if drifting := int(np.count_nonzero(answers["pgv_drift"])):
         of = "1 record may be off: its" if drifting == 1 else f"{drifting} records may be off: their"
         lines.append(f"  PGV of {of} baseline drifts (--where 'pgv_drift = drift').")
@@ -123,8 +123,8 @@ def _verdicts(answers: Answers) -> str:
     for model, one in answers.of_models.items():
         rest, rocks, over, unresolved = one.counts
         weak = int(np.count_nonzero(one["safety_factor"] < 1.0)) if one.searched else None
-        counts = [number(count, str) for count in (rest, rocks, over)]
-        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak)]
+        counts = [number_cell(count, str) for count in (rest, rocks, over)]
+        more = [number_cell(count, lambda value: fixed(value, 0)) for count in (unresolved, weak)]
         rows.append((Cell(model), *counts, Cell(f"{over / total:.1%}", over / total), *more))
     headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1"]
     kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
@@ -132,7 +132,7 @@ def _verdicts(answers: Answers) -> str:
     of_factors = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
     notes = (of_factors if "SF < 1" in headings else []) + cautions(answers.models)
     title = f"Verdicts, {total} by each model:"
-    return text(Table("", title, tuple(map(Heading, headings)), tuple(rows), tuple(notes)))
+    return table_text(Table("", title, tuple(map(Heading, headings)), tuple(rows), tuple(notes)))
 
 
 def _pairs(answers: Answers, directions: xr.Dataset) -> str:
@@ -215,7 +215,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
         words = (outcome.name.lower().replace("_", " ") for outcome in Outcome)
         told = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
         heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {told}."
-        worst = case_list(answers.summary, worst_first(answers, Selection(limit=CASES)))
+        worst = case_list(answers.summary, worst_first(answers, RowSelection(limit=CASES)))
         return "\n".join([*head, heading, "", worst])
     factors = verdicts.probability_table(answers) + verdicts.factor_table(answers)
     return "\n".join([*head, verdicts.verdict_table(answers.summary), "", *capacities(answers, of), factors])

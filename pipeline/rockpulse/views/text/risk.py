@@ -10,8 +10,8 @@ import xarray as xr
 from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
-from rockpulse.views.shared.columns import Column, tabulated, titled
 from rockpulse.views.shared.formatting import ABSENT, paragraph, several, three_digits
+from rockpulse.views.shared.shown_columns import Column, tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
 
 #: Bodies of an inventory that are shown.

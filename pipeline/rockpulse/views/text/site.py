@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.record.measures import MEASURES
-from rockpulse.views.shared.columns import Column, shown, tabulated, titled
 from rockpulse.views.shared.files_used import failure_rows, files_used
 from rockpulse.views.shared.formatting import (
     ABSENT,
@@ -21,8 +20,9 @@ from rockpulse.views.shared.formatting import (
     six_digits,
     three_digits,
 )
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
-from rockpulse.views.shared.words import counted, listed, named, remarks_of, say
+from rockpulse.views.shared.shown_columns import Column, shown, tabulated, titled
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
+from rockpulse.views.shared.words import counted_words, listed, say, translated, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
@@ -43,7 +43,7 @@ def site_overview(tree: xr.DataTree) -> str:
         own = [explained(parameters), correlation, paragraph(design(site), "  ", ""), _coverage(site, blocks)]
     parts = [
         unused(files_used(tree).line),
-        "\n".join(paragraph(line, "  ", "! ") for line in site_remarks(site)),
+        "\n".join(paragraph(line, "  ", "! ") for line in site_warnings(site)),
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
         *own,
         _warnings(site),
@@ -52,9 +52,9 @@ def site_overview(tree: xr.DataTree) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def site_remarks(site: xr.Dataset) -> list[str]:
+def site_warnings(site: xr.Dataset) -> list[str]:
     """Sentences on the limits of the calibration, the gravest first."""
-    return remarks_of(site["remark_values"].item())
+    return warnings_of(site["site_warning_values"].item())
 
 
 def site_tables(site: xr.Dataset) -> list[Table]:
@@ -71,8 +71,8 @@ def about_records(site: xr.Dataset) -> list[str]:
     on_records = say(
         f"site.records.{'as_they_are' if scaled == 'none' else 'scaled'}",
         target="" if scaled == "none" else f"{scaled} {MEASURES[scaled.split()[0]].shown_unit}",
-        records=counted(site.sizes["record"], "record"),
-        earthquakes=counted(site.sizes["site_event"], "earthquake"),
+        records=counted_words(site.sizes["record"], "record"),
+        earthquakes=counted_words(site.sizes["site_event"], "earthquake"),
         names=listed([f"{name} ({count})" for name, count in each], LISTED),
     )
     if method == "spectrum":
@@ -88,17 +88,17 @@ def _parameter_table(site: xr.Dataset) -> Table:
     of_logarithm, of_records = say("site.of_logarithm"), say("site.of_records")
     selected = (
         titled(say("site.head.parameter"), _parameter, "parameter", "parameter_name", "parameter_unit"),
-        *(titled(say(f"site.head.{name}"), number, key) for name, key in medians.items()),
-        *(titled(say(f"site.head.{name}"), number, key, note=of_logarithm) for name, key in spread.items()),
-        *(titled(f"{percent} %", number, f"quantile_{percent}", note=of_records) for percent in (16, 50, 84)),
-        titled(say("site.head.design"), number, "design"),
+        *(titled(say(f"site.head.{name}"), number_cell, key) for name, key in medians.items()),
+        *(titled(say(f"site.head.{name}"), number_cell, key, note=of_logarithm) for name, key in spread.items()),
+        *(titled(f"{percent} %", number_cell, f"quantile_{percent}", note=of_records) for percent in (16, 50, 84)),
+        titled(say("site.head.design"), number_cell, "design"),
     )
     caption = say("site.caption.parameters", confidence=_percent(site, "confidence"))
     return tabulated("site-parameters", caption, selected, site, (say("site.not_known", absent=ABSENT),))
 
 
 def _parameter(name: str, words: str, unit: str) -> Cell:
-    return Cell(Heading(named(f"parameters.{name}", words.partition(";")[0]), _UNITS[unit]).label)
+    return Cell(Heading(translated(f"parameters.{name}", words.partition(";")[0]), _UNITS[unit]).label)
 
 
 def design(site: xr.Dataset) -> str:
@@ -114,7 +114,7 @@ def design(site: xr.Dataset) -> str:
         interval=say("site.no_interval") if interval == ABSENT else interval,
         secondary=three_digits(value["ratio"] * value["main"], "m/s"),
         spacing=three_digits(value["interval"], "s"),
-        impulses=say("site.no_limit") if math.isnan(count) else counted(round(count), "main_impulse"),
+        impulses=say("site.no_limit") if math.isnan(count) else counted_words(round(count), "main_impulse"),
         within=say("site.for_ever") if math.isnan(duration) else say("site.within", time=three_digits(duration, "s")),
         kind=site.attrs["spacing"],
     )
@@ -123,8 +123,8 @@ def design(site: xr.Dataset) -> str:
 def coverage(site: xr.Dataset) -> str:
     """The share of the recorded rotations that the design covers, of events it does not know; or its quantile."""
     if site.attrs["method"] == "spectrum":
-        of = {"records": counted(int(site["record_count"]), "record")}
-        of |= {"earthquakes": counted(int(site["event_count"]), "earthquake")}
+        of = {"records": counted_words(int(site["record_count"]), "record")}
+        of |= {"earthquakes": counted_words(int(site["event_count"]), "earthquake")}
         ends = {name: share(_number(site, name)) for name in ("quantile", "confidence")}
         return say("site.quantile", **of, **ends)
     inside, nominal = (share(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
@@ -140,8 +140,8 @@ def coverage(site: xr.Dataset) -> str:
     if not math.isnan(every := _number(site, "coverage_all")):
         told.append(say("site.coverage_all", share=share(every)))
     if judged := int(site["judged_pairs"]):
-        events = counted(int(site["judged_events"]), "event")
-        told.append(say("site.judged", pairs=counted(judged, "answer"), events=events))
+        events = counted_words(int(site["judged_events"]), "event")
+        told.append(say("site.judged", pairs=counted_words(judged, "answer"), events=events))
     return " ".join(told)
 
 
@@ -149,7 +149,7 @@ def _block_table(site: xr.Dataset) -> Table:
     """The blocks under the design sequence."""
 
     def under(peak: float) -> Cell:
-        return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number(peak, ratio)
+        return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number_cell(peak, ratio)
 
     selected = (
         titled(say("site.head.block"), Cell, "block", width=34),
@@ -174,14 +174,16 @@ def _design_table(site: xr.Dataset) -> Table:
 
     def over(factor: float) -> Cell:
         words = say("site.factor_overturns", factor=ratio(factor))
-        return Cell(words, factor, grade="bad") if factor <= 1.0 else number(factor, ratio)
+        return Cell(words, factor, grade="bad") if factor <= 1.0 else number_cell(factor, ratio)
 
     selected = (
         titled(say("head.body"), Cell, "block", width=34),
         _restitution(),
-        titled("I_eff", number, "effective_impulse", unit="m/s", note=say("site.note.effective", quantile=quantile)),
+        titled(
+            "I_eff", number_cell, "effective_impulse", unit="m/s", note=say("site.note.effective", quantile=quantile)
+        ),
         _interval(say("site.head.interval", confidence=confidence), "effective_impulse"),
-        titled(say("site.head.overturns_at"), number, "speed", unit="m/s", note="g tan(alpha)/p"),
+        titled(say("site.head.overturns_at"), number_cell, "speed", unit="m/s", note="g tan(alpha)/p"),
         titled(say("site.factor"), over, "design_factor", note=say("site.note.on_design")),
         titled(say("site.head.overturned_by"), shown(share), "overturned_share", note=say("site.note.weight")),
     )
@@ -195,11 +197,11 @@ def _sequence_table(site: xr.Dataset) -> Table:
     interval_of = "site.head.interval_of"
     selected = (
         titled(say("head.body"), Cell, "block", width=34),
-        titled("I", number, "main", unit="m/s", note=say("site.note.main")),
+        titled("I", number_cell, "main", unit="m/s", note=say("site.note.main")),
         _interval(say(interval_of, what="I"), "main"),
-        titled("I_s/I", number, "ratio", note=say("site.note.half_waves")),
+        titled("I_s/I", number_cell, "ratio", note=say("site.note.half_waves")),
         _interval(say(interval_of, what="I_s/I"), "ratio"),
-        titled(say("site.head.number"), number, "main_count", note=say("site.note.main_impulses")),
+        titled(say("site.head.number"), number_cell, "main_count", note=say("site.note.main_impulses")),
         _interval(say("site.head.its_interval"), "main_count"),
     )
     own = site.isel(block=np.flatnonzero(site["main"].notnull()))
@@ -216,11 +218,11 @@ def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
     titles = {title: key for key, title in columns.items()}  # the design in place of the same quantile
     notes = {"spectrum_design": "the design"}
     selected = (
-        titled("p", number, "p", unit="1/s"),
-        *(titled(title, number, key, unit="m/s", note=notes.get(key, "")) for title, key in titles.items()),
+        titled("p", number_cell, "p", unit="1/s"),
+        *(titled(title, number_cell, key, unit="m/s", note=notes.get(key, "")) for title, key in titles.items()),
         _interval(f"{confidence} interval", "spectrum_design"),
-        titled("I_s/I", number, "ratio", note=say("site.note.half_waves")),
-        titled(say("site.head.number"), number, "main_count", note=say("site.note.main_impulses")),
+        titled("I_s/I", number_cell, "ratio", note=say("site.note.half_waves")),
+        titled(say("site.head.number"), number_cell, "main_count", note=say("site.note.main_impulses")),
     )
     caption = (
         f"Effective impulse I_eff of blocks with C = {float(at['restitution']):g}; a body overturns at g tan(alpha)/p"
@@ -235,7 +237,7 @@ def explained(table: Table) -> str:
         if heading.note:
             titles.setdefault(heading.note, []).append(heading.title)
     note = " ".join(f"{', '.join(named)}: {words}." for words, named in titles.items())
-    return text(replace(table, remarks=(note, *table.remarks)))
+    return table_text(replace(table, footnotes=(note, *table.footnotes)))
 
 
 def _number(site: xr.Dataset, name: str) -> float:
@@ -253,7 +255,7 @@ def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = three_digi
 def _correlation(site: xr.Dataset) -> Table:
     names = site["parameter"].values.tolist()
     rows = [
-        (Cell(name), *(number(value, fixed) if k < place else Cell("") for k, value in enumerate(line[:-1])))
+        (Cell(name), *(number_cell(value, fixed) if k < place else Cell("") for k, value in enumerate(line[:-1])))
         for place, (name, line) in enumerate(zip(names, site["correlation"].values.tolist(), strict=True))
     ]
     headings = (Heading("correlation of logarithms"), *map(Heading, names[:-1]))

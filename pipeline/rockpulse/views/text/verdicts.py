@@ -8,13 +8,12 @@ import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
-from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
 from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
-from rockpulse.views.shared import columns as col
-from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared import shown_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, shortened, three_digits
 from rockpulse.views.shared.notes import (
     body_notes,
@@ -25,6 +24,7 @@ from rockpulse.views.shared.notes import (
     stored_uncertainty,
     verdict_notes,
 )
+from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
 
 #: Columns of every table below a record, and of the probability.

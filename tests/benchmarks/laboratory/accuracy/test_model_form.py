@@ -21,7 +21,7 @@ from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.model_table import MODELS
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 REST, ROCKS, OVER, UNRESOLVED = (int(outcome) for outcome in Outcome)

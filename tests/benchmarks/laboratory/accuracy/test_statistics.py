@@ -11,7 +11,7 @@ from laboratory.accuracy.statistics import (
     reference_under_perturbation,
 )
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 #: Eleven survivors at rising peaks, one that overturns, one whose verdict the perturbation flips.

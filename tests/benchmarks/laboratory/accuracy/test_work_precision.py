@@ -13,7 +13,7 @@ from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from synthetic import synthetic_motion
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 DT, GRAVITY = 0.02, 9.81

@@ -12,7 +12,7 @@ from laboratory.paper.figure5 import figure5, half_cycle_tables
 from laboratory.paper.pictures import draw_figure5
 from rockpulse.models import Block, ImpulseSequence, Outcome, impulse_train, impulsive_response
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 CASES = [(block, c) for block in RADII for c in (0.9, 0.6)]

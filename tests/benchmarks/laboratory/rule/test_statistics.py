@@ -6,7 +6,7 @@ from scipy.stats import norm
 
 from laboratory.rule.statistics import between, coefficient, dispersion, false_at, resampled, weighted_median
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 def scores(seed, n=200):

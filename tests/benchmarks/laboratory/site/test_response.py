@@ -11,7 +11,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.models import Block, ImpulseSequence, Outcome, sequence_response
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
-from rockpulse.studies.site.records import block_family
+from rockpulse.studies.site.site_records import block_family
 
 NAMES = ("main", "ratio", "interval", "main_count")
 
@@ -125,8 +125,8 @@ def test_one_main_impulse_says_that_impulse_and_ratio_are_one(quick):
     peaks = answer.peak_rotation_ratio * np.exp(0.1 * rng.standard_normal(THIRD.shape))
     fit = fit_sequence(THIRD, peaks, answer.outcome, spacing="continuous")
     assert np.isnan(fit.parameters["interval"])
-    assert any("main and ratio are not told apart" in remark for remark in fit.remarks)
-    assert any("infinitely many secondary impulses" in remark for remark in fit.remarks)
+    assert any("main and ratio are not told apart" in warning for warning in fit.warnings)
+    assert any("infinitely many secondary impulses" in warning for warning in fit.warnings)
     # More main impulses with I_s/I next to 1 are the same: only v I_1c is known, here at C = 0.8.
     ratio, more = fit.parameters["ratio"], range(1, int(fit.parameters["main_count"]))
     known = fit.parameters["main"] * (1.0 - 0.5 * ratio + (1.0 - ratio) * sum(0.8**j for j in more))

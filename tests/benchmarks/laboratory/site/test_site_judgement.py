@@ -19,7 +19,7 @@ def site(earthquakes=10, records=2):
     return Site(np.repeat(np.arange(earthquakes), records), capacity, spectra, 2.0 * spectra, *none)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_an_exact_spectrum_has_the_share_of_its_order_statistic_and_a_doubled_one_less():
     table = judge(site(), draws=1, resamples=4).set_index(["left_out", "method", "quantile"]).sort_index()
     exact, doubled = (table.loc["one", f"spectrum, {name}"] for name in ("rule", "nonlinear"))

@@ -13,7 +13,7 @@ from rockpulse.readers.kit.channel import build_record, clipping_warning, odd_pe
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY as G
-from rockpulse.remark import code_of
+from rockpulse.warning_text import code_of
 
 FILE = SourceFile("a.V1", b"x", lambda: b"x")
 

@@ -291,6 +291,7 @@ def begins(name: str, mark: bytes) -> list[int]:
     return [match.start() for match in re.finditer(before + re.escape(mark), FILES[name])]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("name", "mark"), [(name, mark) for name, marks in MARKERS.items() for mark in marks])
 def test_a_marker_that_is_written_twice_counts_once(name, mark):
     content = FILES[name]

@@ -30,7 +30,7 @@ QUICK = settings(derandomize=True, deadline=None, max_examples=50)
 STEPS = st.sampled_from([0.0014, 0.0025, 1 / 300, 0.005, 1 / 128, 0.01, 0.02, 1 / 3])
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @QUICK
 @given(step=STEPS, count=st.integers(5, 400), decimals=st.integers(3, 7), start=st.sampled_from([0.0, 1.0, 12.5]))
 def test_rounding_within_its_share_of_the_step_is_seen_through(step, count, decimals, start):
@@ -53,6 +53,7 @@ def test_missing_rows_never_pass_as_even_spacing(step, count, decimals, data, le
     assert not printed_at(holed, step)
 
 
+@pytest.mark.sweep
 @QUICK
 @given(step=STEPS, count=st.integers(20, 400), data=st.data(), length=st.floats(1.0, 500.0))
 def test_a_hole_of_any_length_in_equal_steps_is_a_gap(step, count, data, length):

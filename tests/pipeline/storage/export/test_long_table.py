@@ -12,7 +12,7 @@ from results_tree import BLOCKS, MODELS, RECORDS, demanding, results_tree, small
 import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.storage.export.long_table import long_table, results_table
-from rockpulse.storage.export.row_selection import Condition, Selection
+from rockpulse.storage.export.row_selection import Condition, RowSelection
 from rockpulse.storage.export.table_file import readme_of, write_table
 from rockpulse.storage.hdf5.results_file import open_results, save
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
@@ -65,7 +65,7 @@ def table(results):
 def selected(opened, group=None, dims=None, columns=None, where=(), **names):
     """A table of the open results, as of results_table."""
     patterns = {dim: (pattern,) for dim, pattern in names.items()}
-    selection = Selection(patterns, tuple(map(Condition.parse, where)))
+    selection = RowSelection(patterns, tuple(map(Condition.parse, where)))
     return long_table(opened, group, dims, selection, columns).frame()
 
 
@@ -190,7 +190,7 @@ def test_a_table_for_spreadsheets_with_decimal_commas(opened, table, tmp_path):
 
 @pytest.mark.sweep
 def test_parts_make_the_same_table_as_the_whole(opened):
-    table = long_table(opened, selection=Selection(sort="safety_factor"))
+    table = long_table(opened, selection=RowSelection(sort="safety_factor"))
     parts = list(table.frames(4))
     assert [len(part) for part in parts] == [4] * 6 + [3]
     pd.testing.assert_frame_equal(pd.concat(parts, ignore_index=True), table.frame())
@@ -198,7 +198,7 @@ def test_parts_make_the_same_table_as_the_whole(opened):
 
 @pytest.mark.sweep
 def test_the_readme_names_every_column_with_unit_meaning_and_what_is_missing(opened, table, tmp_path):
-    target, readme = written(opened, tmp_path / "table.csv", selection=Selection(limit=9))
+    target, readme = written(opened, tmp_path / "table.csv", selection=RowSelection(limit=9))
     assert readme == readme_of(target) == tmp_path / "table.README.md"
     text = readme.read_text()
     lines = [[cell.strip(" `") for cell in line.split("|")] for line in text.splitlines() if line.startswith("| `")]

@@ -6,7 +6,7 @@ import xarray as xr
 from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.storage.export.row_selection import SHOWN, Condition, Selection, positions_matching, rows
+from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection, positions_matching, rows
 from rockpulse.storage.hdf5.netcdf4 import pointwise, slab, worded
 from rockpulse.storage.variables.summary import SUMMARY
 
@@ -19,7 +19,7 @@ def summary():
 
 
 def where(*conditions, **options):
-    return Selection(conditions=tuple(map(Condition.parse, conditions)), **options)
+    return RowSelection(conditions=tuple(map(Condition.parse, conditions)), **options)
 
 
 def lanes(summary, selection, dims=DIMS, **options):
@@ -65,7 +65,7 @@ def test_nan_meets_no_comparison(summary):
 
 
 def test_names_are_patterns_or_exact(summary):
-    labels = Selection({"record": ("CI.*",), "block": ("c*",), "model": ("nonlinear",)})
+    labels = RowSelection({"record": ("CI.*",), "block": ("c*",), "model": ("nonlinear",)})
     assert lanes(summary, labels)[0] == [(0, 1, 2), (0, 2, 2), (1, 1, 2), (1, 2, 2)]
     assert positions_matching(["wall [a]", "wall a"], ["wall [a]"], "block").tolist() == [0]
     assert positions_matching(["wall [a]", "wall a"], ["wall *", "wall a"], "block").tolist() == [0, 1]
@@ -99,14 +99,14 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
 @pytest.mark.parametrize(
     ("selection", "message"),
     [
-        (Selection({"block": ("colum",)}), r'no block "colum" in these results; did you mean "column"'),
-        (Selection({"block": ("LUM",)}), r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
+        (RowSelection({"block": ("colum",)}), r'no block "colum" in these results; did you mean "column"'),
+        (RowSelection({"block": ("LUM",)}), r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
         (where("outcom = rocks"), r"no variable 'outcom' .* did you mean \"outcome\""),
         (where("outcome = falls"), r"outcome: expected one of at_rest, rocks, overturns, unresolved"),
         (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),
         (where("pga > nan"), r"pga: expected a number, found 'nan'"),
         (where("source < a"), r"source is a text: expected = or !=, found <"),
-        (Selection({"demand": ("collapse",)}), "this table has no demand"),
+        (RowSelection({"demand": ("collapse",)}), "this table has no demand"),
     ],
 )
 def test_what_is_not_there_is_answered_with_what_there_is(summary, selection, message):
@@ -116,26 +116,26 @@ def test_what_is_not_there_is_answered_with_what_there_is(summary, selection, me
 
 def test_rows_are_sorted_what_is_not_known_last_and_cut_after_that(summary):
     factor = summary["safety_factor"].values
-    found, count = lanes(summary, Selection(sort="safety_factor"))
+    found, count = lanes(summary, RowSelection(sort="safety_factor"))
     values = [factor[place] for place in found]
     known = [value for value in values if not np.isnan(value)]
     assert known == sorted(known)
     assert len(known) == 18
     assert np.isnan(values[18:]).all()
     assert count == 27
-    down, _ = lanes(summary, Selection(sort="safety_factor", descending=True))
+    down, _ = lanes(summary, RowSelection(sort="safety_factor", descending=True))
     assert [factor[place] for place in down][:18] == known[::-1]
-    assert lanes(summary, Selection(sort="safety_factor", limit=4)) == (found[:4], 27)
+    assert lanes(summary, RowSelection(sort="safety_factor", limit=4)) == (found[:4], 27)
 
 
 def test_equal_keys_keep_the_order_of_the_file(summary):
-    found, _ = lanes(summary, Selection({"model": ("sequence",)}, sort="slenderness"))
+    found, _ = lanes(summary, RowSelection({"model": ("sequence",)}, sort="slenderness"))
     assert [place[1] for place in found] == [2] * 3 + [1] * 3 + [0] * 3
     assert [place[0] for place in found[:3]] == [0, 1, 2]
 
 
 def test_texts_are_sorted_by_letters(summary):
-    found, _ = lanes(summary, Selection(sort="block"), dims=("block",))
+    found, _ = lanes(summary, RowSelection(sort="block"), dims=("block",))
     assert [BLOCKS[place] for (place,) in found] == sorted(BLOCKS)
 
 
@@ -144,9 +144,9 @@ def test_a_condition_beyond_the_dimensions_has_to_hold_somewhere_and_sorts_by_it
     assert lanes(summary, where("outcome = overturns", names=names), dims=("record",))[0] == [(0,)]
     assert lanes(summary, where("outcome = overturns"), dims=("record",))[0] == [(0,), (1,)]
     summary["safety_factor"][1, 2, 0] = 0.3
-    found, _ = lanes(summary, Selection(sort="safety_factor"), dims=("record",))
+    found, _ = lanes(summary, RowSelection(sort="safety_factor"), dims=("record",))
     assert found == [(1,), (0,), (2,)]
-    only_weak = Selection({"record": (RECORDS[2],), "model": ("nonlinear",)}, sort="safety_factor")
+    only_weak = RowSelection({"record": (RECORDS[2],), "model": ("nonlinear",)}, sort="safety_factor")
     assert lanes(summary, only_weak, dims=("record",)) == ([(2,)], 1)  # nothing is known of it
 
 
@@ -154,7 +154,7 @@ def test_a_mask_cuts_along_some_dimensions():
     summary = results_tree(2)["summary"].to_dataset()
     held = np.array([[True, False], [True, True], [True, True]])
     dims = ("record", "block", "case", "model")
-    found, count = lanes(summary, Selection(), dims=dims, masks=[(("block", "case"), held)])
+    found, count = lanes(summary, RowSelection(), dims=dims, masks=[(("block", "case"), held)])
     assert count == 3 * 5 * 3
     assert all(place[1] > 0 or place[2] == 0 for place in found)
 

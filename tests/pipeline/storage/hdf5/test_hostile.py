@@ -153,7 +153,9 @@ def tried(source, verbs, seeds, place, each):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("verb", KINDS)
+@pytest.mark.parametrize(
+    "verb", ["assess", *(pytest.param(one, marks=pytest.mark.slow) for one in KINDS if one != "assess")]
+)
 def test_a_file_that_was_tampered_with_is_an_error_in_words(verb, sound, place):
     quick = [one for one in KINDS[verb] if not one.startswith("report")]  # a report takes seconds
     every = 1 if verb == "assess" else 3

@@ -9,6 +9,7 @@ from rocking.body.block import Block
 from rocking.body.restraint import Tie
 from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
+from rockpulse.studies.check.code_spectra import spectrum_of
 from rockpulse.studies.check.codes import (
     circolare_2009,
     circolare_2019,
@@ -18,7 +19,6 @@ from rockpulse.studies.check.codes import (
     kinematic_check,
 )
 from rockpulse.studies.check.mechanism import Mechanism, Weight
-from rockpulse.studies.check.spectra import spectrum_of
 
 G = 9.80665
 WALL = Mechanism((Weight(1.0, 0.2, 2.0, True),))  # 0.4 x 4 m

@@ -58,7 +58,7 @@ def covered(data, events, correlation, sets, seed=0):
     return len(hits), np.sum(hits, axis=0)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.parametrize(("data", "correlation"), [("ida", 0.0), ("truncated", 0.4), ("stripes", 0.4)])
 def test_bands_cover_the_truth_at_the_nominal_rate(data, correlation):
     sets, hits = covered(data, events=15, correlation=correlation, sets=40)

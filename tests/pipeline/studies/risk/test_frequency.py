@@ -101,7 +101,7 @@ def test_the_band_is_over_earthquakes():
     assert found.low < narrow.low < narrow.high < found.high
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_draws_that_rest_on_one_earthquake_are_lost_and_told(tree, law):
     """Draws with no curve without one of their earthquakes have no standard error: left out, they would narrow it."""
     found = rp.risk(tree, law, resamples=200).sel(block="wall")

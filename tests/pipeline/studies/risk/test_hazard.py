@@ -36,7 +36,7 @@ def test_a_curve_through_a_power_law_is_that_power_law():
     ("text", "measure", "level", "rate"),
     [
         ("pga [g],rate\n0.1,1e-2\n0.4,1e-3\n", "pga", G * 0.1, 1e-2),
-        ("# a remark\nPGV [cm/s], rate [1/year]\n10,1e-2\n40,1e-3\n", "pgv", 0.1, 1e-2),
+        ("# a warning\nPGV [cm/s], rate [1/year]\n10,1e-2\n40,1e-3\n", "pgv", 0.1, 1e-2),
         ("sa(1.0) [g];probability in 50 years\n0.1;0.5\n0.4;0.1\n0.8;0.0\n", "sa_1", G * 0.1, math.log(2.0) / 50.0),
         ("SI [m/s],probability in 1 year\n0.1,0.01\n0.4,0.001\n", "si", 0.1, -math.log1p(-0.01)),
         ("TR [years],ag [g],F0,TC*\n30,0.05,2.3,0.28\n475,0.2,2.4,0.33\n", "pga", G * 0.05, 1.0 / 30.0),
@@ -72,7 +72,7 @@ def test_a_site_is_chosen_among_several(tmp_path):
     near = rp.load_hazard(path, (13.0, 42.1))
     assert near.rates[0] == pytest.approx(-math.log1p(-0.2))
     # A tenth of a degree of a meridian: 6371 km pi/1800.
-    assert near.remarks == ("11.1 km from the site",)
+    assert near.warnings == ("11.1 km from the site",)
     assert near.words == f"{path}, place 13 E 42 N: 2 points of pga in g"
     settings = HazardSettings(file="curve.csv", longitude=0.1, latitude=0.1)
     assert hazard_of(settings, tmp_path).rates[0] == pytest.approx(-math.log1p(-0.1))
@@ -192,11 +192,11 @@ def test_the_grid_of_the_italian_norm_has_nine_return_periods_a_node(tmp_path, a
     assert curve.level[6] == pytest.approx(0.1 * G * 0.8 * (475 / 30) ** 0.4, rel=1e-4)
     assert curve.rate(1.2 * curve.level) == pytest.approx(1.0 / np.array(PERIODS), rel=1e-9)
     assert "place 13.46 E 42.38 N" in curve.words
-    assert curve.remarks[1] == "a_g read in g/10"
+    assert curve.warnings[1] == "a_g read in g/10"
     assert "times the soil factor 1.2" in curve.words
     # Without a soil factor it is said that the levels are those on rock.
     bare = rp.load_hazard(written(tmp_path, grid(above)), (13.46, 42.37))
-    assert "a_g is that on rock" in bare.remarks[-1]
+    assert "a_g is that on rock" in bare.warnings[-1]
 
 
 def test_return_periods_by_hand_may_have_decimal_commas(tmp_path):

@@ -13,7 +13,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block
 from rockpulse.record.measures import SCALING
-from rockpulse.studies.site import records as site_record
+from rockpulse.studies.site import site_records as site_record
 
 TIME = 0.01 * np.arange(1200)
 BLOCKS = {"wall": Block(0.3, 3.0), "pier": Block(0.8, 3.6), "column": Block(1.0, 8.0)}
@@ -88,10 +88,10 @@ def test_the_seed_decides_the_intervals_and_nothing_else(done):
 
 
 def test_few_records_and_events_are_said_loudly(done):
-    assert "FEW RECORDS: 8, fewer than 10" in str(done["remarks"].item())
-    assert "FEW EVENTS" not in str(done["remarks"].item())
+    assert "FEW RECORDS: 8, fewer than 10" in str(done["site_warnings"].item())
+    assert "FEW EVENTS" not in str(done["site_warnings"].item())
     three = site(RECORDS[:3])
-    assert "FEW EVENTS: 3, fewer than 5" in str(three["remarks"].item())
+    assert "FEW EVENTS: 3, fewer than 5" in str(three["site_warnings"].item())
     # Chi-square of 7 and 2 degrees of freedom: ends apart by factors of 2.5 and 7.6, and more for not knowing those.
     widths = [(one["dispersion_upper"] / one["dispersion_lower"]).values for one in (done, three)]
     assert (widths[0] > 2.4).all()
@@ -100,8 +100,8 @@ def test_few_records_and_events_are_said_loudly(done):
 
 @pytest.mark.sweep
 def test_few_records_are_said_by_the_quantile(done):
-    assert "about 1.3 of them lie above the quantile 0.84" in str(done["remarks"].item())
-    assert "the quantile 0.5 lies among them" in str(site(quantile=0.5)["remarks"].item())
+    assert "about 1.3 of them lie above the quantile 0.84" in str(done["site_warnings"].item())
+    assert "the quantile 0.5 lies among them" in str(site(quantile=0.5)["site_warnings"].item())
 
 
 @pytest.mark.sweep
@@ -109,9 +109,9 @@ def test_events_that_lift_nothing_are_not_counted_as_more():
     still = [dataclasses.replace(shake(seed, 0.01), id=f"still{seed}") for seed in range(4, 8)]
     found = site([*RECORDS[:2], *still])
     assert (int(found["event_count"]), int(found["lifting_events"])) == (6, 2)
-    remarks = str(found["remarks"].item())
-    assert remarks.startswith("FEW EVENTS: 6, only 2 with a record that lifts a block, fewer than 5")
-    assert "(lifts no block)" in remarks
+    warnings = str(found["site_warnings"].item())
+    assert warnings.startswith("FEW EVENTS: 6, only 2 with a record that lifts a block, fewer than 5")
+    assert "(lifts no block)" in warnings
 
 
 def test_a_coverage_that_rests_on_little_says_so(done):
@@ -120,7 +120,7 @@ def test_a_coverage_that_rests_on_little_says_so(done):
     assert int(done["judged_events"]) == np.count_nonzero(((marks == 0) | (marks == 1)).any(axis=1))
     three = site(RECORDS[:3])
     assert int(three["judged_events"]) < 5
-    assert f"of {int(three['judged_events'])} of 3 events" in str(three["remarks"].item())
+    assert f"of {int(three['judged_events'])} of 3 events" in str(three["site_warnings"].item())
 
 
 @pytest.mark.sweep
@@ -145,13 +145,13 @@ def test_unresolved_pairs_count_as_overturned(monkeypatch):
     own = rp.models.ImpulseSequence(main, ratio * main, interval, duration, int(count), spacing="end")
     fallen = [np.isinf(rp.models.sequence_response(block, own).peak_rotation_ratio) for block in BLOCKS.values()]
     assert float(unresolved["unsafe_share"][7]) == pytest.approx(1.0 - np.mean(fallen))
-    assert "12.5% of the pairs of record and block are unresolved" in str(unresolved["remarks"].item())
+    assert "12.5% of the pairs of record and block are unresolved" in str(unresolved["site_warnings"].item())
     assert float(unresolved["lifted_share"]) >= float(site(RECORDS[:7])["lifted_share"])
 
 
 def test_one_event_is_a_statement_not_a_number():
     one = site([dataclasses.replace(record, event="Kobe") for record in RECORDS])
-    assert str(one["remarks"].item()).startswith("ONE EVENT (Kobe): nothing can be left out")
+    assert str(one["site_warnings"].item()).startswith("ONE EVENT (Kobe): nothing can be left out")
     names = ["coverage", "coverage_lower", "coverage_upper", "median_lower", "median_upper", "design_lower"]
     assert all(np.isnan(one[name]).all() for name in [*names, "design_upper", "dispersion_upper", "left_out_main"])
     assert np.isfinite(one["design"]).all()
@@ -179,7 +179,7 @@ def test_scaling_to_twice_the_target_doubles_every_impulse(measure):
 
 def test_scaled_beyond_the_usual_is_said():
     far = site(RECORDS[:2], scale_to="pga", target=40.0)
-    assert "2 of 2 records are scaled by less than 0.25 or more than 4" in str(far["remarks"].item())
+    assert "2 of 2 records are scaled by less than 0.25 or more than 4" in str(far["site_warnings"].item())
     assert "scaled by" in str(far["warnings"][0].item())
     assert "scaled by" in str(far["processing"][0].item())
 

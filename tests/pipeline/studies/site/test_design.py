@@ -12,7 +12,7 @@ from rockpulse.studies.site.design import (
     BEYOND,
     SiteSample,
     correlation,
-    covered,
+    covered_rotations,
     design_sequence,
     main_impulse_interval,
     overturning_limit,
@@ -65,7 +65,7 @@ def test_blocks_that_the_design_overturns_do_not_buy_the_quantile_for_the_others
     peaks = rotations(MAINS)
     peaks[2:, 0] = np.inf
     design = design_sequence(sample_of(MAINS, peaks=peaks), 0.9)
-    marks = covered(sample_of(MAINS, peaks=peaks), design)
+    marks = covered_rotations(sample_of(MAINS, peaks=peaks), design)
     standing = marks != BEYOND
     assert not standing[:, 0].any()
     assert np.mean(marks[standing]) >= 0.9 - 1e-12
@@ -76,7 +76,7 @@ def test_pairs_at_rest_do_not_count():
     peaks[:5] = np.nan
     design = design_sequence(sample_of(MAINS, peaks=peaks), 0.5)
     assert design.main == pytest.approx(MAINS[7], rel=2e-4)  # the third of the five that count
-    marks = covered(sample_of(MAINS, peaks=peaks), design)
+    marks = covered_rotations(sample_of(MAINS, peaks=peaks), design)
     assert np.isnan(marks[:5]).all()
     assert not np.isnan(marks[5:]).any()
 
@@ -121,7 +121,7 @@ def test_an_event_stronger_than_all_others_is_not_covered_without_it():
     share, lower, upper = coverage_of(found.covered, sample, 0.9)
     assert share == pytest.approx(0.8)
     assert lower < 0.5 < 0.95 < upper  # five events say little
-    assert covered(sample, design_sequence(sample, 0.95)).mean() == 1.0  # in sample it looks perfect
+    assert covered_rotations(sample, design_sequence(sample, 0.95)).mean() == 1.0  # in sample it looks perfect
 
 
 def test_a_single_event_leaves_nothing_to_judge():

@@ -130,7 +130,7 @@ def test_number_and_ratio_are_those_of_the_rule(by_rule):
     np.testing.assert_allclose(by_rule["record_ratio"].values[0, [6, 18]], sequence.secondary / sequence.main)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_nonlinear_spectrum_is_that_of_the_record_scaled_to_the_target():
     found = spectra("nonlinear", record(), scale_to="pga", target=2.0 * record().pga)["spectrum"]
     own = rp.overturning_spectrum(record(2.0))["spectrum"]
@@ -190,7 +190,7 @@ def test_a_stronger_effect_is_a_smaller_factor_and_the_ends_go_together():
 
 def test_a_body_outside_the_spectrum_has_no_design_and_is_named():
     site = usual_site()["site"].to_dataset()
-    assert str(site["remarks"].item()) == "outside the spectrum, and without a design: chest"
+    assert str(site["site_warnings"].item()) == "outside the spectrum, and without a design: chest"
     chest = site.sel(block="chest")
     assert np.isnan([chest[name] for name in ("effective_impulse", "design_factor", "main", "overturned_share")]).all()
     assert float(chest["p"]) == BLOCKS["chest"].p
@@ -211,7 +211,7 @@ def test_earthquakes_are_alike_by_default_and_records_where_asked():
 def test_too_few_earthquakes_are_said_in_one_line_and_give_no_number():
     tree = site_of(STRENGTHS, [0, 1, 2, 3, 4, 5] + [5] * 4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
-    assert str(site["remarks"].item()) == "not enough earthquakes (6; at least 7 for the quantile 0.84)"
+    assert str(site["site_warnings"].item()) == "not enough earthquakes (6; at least 7 for the quantile 0.84)"
     for name, one in {**site.data_vars, **spectra.data_vars}.items():
         if one.dims in (("block",), ("p",), ("p", "restitution")) and name not in (
             *("alpha_c", "p", "restitution", "critical_impulse"),

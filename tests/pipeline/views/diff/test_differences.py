@@ -14,8 +14,8 @@ from rockpulse.storage.hdf5.results_file import open_results, save
 from rockpulse.storage.variables import FAILURE
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
 from rockpulse.storage.variables.site import SITE_KIND
+from rockpulse.views.diff.difference_overview import difference_overview
 from rockpulse.views.diff.differences import OUTCOME, SAFETY, compare_results
-from rockpulse.views.diff.overview import difference_overview
 from rockpulse.views.diff.row_matching import OnlyIn
 
 #: (record, block, model) that the rows of /half_cycles point at.
@@ -262,7 +262,7 @@ def test_units_and_attributes_that_differ_are_told_and_versions_do_not_count():
     assert '  + [[block]] "wall" width = 0.4' in text
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(saved, tmp_path):
     places = {"summary/pga": 0, "summary/outcome": (0, 0, 0), "half_cycles/peak": 3, "summary/source": 1}
     shutil.copy(saved, tmp_path / "b.h5")

@@ -102,6 +102,7 @@ def test_resonance_is_named_an_upper_bound_and_the_narrowest_interval_is_seen(as
     assert "at least 1 pt wide" in small_print(ax)
 
 
+@pytest.mark.sweep
 def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, changed, first):
     none = assessed["overturning_intervals"].to_dataset().isel(interval=slice(0))
     endless = np.full(assessed["summary"]["safety_factor"].shape, np.inf)

@@ -52,6 +52,7 @@ def test_a_body_stands_at_its_speed_and_the_median_at_a_demand_is_that_of_scaled
     assert lines(ax)["median at the demand code"] == pytest.approx(3.0 * np.array([0.2, 0.5, 0.4]))
 
 
+@pytest.mark.sweep
 def test_where_no_body_lies_the_curve_is_straight_and_a_record_without_one_is_left_out():
     some = spectra(1.0, 2.0)
     some["spectrum"].values[:, 1] = np.nan

@@ -17,7 +17,7 @@ import rockpulse as rp
 from rockpulse import CalibrationSettings, SearchSettings
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.models import Block
-from rockpulse.views.report.pictures import Picture, Pictures
+from rockpulse.views.report.report_pictures import PageElement, Pictures
 from rockpulse.views.report.writing import report_page
 
 TIME = 0.02 * np.arange(500)
@@ -120,7 +120,7 @@ def undrawn(monkeypatch):
 
 
 def empty(pictures, draw, name, caption):
-    return Picture(Markup(f'<svg id="picture-{name}"></svg>'), caption)
+    return PageElement(Markup(f'<svg id="picture-{name}"></svg>'), caption)
 
 
 def lettered(pictures, draw, name, caption):
@@ -128,9 +128,9 @@ def lettered(pictures, draw, name, caption):
     try:
         drawn = draw().get_figure(root=True)
     except ResultsError as reason:
-        return Picture(Markup(""), str(reason))
+        return PageElement(Markup(""), str(reason))
     texts = [escape(one.get_text()) for one in drawn.findobj(Text) if one.get_visible()]
-    return Picture(Markup("<svg>" + "".join(f"<text>{text}</text>" for text in texts) + "</svg>"), caption)
+    return PageElement(Markup("<svg>" + "".join(f"<text>{text}</text>" for text in texts) + "</svg>"), caption)
 
 
 @pytest.fixture

@@ -13,17 +13,17 @@ import rockpulse as rp
 from rockpulse import CalibrationSettings, ConditioningSettings, ModelSettings, SearchSettings, UncertaintySettings
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.models import Block
-from rockpulse.remark import Remark, as_stored
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.calibration import design_of
 from rockpulse.views.report.beside import Paired, describe_fragility, paired
-from rockpulse.views.report.content import gather
+from rockpulse.views.report.content import page_content
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.formatting import shortened
-from rockpulse.views.shared.table import text
+from rockpulse.views.shared.table import table_text
 from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table, sufficiency_tables
 from rockpulse.views.text.site import site_overview, site_tables
+from rockpulse.warning_text import WarningText, as_stored
 
 CURVES = rp.Config(
     models=ModelSettings(use=("nonlinear",)),
@@ -45,12 +45,12 @@ def changed(tree, group, **values):
 
 def curves_of(results, fragility):
     """What the section on fragility says."""
-    return gather(results, fragility=paired(results, fragility, "fragility", "it")).fragility
+    return page_content(results, fragility=paired(results, fragility, "fragility", "it")).fragility
 
 
 def site_of(results, site):
     """What the section on the site says."""
-    return gather(results, paired(results, site, SITE_KIND, "it")).site
+    return page_content(results, paired(results, site, SITE_KIND, "it")).site
 
 
 @pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])
@@ -80,8 +80,8 @@ def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tm
 def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bursts, bodies):
     stele, other = bodies["stele"], Block(0.6, 4.0)
     found = curves_of(results, rp.fragility(bursts, CURVES, {"stele": stele, "other": other}))
-    assert "Left out, for they are not among the bodies assessed here: the curves of other." in found.remarks
-    assert any(words.startswith("Without curves, for the fragility file lacks them: pier") for words in found.remarks)
+    assert "Left out, for they are not among the bodies assessed here: the curves of other." in found.warnings
+    assert any(words.startswith("Without curves, for the fragility file lacks them: pier") for words in found.warnings)
     assert found.blocks == ("stele",)
     assert {row[0].text for row in found.tables[0].rows} == {"stele"}
     with pytest.raises(ResultsError, match=r"none of its bodies \(other\) is a body of the results \(stele"):
@@ -106,9 +106,9 @@ def test_restitutions_are_matched_by_their_numbers(bursts):
 @pytest.mark.sweep
 def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragility):
     words = "The curves are of other ground motions than the verdict"
-    assert curves_of(results, fragility).remarks == ()
+    assert curves_of(results, fragility).warnings == ()
     part = rp.assess(bursts[:1], CURVES, bodies)
-    assert curves_of(part, rp.fragility(bursts[1:], CURVES, bodies)).remarks[0].startswith(words)
+    assert curves_of(part, rp.fragility(bursts[1:], CURVES, bodies)).warnings[0].startswith(words)
     assert paired(results, fragility, "fragility", "it").same == 4
     stronger = changed(results, "summary", pga=1.1)
     found = paired(stronger, fragility, "fragility", "it")
@@ -117,18 +117,18 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     assert found.other_motions("fragility", 4) == [told]
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
     by_name = "Their records were compared by name only: PGA is not among the measures of the file."
     without = replace(CURVES, fragility=ida(limit_states=("uplift",), measures=("pgv",)))
-    assert by_name in curves_of(results, rp.fragility(bursts, without, bodies)).remarks
-    assert by_name not in curves_of(results, fragility).remarks
+    assert by_name in curves_of(results, rp.fragility(bursts, without, bodies)).warnings
+    assert by_name not in curves_of(results, fragility).warnings
 
 
 @pytest.mark.sweep
 def test_other_settings_another_gravity_and_another_equation_are_told(results, bursts, bodies, fragility):
     fragility = rp.fragility(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
-    assert curves_of(results, fragility).remarks == (
+    assert curves_of(results, fragility).warnings == (
         "The motions were made with other settings: [conditioning] order = 4, here 2.",
     )
     here, there = results.copy(), fragility.copy()
@@ -137,7 +137,7 @@ def test_other_settings_another_gravity_and_another_equation_are_told(results, b
     )
     assert paired(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
     linear = replace(CURVES, fragility=replace(CURVES.fragility, equation="linear"))
-    assert curves_of(results, rp.fragility(bursts, linear, bodies)).remarks == (
+    assert curves_of(results, rp.fragility(bursts, linear, bodies)).warnings == (
         "The curves are by the linear equation of motion, the verdict is by the nonlinear model.",
     )
 
@@ -149,11 +149,11 @@ def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
         bursts[1:], rp.Config(calibration=CalibrationSettings(method="statistics", bootstrap=100)), bodies
     )
     words = "The calibration and its design are of other ground motions than the verdict"
-    assert site_of(part, others).remarks[0].startswith(words)
-    assert not any(words in remark for remark in site_of(results, site).remarks)
+    assert site_of(part, others).warnings[0].startswith(words)
+    assert not any(words in warning for warning in site_of(results, site).warnings)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site, bodies):
     rp.save(site, tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")
@@ -172,8 +172,8 @@ def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refuse
     part = site_of(assessed, usual_site())
     assert any("quantile of the overturning spectra of 10 records of 10 earthquakes" in one for one in part.statements)
     assert [table.key for table in part.tables] == ["site-design", "site-sequence"]
-    remarks = gather(assessed, paired(assessed, usual_site(), SITE_KIND, "it")).remarks
-    assert not [one for one in remarks if one.head.startswith("records of the site")]  # none overturns the pier
+    warnings = page_content(assessed, paired(assessed, usual_site(), SITE_KIND, "it")).warnings
+    assert not [one for one in warnings if one.head.startswith("records of the site")]  # none overturns the pier
     with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
         site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), bodies=bodies), usual_site())
 
@@ -215,7 +215,7 @@ def test_the_page_and_the_terminal_show_the_same_tables(results, site, fragility
 
 def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is_one(fragility, curves):
     curves["extrapolated"][:] = 0
-    assert BEYOND.note not in text(median_table(with_curves(fragility, curves)))
+    assert BEYOND.note not in table_text(median_table(with_curves(fragility, curves)))
     curves["extrapolated"][:] = 1
     curves["median"][:] = 0.5
     curves["median"].loc[{"limit_state": "overturning"}] = np.nan
@@ -232,7 +232,7 @@ def test_a_band_is_shown_with_both_ends_and_a_rotation_is_named_in_both_tables(f
     assert {(row[3].text, row[4].text) for row in table.rows} == {("0.30", "no limit")}
     assert [(one.title, one.note) for one in table.headings[3:5]] == [("low", "90 %"), ("high", "90 %")]
     curves = curves.assign_coords(limit_state=["0.4", "overturning"])
-    curves["statement_values"][:] = as_stored([Remark("no_maximum")])
+    curves["statement_values"][:] = as_stored([WarningText("no_maximum")])
     of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())
     medians, said, depends = describe_fragility(of, 0, "nonlinear").tables
     assert {row[1].text for row in medians.rows} == {"θ_max/α_c ≥ 0.4", "overturning"}
@@ -244,5 +244,5 @@ def test_the_files_that_curves_do_not_rest_on_are_said_before_them(fragility, cu
     tree = with_curves(fragility, curves)
     tree["failures"] = xr.DataTree(failure_table([Failure("a.asc", "read", "a.asc: no reader", "failed")]))
     files = tree["capacities"].sizes["record"]
-    first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").remarks
+    first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").warnings
     assert first == f"{files} of {files + 1} files used, 1 not: no reader (a.asc)."

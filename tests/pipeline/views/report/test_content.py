@@ -29,7 +29,7 @@ def given(tmp_path, config):
     return replace(config, report=report, folder=tmp_path)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_they_are_stored_in_the_results_and_a_configuration_takes_their_place(given, bursts, bodies, tmp_path):
     page = report_page(results_tree(), config=given)
     for words in ("A. Rossi", "Comune di &lt;Vasto&gt;", "Torre", base64.b64encode(PIXEL).decode()):

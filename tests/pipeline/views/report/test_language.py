@@ -14,21 +14,21 @@ import rockpulse as rp
 from rocking.response import Reason
 from rockpulse.errors import ConfigError
 from rockpulse.model_table import MODELS
-from rockpulse.remark import TEMPLATES, Remark
 from rockpulse.views.report.beside import paired
-from rockpulse.views.report.content import REFERENCE, gather
-from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.content import REFERENCE, page_content
+from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.report.writing import report_page
-from rockpulse.views.shared.columns import columns, filled
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import between, ratio
-from rockpulse.views.shared.words import LANGUAGES, in_numerals, remark_words, say, table, writing
+from rockpulse.views.shared.shown_columns import columns, filled
+from rockpulse.views.shared.words import LANGUAGES, in_numerals, say, table, warning_words, writing
+from rockpulse.warning_text import TEMPLATES, WarningText
 
 WORDS = table("en")
 OTHERS = [language for language in LANGUAGES if language != "en"]
 
 #: Sections of other languages for what is declared in English below the views.
-BELOW = ("labels", "variables", "measures", "model_words", "parameters", "remarks")
+BELOW = ("labels", "variables", "measures", "model_words", "parameters", "warnings")
 
 
 def fields(text):
@@ -45,7 +45,7 @@ def test_no_word_is_missing_and_no_field_differs(language):
 
 @pytest.mark.parametrize("language", OTHERS)
 def test_what_is_declared_below_has_words(language):
-    told = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("remarks.")}
+    told = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("warnings.")}
     assert {code for code, text in told.items() if fields(text) != fields(TEMPLATES[code])} == set()
     assert {f"{of}.{name}" for of in ("model_words", "labels") for name in MODELS} <= set(table(language))
     assert {f"models.{name}" for name in MODELS} <= set(WORDS)
@@ -76,16 +76,16 @@ def test_numbers_have_the_decimal_sign_of_the_language_and_names_stay():
     assert ratio(0.412) == "0.41"
 
 
-def test_a_remark_is_told_by_its_code_and_values():
-    left = Remark("left_none")
-    remark = Remark("set_by", name="wall 2.5", share=0.25, left=left)
-    assert remark_words(remark) == str(remark)
+def test_a_warning_is_told_by_its_code_and_values():
+    left = WarningText("left_none")
+    warning = WarningText("set_by", name="wall 2.5", share=0.25, left=left)
+    assert warning_words(warning) == str(warning)
     with writing("it"):
-        told = remark_words(remark)
+        told = warning_words(warning)
         assert "wall 2.5: appena sotto" in told
         assert "25%" in told
         assert "non resta alcun blocco" in told
-        assert remark_words(Remark("clipped", count=8, end="largest")).startswith("8 samples")  # a reader's
+        assert warning_words(WarningText("clipped", count=8, end="largest")).startswith("8 samples")  # a reader's
 
 
 @pytest.mark.sweep
@@ -127,7 +127,10 @@ def of_sequence(site, bodies, config, tmp_path_factory):
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("language", OTHERS)
-@pytest.mark.parametrize("case", ["results", "of_intervals", "of_sequence", "by hand"])
+@pytest.mark.parametrize(
+    "case",
+    ["results", "by hand", *(pytest.param(one, marks=pytest.mark.slow) for one in ("of_intervals", "of_sequence"))],
+)
 def test_no_english_word_is_left_on_a_page(request, language, case, site, fragility, letters_alone):
     beside = () if case in ("of_intervals", "by hand") else (site, fragility)
     results = results_tree(cases=2) if case == "by hand" else request.getfixturevalue(case)
@@ -147,7 +150,7 @@ def test_no_english_word_is_left_on_a_page(request, language, case, site, fragil
 def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, fragility):
     beside = paired(results, fragility, "fragility", "it")
     with writing("it"):
-        pictures = Pictures(results, None, beside, gather(results).found)
+        pictures = Pictures(results, None, beside, page_content(results).found)
         drawn = [str(one.svg) for one in (pictures.body(0), pictures.strip(0), pictures.fragility("stele"))]
     texts = [re.sub(r"<[^>]*>", "", text) for text in re.findall(r"<text[^>]*>(.*?)</text>", "".join(drawn), re.DOTALL)]
     assert [text for text in texts if re.search(r"\d\.\d", text)] == []

@@ -28,7 +28,7 @@ from rockpulse.views.report.verdict import (
     sentence,
 )
 from rockpulse.views.report.writing import report_page
-from rockpulse.views.shared.columns import grade_cell
+from rockpulse.views.shared.shown_columns import grade_cell
 
 
 @pytest.mark.parametrize(

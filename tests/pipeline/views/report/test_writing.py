@@ -14,7 +14,7 @@ from results_tree import results_tree
 import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.views.report import writing
-from rockpulse.views.report.content import gather
+from rockpulse.views.report.content import page_content
 from rockpulse.views.report.writing import report, report_page
 
 
@@ -82,7 +82,7 @@ def test_names_with_html_or_mathematics_are_text_and_the_parts_come_in_order(pag
     for words in ('Quake <script>alert("1")</script>', 'why <script>alert("1")</script>', "$\\frac{"):
         assert words in found.text, words
     assert int(results["summary"]["outcome"].max()) == Outcome.OVERTURNS
-    sections = ("verdict", "grounds", "annex", "remarks", "site", "fragility", "bodies", "records")
+    sections = ("verdict", "grounds", "annex", "warnings", "site", "fragility", "bodies", "records")
     parts = ("Not covered", "Assumptions", "Left out", "Versions", "Configuration")
     heads = [f'<section id="{name}"' for name in sections] + [f"<h3>{words}" for words in parts]
     assert (places := [page.index(words) for words in heads]) == sorted(places)
@@ -124,7 +124,7 @@ def test_without_factors_answers_or_records_a_body_is_not_called_safe(known, res
     assert "cut.AT2:4 expected 100 samples, found 3" in words
     tree = results.copy()
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
-    found = gather(tree)
+    found = page_content(tree)
     assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 
@@ -140,7 +140,7 @@ def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
 
 
 def test_cases_of_restitution_are_bodies_of_their_own():
-    assert "column, C = 0.830" in [row[0].text for row in gather(results_tree(cases=2)).counts.rows]
+    assert "column, C = 0.830" in [row[0].text for row in page_content(results_tree(cases=2)).counts.rows]
 
 
 @pytest.mark.sweep
@@ -170,9 +170,9 @@ def cells(table):
 
 @pytest.mark.sweep
 def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
-    assert not any("peak?" in text for text in cells(gather(results).answers))
-    found = gather(changed(results, pga=98.1))
-    first = found.remarks[0]
+    assert not any("peak?" in text for text in cells(page_content(results).answers))
+    found = page_content(changed(results, pga=98.1))
+    first = found.warnings[0]
     assert (first.grade, first.head) == ("decides", "the peak of 1 record is doubtful")
     assert found.limits[0].startswith("What may change a verdict: the peak of 1 record is doubtful")
     assert first.text.startswith("burst0 (peak?). (peak?): a peak above 5 g")
@@ -183,12 +183,12 @@ def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
 
 
 def test_where_nothing_was_found_the_page_says_up_to_where(results):
-    found = gather(results)
+    found = page_content(results)
     assert ">10" in cells(found.answers)
     assert "none" not in cells(found.answers)
     assert any(">10: none found up to there, where the search ends" in note for note in found.notes)
     assert "at rest" in cells(found.answers)
-    assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.remarks)
+    assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.warnings)
 
 
 def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch, known):
@@ -210,7 +210,7 @@ def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch
         report(tree, tmp_path, overwrite=True)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_files_of_another_kind_are_refused(tmp_path, results, site):
     rp.save(site, tmp_path / "site.h5")
     rp.save(results, tmp_path / "results.h5")

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from rockpulse.views.shared.formatting import ratio
-from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, lines, number, text
+from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, lines, number_cell, table_text
 
 FAR, LEAST, ODD = CellMark("beyond", "!"), CellMark("none_up_to", ">", before=True), CellMark("peak")
 HEADINGS = (Heading("wall", width=9), Heading("median", "m/s"), Heading("verdict"))
@@ -15,8 +15,8 @@ def table(*rows, **more):
 
 def test_numbers_are_flush_right_with_hanging_marks_and_words_flush_left():
     made = table(
-        (Cell("a wall of a long name", marks=(ODD,)), number(0.412, ratio, (FAR,)), Cell("stands")),
-        (Cell("b"), number(24.6, ratio, (LEAST,)), Cell("overturns", 1.0, grade="bad")),
+        (Cell("a wall of a long name", marks=(ODD,)), number_cell(0.412, ratio, (FAR,)), Cell("stands")),
+        (Cell("b"), number_cell(24.6, ratio, (LEAST,)), Cell("overturns", 1.0, grade="bad")),
     )
     assert lines(made) == [
         "wall               median [m/s]     verdict",
@@ -25,22 +25,22 @@ def test_numbers_are_flush_right_with_hanging_marks_and_words_flush_left():
     ]
 
 
-def test_only_marks_that_occur_are_explained_and_each_once_behind_the_remarks():
+def test_only_marks_that_occur_are_explained_and_each_once_behind_the_footnotes():
     rows = (
-        (Cell("a"), number(0.4, ratio, (FAR,)), Cell("")),
-        (Cell("b", marks=(ODD,)), number(0.5, ratio, (FAR,)), Cell("")),
+        (Cell("a"), number_cell(0.4, ratio, (FAR,)), Cell("")),
+        (Cell("b", marks=(ODD,)), number_cell(0.5, ratio, (FAR,)), Cell("")),
     )
-    made = table(*rows, remarks=("Of the wall.",))
+    made = table(*rows, footnotes=("Of the wall.",))
     assert made.notes == ("Of the wall.", FAR.note, ODD.note)
-    assert text(made).splitlines()[0] == "Every wall"
-    assert text(made).splitlines()[4:6] == ["  Of the wall.", f"  {FAR.note}"]
+    assert table_text(made).splitlines()[0] == "Every wall"
+    assert table_text(made).splitlines()[4:6] == ["  Of the wall.", f"  {FAR.note}"]
 
 
 def test_an_absent_number_bears_no_mark_and_is_sorted_last():
-    absent = number(None, ratio, (FAR,))
+    absent = number_cell(None, ratio, (FAR,))
     assert (absent.text, absent.marks) == ("-", ())
     assert math.isnan(absent.value)
-    made = table((Cell("a"), number(1.0), Cell("safe", 0.0, grade="good")))
+    made = table((Cell("a"), number_cell(1.0), Cell("safe", 0.0, grade="good")))
     assert made.numeric == (False, True, True)
     assert made.flush_right == (False, True, False)
 

@@ -6,10 +6,10 @@ import xarray as xr
 from results_tree import results_tree
 
 from rockpulse.errors import NO_RECORD, Failure
-from rockpulse.remark import Remark, with_codes
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.text.left_out import failure_list, left_out, rows_not_used
+from rockpulse.warning_text import WarningText, with_codes
 
 
 def test_left_out_lists_by_kind_with_the_failed_first_and_warnings_with_their_block():
@@ -63,11 +63,11 @@ def test_files_that_are_no_records_are_one_line_and_data_that_cannot_be_used_one
     assert len(failure_list(told).splitlines()) == 22
 
 
-def warned(*remarks):
-    """The tree with these remarks on its three records."""
+def warned(*warnings):
+    """The tree with these warnings on its three records."""
     tree = results_tree()
     summary = tree["summary"].to_dataset()
-    texts, codes = zip(*(with_codes(one) for one in remarks), strict=True)
+    texts, codes = zip(*(with_codes(one) for one in warnings), strict=True)
     summary["warnings"] = summary["warnings"].copy(data=np.array(texts))
     summary["warning_codes"] = summary["warning_codes"].copy(data=np.array(codes))
     return xr.DataTree.from_dict({"/summary": summary, "/failures": tree["failures"].to_dataset()})
@@ -84,10 +84,10 @@ def test_one_warning_of_each_kind_is_shown_and_the_others_are_counted():
     assert "warnings" not in left_out(warned([], [], []))
 
 
-def test_remarks_of_one_code_are_alike_whatever_they_name():
+def test_warnings_of_one_code_are_alike_whatever_they_name():
     reasons = [f"{name}.1: 1 half-waves in the intense phase" for name in ("first", "second")]
-    remarks = [[Remark("no_sequence", reason=reason), "another"] for reason in reasons]
-    flat = " ".join(left_out(warned(*remarks, [Remark("of_vertical", remark="another")])).split())
+    warnings = [[WarningText("no_sequence", reason=reason), "another"] for reason in reasons]
+    flat = " ".join(left_out(warned(*warnings, [WarningText("of_vertical", warning="another")])).split())
     assert f"no impulse sequence: {reasons[0]}, and 1 more like it" in flat
     assert reasons[1] not in flat
     assert ": another, and 1 more like it" in flat

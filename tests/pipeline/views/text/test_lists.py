@@ -7,7 +7,7 @@ from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.errors import Failure
-from rockpulse.storage.export.row_selection import Condition, Selection
+from rockpulse.storage.export.row_selection import Condition, RowSelection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
 from rockpulse.views.text.left_out import left_out
@@ -38,7 +38,7 @@ def listed(text):
 
 
 def worst(summary, **options):
-    return case_list(summary, worst_first(Answers(summary), Selection(**options)))
+    return case_list(summary, worst_first(Answers(summary), RowSelection(**options)))
 
 
 def test_cases_are_listed_worst_first_by_the_fullest_model_and_equal_ones_once(summary):
@@ -55,16 +55,16 @@ def test_cases_are_listed_worst_first_by_the_fullest_model_and_equal_ones_once(s
 
 
 def test_what_a_condition_is_about_has_a_column_and_nothing_found_no_table(summary):
-    selection = Selection(conditions=(Condition.parse("arias_intensity > 4"),), sort="intense_end")
+    selection = RowSelection(conditions=(Condition.parse("arias_intensity > 4"),), sort="intense_end")
     head, first, *_ = listed(case_list(summary, selection))
     assert head[-2:] == ["arias_intensity", "intense_end"]
     assert first[-2:] == ["5.2", "22"]
-    text = case_list(summary, Selection(conditions=(Condition.parse("pga > 100"),)))
+    text = case_list(summary, RowSelection(conditions=(Condition.parse("pga > 100"),)))
     assert text == "0 cases with model nonlinear; pga > 100"
 
 
 def test_several_models_have_a_column_and_without_a_search_the_worst_rotate_most(summary):
-    text = case_list(summary, Selection({"model": ("*",), "record": (RECORDS[0],), "block": ("cabinet",)}))
+    text = case_list(summary, RowSelection({"model": ("*",), "record": (RECORDS[0],), "block": ("cabinet",)}))
     head, *lines = listed(text)
     assert head[:3] == ["record", "block", "model"]
     assert [line[2] for line in lines] == ["resonance", "sequence", "nonlinear"]
@@ -80,23 +80,23 @@ def test_several_models_have_a_column_and_without_a_search_the_worst_rotate_most
 
 
 def test_records_and_blocks_say_what_overturns_and_their_worst(summary):
-    head, *lines = listed(record_list(summary, Selection()))
+    head, *lines = listed(record_list(summary, RowSelection()))
     assert " ".join(lines[0]) == f"{RECORDS[0]} 0.57 0.71 5.20 0.62 2 1 of 3 0.42 boundary wall"
     assert " ".join(lines[1]) == f"{RECORDS[1]} 0.47 ~0.43 3.10 0.35 0 of 3 0.84 cabinet"
     assert " ".join(lines[2]) == "weak.1 0.001 0.002 0 - 0 of 3 none"
     assert head[-3:] == ["overturn", "SF", "of"]
-    weakest = record_list(summary, Selection(sort="pga", limit=1))
+    weakest = record_list(summary, RowSelection(sort="pga", limit=1))
     assert weakest.startswith("1 of 3 records, smallest pga first")
     assert listed(weakest)[1][0] == "weak.1"
-    falls = Selection(conditions=(Condition.parse("outcome = overturns"),))
+    falls = RowSelection(conditions=(Condition.parse("outcome = overturns"),))
     assert record_list(summary, falls).startswith("1 record\n")
-    every = Selection({"model": ("resonance",)}, falls.conditions)
+    every = RowSelection({"model": ("resonance",)}, falls.conditions)
     assert record_list(summary, every).startswith("2 records\n")
     assert "by the resonance model" in record_list(summary, every)
-    _, *lines = listed(block_list(summary, Selection()))
+    _, *lines = listed(block_list(summary, RowSelection()))
     assert lines[0] == f"boundary wall 0.25 2.20 0.11 2.58 0.43 0.985 1 of 3 0.42 {RECORDS[0]}".split()
     assert lines[2] == f"cabinet - - 0.38 2.60 1.54 0.790 0 of 3 0.84 {RECORDS[1]}".split()
-    several = listed(block_list(results_tree(2)["summary"].to_dataset(), Selection({"block": ("column",)})))
+    several = listed(block_list(results_tree(2)["summary"].to_dataset(), RowSelection({"block": ("column",)})))
     assert several[1][6:9] == ["0.830", "to", "0.930"]
 
 
@@ -104,30 +104,30 @@ def test_lists_say_how_far_was_searched_and_mark_doubtful_peaks(summary):
     factor = summary["safety_factor"]
     summary = summary.assign(safe_up_to=factor.where(np.isfinite(factor), 10.0))
     summary["pga"][2] = 98.1
-    text = case_list(summary, Selection({"record": ("weak.1",), "block": ("column",)}))
+    text = case_list(summary, RowSelection({"record": ("weak.1",), "block": ("column",)}))
     assert listed(text)[1][:3] == ["weak.1", "(peak?)", "column"]
     assert listed(text)[1][-2:] == [">10", ">100"]
     assert ">: none found up to there" in text
     assert "(peak?): a peak above 5 g" in text
-    records = record_list(summary, Selection())
+    records = record_list(summary, RowSelection())
     assert listed(records)[3][:2] == ["weak.1", "(peak?)"]
     assert listed(records)[3][-1] == ">10"
     assert ">: none found up to there" in records
     assert "(peak?): a peak above 5 g" in records
     assert "Above 1" not in text
     summary["peak_rotation_ratio"][0, 1, 2] = 1.2
-    assert "Above 1: rocked beyond" in case_list(summary, Selection({"record": (RECORDS[0],), "block": ("column",)}))
+    assert "Above 1: rocked beyond" in case_list(summary, RowSelection({"record": (RECORDS[0],), "block": ("column",)}))
 
 
 def test_where_none_was_found_and_one_answer_is_unknown_the_smallest_factor_is_unknown(summary):
     factor = summary["safety_factor"].copy()
     factor[2, 1, 2] = np.nan
     summary = summary.assign(safety_factor=factor, safe_up_to=factor.where(np.isfinite(factor), 10.0))
-    assert listed(record_list(summary, Selection()))[3][-1] == "-"
+    assert listed(record_list(summary, RowSelection()))[3][-1] == "-"
     factor[:, 2, 2] = [np.inf, np.nan, np.inf]
     summary = summary.assign(safety_factor=factor)
-    assert listed(block_list(summary, Selection()))[3][-1] == "-"
-    assert listed(block_list(summary, Selection()))[1][-2:] == ["0.42", RECORDS[0]]  # what is known
+    assert listed(block_list(summary, RowSelection()))[3][-1] == "-"
+    assert listed(block_list(summary, RowSelection()))[1][-2:] == ["0.42", RECORDS[0]]  # what is known
 
 
 def many(tree, copies=60):
@@ -215,14 +215,14 @@ def test_magnitude_and_distance_have_a_column_where_a_record_states_them(summary
     def known():
         return summary.assign({name: ("record", values) for name, values in stated.items()})
 
-    head, first, second, _ = listed(record_list(known(), Selection()))
+    head, first, second, _ = listed(record_list(known(), RowSelection()))
     assert head[head.index("I") :][:3] == ["I", "[m/s]", "M"]
     assert (first[5], second[5]) == ("7.1", "-")
     assert "distance" not in head
     stated["epicentral_distance"] = [30500.0, np.nan, np.nan]
-    selection = Selection(conditions=(Condition.parse("magnitude > 7"),))
+    selection = RowSelection(conditions=(Condition.parse("magnitude > 7"),))
     head, first = listed(record_list(known(), selection))
     assert "distance [km]" in " ".join(head)
     assert first[5:7] == ["7.1", "30.5"]
     assert head.count("magnitude") == 0
-    assert "M" not in listed(record_list(summary, Selection()))[0]
+    assert "M" not in listed(record_list(summary, RowSelection()))[0]

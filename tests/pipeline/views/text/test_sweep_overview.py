@@ -37,7 +37,7 @@ def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
     assert "upper-bound type input" in text
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_of_a_large_sweep_the_worst_pairs_are_shown(monkeypatch):
     records = [channel(azimuth, f"S{k}", id=f"S{k}.{azimuth:g}") for k in range(4) for azimuth in (90.0, 0.0)]
     records = [replace(one, acceleration=one.acceleration * (1 + 0.1 * (k // 2))) for k, one in enumerate(records)]

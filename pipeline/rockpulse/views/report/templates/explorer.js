@@ -111,7 +111,7 @@
     if (rotation && whole && last !== null && Math.abs(last) > 0.01) notes.push(words.still_moving);
     if (body.held) notes.push(words.held);
     if (body.outline.length < 4) notes.push(words.triangle);
-    if (scene.remark) notes.push(`${scene.remark}.`);
+    if (scene.warning) notes.push(`${scene.warning}.`);
     part("notes").textContent = notes.join(" ");
   };
 

@@ -5,7 +5,7 @@ import pytest
 from results_tree import results_tree
 
 from rockpulse.assessment.answers import Answers
-from rockpulse.views.report.records import event_table, input_table
+from rockpulse.views.report.record_tables import earthquake_table, input_table
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def summary():
 
 
 def table(summary, **stated):
-    found = event_table(Answers(summary.assign({name: ("record", values) for name, values in stated.items()})))
+    found = earthquake_table(Answers(summary.assign({name: ("record", values) for name, values in stated.items()})))
     titles = [heading.title for heading in found.headings]
     return [dict(zip(titles, (cell.text for cell in row), strict=True)) for row in found.rows]
 

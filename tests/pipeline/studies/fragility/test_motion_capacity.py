@@ -17,10 +17,10 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
-from rockpulse.studies.fragility.capacity import _reversed, reached_at, record_qualities, scale_capacities
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.motion_capacity import _reversed, reached_at, record_qualities, scale_capacities
 
 
 def scene():

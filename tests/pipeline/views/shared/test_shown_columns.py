@@ -11,10 +11,10 @@ import rockpulse
 from rocking.response import Outcome
 from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.source import SourceFile
-from rockpulse.remark import with_codes
 from rockpulse.storage.export.row_selection import SHOWN
-from rockpulse.views.shared import columns as col
+from rockpulse.views.shared import shown_columns as col
 from rockpulse.views.shared.table import Cell, CellMark
+from rockpulse.warning_text import with_codes
 
 
 def shown(of, *names):
@@ -24,7 +24,7 @@ def shown(of, *names):
 
 def test_no_column_is_declared_twice():
     """Nor is one made beside the table: a function or a variable of it makes every Column."""
-    source = Path(rockpulse.__file__).parent / "views" / "shared" / "columns.py"
+    source = Path(rockpulse.__file__).parent / "views" / "shared" / "shown_columns.py"
     declared = re.findall(r'\bColumn\(\s*"(\w+)"', source.read_text(encoding="utf-8"))
     assert len(declared) == len(set(declared)) > 20
     assert set(declared) <= set(col.COLUMNS)
@@ -83,7 +83,7 @@ def signs(pga, codes):
     return Cell("", marks=col.doubt(pga, codes)).marked
 
 
-def test_the_remarks_of_the_readers_are_marked():
+def test_the_warnings_of_the_readers_are_marked():
     wave = 0.3 * np.round(1000.0 * np.sin(0.2 * np.arange(100))) / 1000.0
     for samples, header, expected in (
         (wave, {}, ""),

@@ -60,7 +60,7 @@ def test_the_facts_of_each_record_are_stored():
     assert found["event_id"].values[1] == ""
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_capacity_is_tested_to_depend_on_what_the_files_state(records, tree):
     magnitudes = {"Kobe": 6.9, "Maule": 8.8, "Izmit": 7.6, "Duzce": np.nan}
     stated = [replace(record, magnitude=magnitudes[record.event], vs30=300.0) for record in records]
@@ -151,6 +151,7 @@ def test_the_order_of_the_records_does_not_matter(records):
     xr.testing.assert_identical(one, other)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("data", ["stripes", "cloud"])
 def test_stripes_and_clouds_count_what_is_reached(records, striped, data):
     found = striped if data == "stripes" else rp.fragility(records, options(data=data), BLOCKS)

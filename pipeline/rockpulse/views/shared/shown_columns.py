@@ -14,10 +14,10 @@ from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.remark import remarked
 from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
-from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number
+from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell
 from rockpulse.views.shared.words import say
+from rockpulse.warning_text import has_warning
 
 #: Longest id of a record and name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29
@@ -76,8 +76,8 @@ _NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "s
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Marks of one record, by its PGA [m/s2], which is NaN of a sequence, and the codes of its warnings."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
-    peak = pga < low or pga > high or remarked(codes, "header_peak")
-    return ((PEAK,) if peak else ()) + ((CLIPPED,) if remarked(codes, "clipped", "full_scale") else ())
+    peak = pga < low or pga > high or has_warning(codes, "header_peak")
+    return ((PEAK,) if peak else ()) + ((CLIPPED,) if has_warning(codes, "clipped", "full_scale") else ())
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:
@@ -167,7 +167,7 @@ def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
 
 def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
     """The cell of a number in units of a scale."""
-    return lambda value: number(value if scale == 1.0 else value / scale, show)
+    return lambda value: number_cell(value if scale == 1.0 else value / scale, show)
 
 
 def _searched(factor: float, limit: float, resolved: int, intervals: int = 1) -> Cell:
@@ -202,7 +202,7 @@ def _of_measure(row: Measure) -> Column:
     of = (row.name, f"{row.name}_drift") if row.drifts else (row.name,)
 
     def cell(value: float, drift: bool = False) -> Cell:
-        return number(value / scale, ratio, (DRIFT,) if drift else ())
+        return number_cell(value / scale, ratio, (DRIFT,) if drift else ())
 
     return Column(row.name, of, cell, unit, title=title)
 
@@ -234,8 +234,8 @@ COLUMNS = {
         # a record
         *map(_of_measure, STORED),
         Column("main_impulse", ("main_impulse",), shown(ratio), "m/s"),
-        Column("magnitude", ("magnitude",), number),
-        Column("epicentral_distance", ("epicentral_distance",), lambda distance: number(distance / 1000.0), "km"),
+        Column("magnitude", ("magnitude",), number_cell),
+        Column("epicentral_distance", ("epicentral_distance",), lambda distance: number_cell(distance / 1000.0), "km"),
         Column("warnings", ("warning_codes",), _counted),
         Column("overturns", ("fallen", "total"), count_of),
         # a block

@@ -10,7 +10,7 @@ import xarray as xr
 import rockpulse as rp
 from rocking import Block
 from rockpulse.assessment.answers import answers_of
-from rockpulse.assessment.demand import demand_factors, stored_demands
+from rockpulse.assessment.site_demands import demand_factors, stored_demands
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.config.settings import DemandSettings
 from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity

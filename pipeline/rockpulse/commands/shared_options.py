@@ -1,4 +1,4 @@
-"""Options that several verbs share, and the configuration or the selection of results that follows from them."""
+"""Options that several verbs share, and the configuration or selection of results made from them."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from rockpulse.errors import ConfigError, ResultsError
 if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.storage.export.row_selection import Selection
+    from rockpulse.storage.export.row_selection import RowSelection
 
 
-#: What --quiet does.
+#: Help text of --quiet.
 QUIET = "print nothing but one line on what failed"
 
-#: Properties that a file may not state.
+#: Options for properties that a file may not state.
 READING: Options = {
     "--units UNIT": 'unit of files that do not state theirs: "g", "cm/s2", ...',
     "--dt SECONDS": ("sampling interval of columns without times, in s; such as 0.01", {"type": float}),
@@ -27,7 +27,7 @@ READING: Options = {
 
 
 def from_records(output: str) -> Options:
-    """Options of a verb that takes records and writes a file (called RESULTS or SITE): paths, configuration, bodies."""
+    """Options of a verb that reads records and writes a file (RESULTS or SITE): paths, configuration, bodies."""
     return {
         "PATHS": ("files, folders, zips or globs; they replace the paths of the configuration", {"nargs": "*"}),
         f"-o --output {output} !": "file to write (HDF5)",
@@ -56,7 +56,7 @@ def _workers(text: str) -> int | str:
     return value
 
 
-#: Who works, and what happens when a run stops half-way.
+#: Options for workers and for stopped runs.
 BATCH: tuple[Options, ...] = (
     Either(
         {
@@ -77,7 +77,7 @@ BATCH: tuple[Options, ...] = (
 )
 
 
-def count(words: str) -> int:
+def parse_count(words: str) -> int:
     """Parse a whole number from 1."""
     number = int(words) if words.isdecimal() else 0
     if number < 1:
@@ -85,7 +85,7 @@ def count(words: str) -> int:
     return number
 
 
-#: A part of results, for a verb that has ``--record`` and ``--block`` of its own.
+#: Options that select a part of results, for a verb with its own ``--record`` and ``--block``.
 SELECTION: Options = {
     "--model NAME ...": "only this model; * and ? stand for any letters; repeatable",
     "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
@@ -93,13 +93,13 @@ SELECTION: Options = {
     "0.5', 'source = *.AT2'; repeatable, all have to hold",
     "--sort VARIABLE": "by this variable or column, smallest first; what is not known last",
     "--descending": "with --sort: largest first",
-    "--limit N": ("at most so many rows", {"type": count}),
+    "--limit N": ("at most so many rows", {"type": parse_count}),
 }
 
 
-def read_selection(args: argparse.Namespace) -> Selection:
-    """The selection of the options SELECTION, ``record`` and ``block``; a ResultsError for an invalid condition."""
-    from rockpulse.storage.export.row_selection import SHOWN, Condition, Selection
+def read_selection(args: argparse.Namespace) -> RowSelection:
+    """Return the selection by the options SELECTION, ``record`` and ``block``; ResultsError if invalid."""
+    from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
         raise ResultsError("--descending goes with --sort VARIABLE")
@@ -107,11 +107,11 @@ def read_selection(args: argparse.Namespace) -> Selection:
     conditions = [Condition.parse(words) for words in args.where]
     if args.outcome:
         conditions.append(Condition("outcome", "=", "|".join(args.outcome)))
-    return Selection(names, tuple(conditions), SHOWN.get(args.sort, args.sort), args.descending, args.limit)
+    return RowSelection(names, tuple(conditions), SHOWN.get(args.sort, args.sort), args.descending, args.limit)
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """The section [records] with the options READING, which hold for all files, also those of [[records.file]]."""
+    """Return the section [records] with the options READING, which apply to all files and [[records.file]]."""
     from rockpulse.config.settings import RecordSettings
     from rockpulse.readers.kit.text import canonical_unit
 
@@ -135,7 +135,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
 
 def configured(args: argparse.Namespace) -> Config:
-    """The configuration with the blocks of the command line and absolute paths of its tables."""
+    """Return the configuration with the blocks of the command line and absolute paths of its tables."""
     from rockpulse.config.block_settings import parse_block_option
     from rockpulse.config.configuration import Config, load_config, located
     from rockpulse.config.settings import WEIGHTS
@@ -151,7 +151,7 @@ def configured(args: argparse.Namespace) -> Config:
 
 
 def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
-    """The configuration, whose paths are absolute so that it repeats the run anywhere, and the paths as typed."""
+    """Return the configuration with absolute paths, to repeat the run in any folder, and the paths as typed."""
     from rockpulse.config.configuration import located
 
     config = configured(args)

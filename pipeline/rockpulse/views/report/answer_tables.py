@@ -9,8 +9,8 @@ from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict, Standing, standings, why_unknown
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
-from rockpulse.views.report.records import record_label
-from rockpulse.views.shared import columns as col
+from rockpulse.views.report.record_tables import record_label
+from rockpulse.views.shared import shown_columns as col
 from rockpulse.views.shared.formatting import ratio, share
 from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table

@@ -10,8 +10,8 @@ import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots.drawing import draw
 from rockpulse.views.plots.ground_motion import stored_record
-from rockpulse.views.plots.model_histories import History, histories
-from rockpulse.views.plots.rotation import rotation_history
+from rockpulse.views.plots.model_histories import ModelHistory, histories
+from rockpulse.views.plots.rotation_panels import rotation_history
 from rockpulse.views.plots.selection import block_of
 
 COLUMN = "column of $one$ piece"
@@ -62,11 +62,11 @@ def test_the_curves_are_the_histories(drawn):
 def test_the_computed_history_reaches_the_stored_peak(assessed, first, changed):
     for history in histories(assessed, first, COLUMN, ["nonlinear", "linear", "impulsive"]):
         assert np.nanmax(np.abs(history.rotation)) == pytest.approx(history.peak, rel=0.02)
-        assert history.remark == ""
+        assert history.warning == ""
     peak = assessed["summary"]["peak_rotation_ratio"].values.copy()
     peak[..., 3] = 0.9
     (found,) = histories(changed(peak_rotation_ratio=peak), first, COLUMN, ["linear"])
-    assert "stored is 0.9" in found.remark
+    assert "stored is 0.9" in found.warning
 
 
 def test_impacts_are_ticks_in_a_row_of_each_model_and_the_legend_says_how_it_ends(drawn, assessed, first):
@@ -126,12 +126,12 @@ def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
 @pytest.mark.sweep
 def test_a_motion_far_below_alpha_c_is_shown_large_and_rest_is_drawn_too():
     time = np.arange(0.0, 5.0, 0.1)
-    moving, _ = rotation_history([History("linear", time, 1e-5 * np.cos(time), peak=1e-5)])
+    moving, _ = rotation_history([ModelHistory("linear", time, 1e-5 * np.cos(time), peak=1e-5)])
     moving.figure.draw_without_rendering()
     assert moving.get_ylim() == pytest.approx((-1.3e-5, 1.3e-5))
     assert "1e-05" in named_rows(moving)
     time = np.arange(5.0)
-    still = [History(model, time, 0.0 * time, peak=0.0) for model in ("nonlinear", "linear")]
+    still = [ModelHistory(model, time, 0.0 * time, peak=0.0) for model in ("nonlinear", "linear")]
     moving, below = rotation_history(still)
     assert [line.get_label() for line in curves(moving)] == ["nonlinear: at rest", "linear: at rest"]
     assert [text.get_text() for text in moving.texts] == ["at rest"]

@@ -1,4 +1,4 @@
-"""The limit states of bodies, the scale factors that reach them, and the capacities under one motion."""
+"""The limit states of bodies, the scale factors that reach them, and the capacities under one record."""
 
 import math
 from collections.abc import Sequence
@@ -27,24 +27,24 @@ from rockpulse.selection.tables import Selection
 from rockpulse.storage.variables.fragility import QUALITIES
 from rockpulse.storage.variables.summary import FACTS, facts_of
 
-#: Value for a motion that the model cannot resolve.
+#: Value for a result that the model cannot resolve.
 NOT_KNOWN = -1
-#: Share of the largest impulse above which a half-wave is strong.
+#: A half-wave is strong if its impulse is above this share of the largest one.
 STRONG_SHARE = 0.5
 
 
 def scale_capacities(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factor_max: float, points: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Incremental dynamic analysis of one record: the first scale factor at which each limit state is reached.
+    """Run the incremental dynamic analysis of one record: find the first scale factor that reaches each limit state.
 
     The `states` are "uplift" (in closed form), values of theta_max/alpha_c, and "overturning"; each of the (m,) lanes
     is scanned at `points` factors up to `factor_max`. A factor that the model cannot resolve (free flight) counts as
     reached.
 
-    The factors (s, m) [-] are inf if none is found; above them the limit state may be left again. The step (m,) is the
-    ratio of neighbouring factors of the scan [-], so that a limit state reached in a narrower interval has a larger
-    factor; it is one for uplift alone.
+    Returns factors (s, m) [-], inf if none is found; larger factors may not reach the limit state. The step (m,) is the
+    ratio of neighbouring factors of the scan [-]; narrower intervals may be missed, which makes the factor larger. It
+    is one for uplift alone.
     """
     record = scene.record
     solved, vertical = _acting(scene, equation)
@@ -71,7 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Whether a record reaches the states at factors (r, m), r a lane: (s, r, m) of 1, 0 or :data:`NOT_KNOWN`."""
+    """Whether a record reaches the states at factors (r, m), r per lane: (s, r, m) of 1, 0 or :data:`NOT_KNOWN`."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)
@@ -92,32 +92,32 @@ def reached_at(
 
 
 def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
-    """The equation of motion of a model, and the vertical acceleration in it."""
+    """Return the equation of motion of a model, and the vertical acceleration that it uses."""
     equation = MODELS[model].equation
     assert equation is not None
     return equation, MODELS[model].vertical_of(scene)
 
 
-class Lanes(NamedTuple):
+class BodyLanes(NamedTuple):
     """The (m,) lanes of all bodies."""
 
     block: Block
     bodies: Bodies
-    owner: np.ndarray  #: (m,) number of the body of each lane
+    owner: np.ndarray  #: (m,) index of the body of each lane
 
 
 def motion_capacity(
-    motion: Motion, watch: Watch, lanes: Lanes, config: Config, selection: Selection | None = None
+    motion: Motion, watch: Watch, lanes: BodyLanes, config: Config, selection: Selection | None = None
 ) -> Part:
-    """The capacities of (m,) lanes under one motion, as arrays.
+    """Compute the capacities of (m,) lanes under one record, as arrays by name.
 
-    "measures" (1, k, m) are those of the unscaled ground motion in the direction of each body, in the order of
-    ``[fragility] measures``, "qualities" (1, c) those of QUALITIES. An incremental analysis adds "factors" (1, s, m),
-    the first that reaches each limit state, else inf, and "step" (1, m) of its scan; others add "factors" (1, r, m),
-    "reached" (1, s, r, m) and "weight" (1, r), of a `selection` those of the rows of the record. Beyond ``[fragility]
-    factors`` an incremental analysis ends, and a stripe is not known.
+    "measures" (1, k, m) are the intensity measures of the unscaled ground motion in the direction of each body, in the
+    order of ``[fragility] measures``, "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
+    "factors" (1, s, m), the first that reaches each limit state, else inf, and "step" (1, m) of its scan; other methods
+    add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), from the rows of the record in a `selection`.
+    Beyond ``[fragility] factors`` an incremental analysis ends, and a stripe is unknown.
 
-    With a body before a wall the motion and its reverse are two rows of one earthquake. Raises ValueError for a motion
+    For a body beside a wall the record and its reverse are two rows of one earthquake. Raises ValueError for a record
     without an intense phase or refused by the model, TooWeak below the smallest PGA or outside the selection.
     """
     with watch("condition"):
@@ -136,7 +136,7 @@ def motion_capacity(
         for place, numbers in places_of(lanes.bodies, record, pair, config):
             with watch("condition"):
                 ground = turned(scene, place, pair, config)
-                # A body before a wall falls to one side only, and the earthquake may come from the other one.
+                # A body beside a wall falls to one side only, and either direction of the record is possible.
                 ground = _reversed(ground) if reverse else ground
                 there = aloft(ground, place, config)
             own = np.flatnonzero(np.isin(lanes.owner, numbers))
@@ -153,13 +153,13 @@ def motion_capacity(
 
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
-    """The k named measures of an unscaled record, (k, m) in the unit of each, for (m,) lanes."""
+    """Return the k named measures of an unscaled record, (k, m) in the unit of each, for (m,) lanes."""
     on = RecordOnBodies.slender(scene.record, lambda: scene.waves, block.weaker)
     return np.stack([np.broadcast_to(MEASURES[name].value(on), block.shape) for name in names])
 
 
 def record_qualities(scene: Scene) -> dict[str, float]:
-    """Properties of a record on which a measure should not depend, by the names of QUALITIES."""
+    """Return the properties in QUALITIES of a record, of which capacity in a sufficient measure is independent."""
     sizes = np.abs(scene.waves.between(scene.phase.start, scene.phase.end).impulse)
     return {
         "duration": scene.phase.duration,
@@ -169,20 +169,20 @@ def record_qualities(scene: Scene) -> dict[str, float]:
 
 
 def _reversed(scene: Scene) -> Scene:
-    """The scene of the reverse of a motion."""
+    """Return the scene with the reversed record."""
     waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
 def _stripes(config: Config, selection: Selection | None) -> int:
-    """Number r of factors of a record."""
+    """Return the number r of scale factors of a record."""
     if selection is not None:
         return selection.most
     return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
 
 
 def _weights(record: str, config: Config, selection: Selection | None) -> dict[str, np.ndarray]:
-    """The weight (r,) of each factor, 0 for a missing one; empty for an incremental analysis."""
+    """Return the weight (r,) of each factor, 0 for a missing one; empty for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
     if selection is None:
@@ -194,7 +194,7 @@ def _weights(record: str, config: Config, selection: Selection | None) -> dict[s
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
 ) -> dict[str, np.ndarray]:
-    """The arrays of (m,) lanes under one scene, with the measures of the ground below."""
+    """Return the arrays of (m,) lanes under one scene, with the measures of the ground motion below it."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
@@ -212,13 +212,13 @@ def _capacity(
         factors = np.asarray(settings.stripe_levels)[:, None] / own
     least, most = settings.factors if settings.data == "stripes" and selection is None else (0.0, np.inf)
     near = (factors >= least) & (factors <= most)
-    # A record at factor zero moves nothing and costs nothing.
+    # A record at factor zero moves no body and takes no time.
     looked = reached_at(there, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
-def nothing(lanes: int, config: Config, selection: Selection | None = None) -> Part:
-    """Every array of :func:`motion_capacity`, and "event", without a row."""
+def empty_capacity(lanes: int, config: Config, selection: Selection | None = None) -> Part:
+    """Return every array of :func:`motion_capacity`, and "event", with zero rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
     stripes = _stripes(config, selection)

@@ -5,12 +5,12 @@ import re
 import pytest
 
 from rocking.response import Outcome
-from rockpulse.views.report.content import gather
-from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.content import page_content
+from rockpulse.views.report.report_pictures import Pictures
 
 
 def motion(tree, place=0):
-    return Pictures(tree, None, None, gather(tree).found).motion(place)
+    return Pictures(tree, None, None, page_content(tree).found).motion(place)
 
 
 def labels(picture):
@@ -18,6 +18,7 @@ def labels(picture):
     return re.findall(r">(\w+) \(\d+\)<", picture.svg)
 
 
+@pytest.mark.sweep
 def test_a_motion_is_that_of_the_model_of_the_verdict_where_it_has_one(results):
     found = motion(results)
     assert labels(found) == ["nonlinear"]

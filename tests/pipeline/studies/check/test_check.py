@@ -9,7 +9,7 @@ import rockpulse as rp
 from rockpulse.config import CODES
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.studies.check.bodies import check
+from rockpulse.studies.check.check import check
 
 
 def config(**more):

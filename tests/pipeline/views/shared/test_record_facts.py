@@ -6,7 +6,7 @@ import pytest
 from results_tree import RECORDS, results_tree
 
 from rockpulse.selection.events import UNKNOWN
-from rockpulse.views.shared.facts import Known, RecordFacts
+from rockpulse.views.shared.record_facts import Known, RecordFacts
 
 KNOWN = {
     "event_title": "Kahramanmaras",

@@ -1,4 +1,4 @@
-"""One motion of a site: scaled to a target, its sequence, and the response of the blocks."""
+"""One record of a site: scaling to a target, its sequence, and the response of the blocks."""
 
 import math
 from dataclasses import replace
@@ -19,21 +19,21 @@ from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark, find
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
 from rockpulse.storage.variables.site import OF_RECORDS
 from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
+from rockpulse.warning_text import WarningText, find
 
-#: Smallest recorded peak in a misfit: just after uplift no sequence is comparable [-].
+#: Smallest recorded peak that counts in a misfit [-]; just after uplift no sequence is comparable.
 SMALLEST_PEAK = 0.01
-#: Range of usual scale factors: beyond, the motion is that of another kind of earthquake.
+#: Usual range of scale factors; a record scaled further represents another kind of earthquake.
 USUAL_FACTORS = (0.25, 4.0)
 
 
-def measured(name: str, record: Record, config: Config) -> float:
-    """A measure of a conditioned record."""
+def measured_value(name: str, record: Record, config: Config) -> float:
+    """Compute a measure of a conditioned record."""
     return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
 
 
@@ -42,37 +42,37 @@ def scale_factor(record: Record, config: Config) -> float:
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
-    measure = measured(settings.scale_to, record, config)
+    measure = measured_value(settings.scale_to, record, config)
     if not (math.isfinite(measure) and measure > 0.0):
         raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}: it cannot be scaled to a target")
     return settings.target / measure
 
 
 def scaled(record: Record, factor: float) -> Record:
-    """A record times a positive factor [-], with a line of its processing."""
+    """Return a record times a positive factor [-], with a line in its processing history."""
     if factor == 1.0:
         return record
     return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
 
 
 def block_family() -> Block:
-    """The 100 bodies of a site that lists none: p 1 to 5 1/s, slenderness 12.5 to 3, 0.6 to 1 times Housner's C."""
+    """Return 100 standard bodies: p 1 to 5 1/s, slenderness 12.5 to 3, 0.6 to 1 times Housner's C."""
     axes = np.geomspace(1.0, 5.0, 5), np.geomspace(0.08, 0.32, 5), [1.0, 0.9, 0.75, 0.6]
     p, alpha, share = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
     return Block.from_parameters(p, alpha, share * (1.0 - 1.5 * np.sin(alpha) ** 2))
 
 
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
-    """The rotation that covers a recorded theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
+    """Rotation to be covered for a recorded theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
     return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 
 def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
-    """Scales a motion, takes the sequence of its half-waves and applies it to (m,) blocks: arrays (1,) by name.
+    """Scale a record, derive the sequence of its half-waves and apply it to (m,) blocks; return arrays (1,) by name.
 
     "value" (1, 5) are the parameters of the sequence, NaN for none; "peaks" (1, m) the recorded theta_max/alpha_c: inf
-    overturned, 0 at rest, NaN unresolved. Raises ValueError if the motion cannot be scaled or has no sequence, TooWeak
-    if it moves no block.
+    if overturned, 0 at rest, NaN if unresolved. Raises ValueError if the record cannot be scaled or has no sequence,
+    TooWeak if it moves no block.
     """
     with watch("solve"):
         conditioned, factor = scaled_motion(motion, config)
@@ -96,7 +96,7 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
 
 
 def no_site_record(blocks: Block) -> Part:
-    """Every array of :func:`site_record` on (m,) blocks, and "event", without a row."""
+    """Return every array of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
     return {
         **no_facts(),
         **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
@@ -106,18 +106,18 @@ def no_site_record(blocks: Block) -> Part:
 
 
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """The conditioned record of a motion scaled to the target, and its factor [-]; RecordRefused if impossible."""
+    """Return the conditioned record scaled to the target, and its factor [-]; raise RecordRefused if impossible."""
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
-        conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
+        conditioned = conditioned.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
     if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
-        conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
+        conditioned = conditioned.with_warning(WarningText("scaled_to_drift"))
     return scaled(conditioned, factor), factor
 
 
 def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, Any]:
-    """The variables of every record in a site file, of the scaled record."""
+    """Return the variables of one scaled record in a site file."""
     return {
         "record": record.id,
         "source": record.source,
@@ -125,20 +125,20 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
         "warnings": "\n".join(record.warnings),
         "processing": "\n".join(record.processing),
         "scale_factor": factor,
-        **{one.name: measured(one.name, record, config) for one in STORED_LEVELS},
-        "largest_impulse": measured(IMPULSE, record, config),
+        **{one.name: measured_value(one.name, record, config) for one in STORED_LEVELS},
+        "largest_impulse": measured_value(IMPULSE, record, config),
         **facts_of(SimpleNamespace(record=record)),
     }
 
 
 def no_facts() -> dict[str, np.ndarray]:
-    """Every array of :func:`facts_of_record`, and "event", without a row."""
+    """Return every array of :func:`facts_of_record`, and "event", with zero rows."""
     facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
     return {"record": np.zeros(0, dtype=str), **facts}
 
 
 def parameters_of(sequence: ImpulseSequence) -> list[float]:
-    """The parameters of a sequence, in the order of PARAMETERS; NaN for none."""
+    """Return the parameters of a sequence in the order of PARAMETERS; NaN for None."""
     return [
         float(sequence.main),
         float(sequence.secondary / sequence.main),
@@ -149,7 +149,7 @@ def parameters_of(sequence: ImpulseSequence) -> list[float]:
 
 
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
-    """Root mean square of ln(sequence/record) of rocking blocks, and share of the lifted blocks that fall short."""
+    """Root mean square of ln(sequence/record) of rocking blocks, and share of lifted blocks that are not covered."""
     reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
     needed = rotation_to_cover(peaks)
     lifted = ~np.isnan(needed) & ~np.isnan(reached)

@@ -13,7 +13,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.formatting import ABSENT, six_digits, three_digits
-from rockpulse.views.shared.words import counted, numerals, say
+from rockpulse.views.shared.words import counted_words, numerals, say
 
 #: A year, or a date with a year of two digits; a magnitude: what a title tells already is not told again.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
@@ -156,7 +156,7 @@ class Known(RecordFacts):
             one, other = self.number("alpha_c", "rad"), self.number("alpha_2", "rad")
             found.append(say("support.corners", one=one, other=other))
         held = json.loads(str(self.value("restraints") or "{}"))
-        found += [counted(len(held[name]), name[:-1]) for name in ("ties", "loads", "thrusts") if held.get(name)]
+        found += [counted_words(len(held[name]), name[:-1]) for name in ("ties", "loads", "thrusts") if held.get(name)]
         if modes := json.loads(str(self.value("floors") or "[]")):
             found.append(say("support.floor", periods=", ".join(six_digits(one["period"]) for one in modes)))
         azimuth = self.value("body_azimuth")

@@ -1,4 +1,4 @@
-"""Elastic response spectra of codes, and tables of such.
+"""Elastic response spectra of codes, of tables and of functions.
 
 .. note:: With the plateau F_0 (2.5 in EN 1998-1), the corners T_B, T_C, T_D, the soil factor S and eta =
    sqrt(10/(5 + xi)), at least 0.55, xi the damping in percent: S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B, a_g S
@@ -16,7 +16,7 @@ import numpy as np
 
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.files import numbers, read_text, table_of
+from rockpulse.files import column_numbers, read_text, table_of
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
@@ -37,7 +37,7 @@ EN_1998 = {
     },
 }
 
-#: Of the grounds of NTC 2018 (Table 3.2.IV): least and most S_S, and the two numbers of S_S = first - second F_0 a_g/g;
+#: Ground types of NTC 2018 (Table 3.2.IV): limits of S_S, and the two numbers of S_S = first - second F_0 a_g/g;
 #: factor and power of C_C = factor (T_C*)^power.
 NTC = {
     "A": ((1.0, 1.0, 1.0, 0.0), (1.0, 0.0)),
@@ -47,24 +47,24 @@ NTC = {
     "E": ((1.0, 1.6, 2.0, 1.1), (1.15, -0.4)),
 }
 
-#: S_T of the topographies of NTC 2018 (Table 3.2.V), at the top of the slope.
+#: S_T of the topographic categories of NTC 2018 (Table 3.2.V), at the top of the slope.
 TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
-#: Number of periods at which the largest displacement of a table is searched.
+#: Number of periods in the search for the largest displacement of a table.
 PERIODS = 401
 
 
 def damping_factor(damping: float) -> float:
-    """eta of a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
+    """Damping correction factor eta for a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
     return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
 
 
 def displacement_of(period: float, acceleration: float) -> float:
-    """S_De [m] of a period [s] and S_e [m/s2]."""
+    """Convert S_e [m/s2] at a period [s] to S_De [m]."""
     return acceleration * (period / (2.0 * math.pi)) ** 2
 
 
 class TableEnds(ConfigError):
-    """A period beyond the end of a table."""
+    """Error: a period is beyond the end of a tabulated spectrum."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class CodeSpectrum:
     words: str = "spectrum"
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]; beyond T_D the displacement stays as it is."""
+        """S_e [m/s2] at a period [s]; beyond T_D the displacement is constant."""
         first, second, third = self.corners
         most = damping_factor(damping) * self.plateau
         if period < first:
@@ -85,17 +85,17 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """The largest S_De [m] up to a period [s]: that at the period, as S_De does not fall."""
+        """Largest S_De [m] up to a period [s], which is the value at the period, as S_De never decreases."""
         return displacement_of(period, self(period, damping))
 
 
 @dataclass(frozen=True, eq=False)
 class TabledSpectrum:
-    """A spectrum of 5 % damping between tabled periods; other dampings by eta, except for the ground at period 0."""
+    """A spectrum of 5 % damping interpolated in a table; eta gives other dampings, except at period 0."""
 
     period: np.ndarray  # (n,) T [s] from 0, ascending
     acceleration: np.ndarray  # (n,) S_e [m/s2], positive
-    words: str = "spectrum"  # its source, for messages
+    words: str = "spectrum"  # name of its source in messages
 
     def __post_init__(self) -> None:
         period, values = np.asarray(self.period, dtype=float), np.asarray(self.acceleration, dtype=float)
@@ -115,11 +115,11 @@ class TabledSpectrum:
 
     @property
     def ground(self) -> float:
-        """S_e at period 0 [m/s2]."""
+        """Peak ground acceleration [m/s2], S_e at period 0."""
         return float(self.acceleration[0])
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]; TableEnds beyond the table."""
+        """S_e [m/s2] at a period [s]; raises TableEnds beyond the table."""
         if period > self.period[-1]:
             raise TableEnds(
                 f"{self.words}: the table ends at {self.period[-1]:g} s, and {period:.3g} s are asked for; continue it"
@@ -129,13 +129,13 @@ class TabledSpectrum:
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
         """The largest S_De [m] up to a period [s]."""
-        periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest first: it may be beyond the table
+        periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest period first, as it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
 
 
 @dataclass(frozen=True)
 class GivenSpectrum:
-    """A function of (k,) periods as a spectrum of 5 % damping."""
+    """A spectrum of 5 % damping given as a function of (k,) periods."""
 
     elastic: Callable[[np.ndarray], np.ndarray]
     ground: float  # a_g S [m/s2]
@@ -145,13 +145,13 @@ class GivenSpectrum:
         return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
 
 
-#: A spectrum with its largest displacements, and any elastic spectrum.
+#: A spectrum with a method for the largest displacement, and any elastic spectrum.
 DemandSpectrum: TypeAlias = CodeSpectrum | TabledSpectrum
 ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """The spectrum of a configuration, with its file relative to a folder; ConfigError without one."""
+    """Return the spectrum of a configuration, its file relative to `folder`; raise ConfigError if it has none."""
     if settings.file is not None:
         return _tabled(folder / settings.file)
     if settings.ag is None:
@@ -185,5 +185,5 @@ def _tabled(path: Path) -> TabledSpectrum:
     if len(heads) != 2 or heads[0] != "period [s]" or heads[1] not in units:
         found = ", ".join(map(str, table.columns))
         raise ConfigError(f'{path}: expected the columns "period [s]" and "sa [g]" or "sa [m/s2]", found {found}')
-    period, acceleration = (numbers(str(path), table, name) for name in table.columns)
+    period, acceleration = (column_numbers(str(path), table, name) for name in table.columns)
     return TabledSpectrum(period, units[heads[1]] * acceleration, str(path))

@@ -7,7 +7,7 @@ import pytest
 
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.studies.check.spectra import TabledSpectrum, damping_factor, spectrum_of
+from rockpulse.studies.check.code_spectra import TabledSpectrum, damping_factor, spectrum_of
 
 G = 9.80665
 

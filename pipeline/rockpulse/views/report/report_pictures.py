@@ -26,7 +26,7 @@ IN_A_MAP = 20
 
 
 @dataclass(frozen=True)
-class Picture:
+class PageElement:
     """An element `<svg>` with its caption; where there is no picture, an empty one and the reason."""
 
     svg: Markup
@@ -51,14 +51,14 @@ class Pictures:
         few = len(self._records) <= IN_FULL
         self._in_full = set(range(len(self._records))) if few else set(sorted(governing)[:IN_FULL])
 
-    def strip(self, record: int) -> Picture:
+    def strip(self, record: int) -> PageElement:
         """The accelerogram of a record, small."""
         acceleration = self._acceleration(record)
         if acceleration.size < 2:
-            return Picture(Markup(""), say("picture.not_stored"))
+            return PageElement(Markup(""), say("picture.not_stored"))
         one = self._summary.isel(record=record)
         phase = float(one["intense_start"]), float(one["intense_end"])
-        return Picture(Markup(strip(acceleration, float(one["dt"]), phase)), say("picture.strip"))
+        return PageElement(Markup(strip(acceleration, float(one["dt"]), phase)), say("picture.strip"))
 
     def _acceleration(self, record: int) -> np.ndarray:
         """The stored samples of a record; none where they are not stored."""
@@ -67,7 +67,7 @@ class Pictures:
         last = int(self._stored["row_size"].values[: record + 1].sum())
         return np.asarray(self._stored["acceleration"].values)[last - int(self._stored["row_size"][record]) : last]
 
-    def in_full(self, record: int) -> Picture | None:
+    def in_full(self, record: int) -> PageElement | None:
         """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
         if self._stored is None or record not in self._in_full:
             return None
@@ -76,16 +76,16 @@ class Pictures:
         motion = partial(stored_motion, self._tree, self._records[record])
         return self._drawn(lambda: _bare(accelerogram(motion())[0]), f"record{record}", say("picture.in_full"))
 
-    def body(self, block: int, name: str = "body") -> Picture:
+    def body(self, block: int, name: str = "body") -> PageElement:
         """Factors on the records at which a body overturns, and the windows between them."""
         from rockpulse.views.plots.critical_factors import overturning_map
 
         if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
-            return Picture(Markup(""), say("picture.no_factors"))
+            return PageElement(Markup(""), say("picture.no_factors"))
         draw = partial(overturning_map, self._tree, block=self._blocks[block], most=IN_A_MAP)
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
-    def motion(self, block: int) -> Picture | None:
+    def motion(self, block: int) -> PageElement | None:
         """The rotation of a body, by the model of the verdict, under its worst record; None where it is unknown."""
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
@@ -93,7 +93,7 @@ class Pictures:
         model = fullest_model(self._summary)
         if self._stored is None or not own or len(self._blocks) > IN_FULL or model not in DRAWN:
             return None
-        from rockpulse.views.plots.rotation import rotation_history
+        from rockpulse.views.plots.rotation_panels import rotation_history
 
         worst = min(own, key=lambda one: one.margin.smallest)
         record, body = self._records[worst.governing], worst.body
@@ -101,14 +101,14 @@ class Pictures:
         def draw() -> Axes:
             found = histories(self._tree, record, body.block, [model], body.case + 1)
             if not found[0].time.size:
-                raise ResultsError(f"{body.name} under {record}, {model} model: {found[0].remark}.")
+                raise ResultsError(f"{body.name} under {record}, {model} model: {found[0].warning}.")
             ax: Axes = rotation_history(found)[0]
             return ax
 
         caption = say("picture.rotation", body=body.name, record=record, model=say(f"models.{model}"))
         return self._drawn(draw, f"motion{block}", caption)
 
-    def explaining(self) -> list[Picture]:
+    def explaining(self) -> list[PageElement]:
         """The spectra with bodies as points, factors of the worst body without a spectrum; of a sequence its site."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
@@ -126,7 +126,7 @@ class Pictures:
             found.append(self.body(worst.body.place, "front"))
         return found
 
-    def site(self) -> Picture:
+    def site(self) -> PageElement:
         """The records of the site, and its design; only asked for with a site."""
         from rockpulse.views.plots.site import calibration
 
@@ -135,7 +135,7 @@ class Pictures:
         kind = "spectrum" if tree["site"].attrs["method"] == "spectrum" else "parameters"
         return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say(f"picture.site_{kind}"))
 
-    def fragility(self, block: str) -> Picture:
+    def fragility(self, block: str) -> PageElement:
         """The curves of a body; only asked for with a fragility file."""
         from rockpulse.views.plots.fragility_curves import fragility_panels
 
@@ -144,16 +144,16 @@ class Pictures:
         place = tree["fragility"].to_dataset().get_index("block").get_loc(block)
         return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
-    def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> Picture:
+    def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
         """A picture of rockpulse.views.plots; what it refuses to draw is said in its place."""
         from rockpulse.views.plots.picture import svg
 
         try:
             three_digits = draw().get_figure(root=True)
         except ResultsError as reason:
-            return Picture(Markup(""), str(reason))
+            return PageElement(Markup(""), str(reason))
         assert three_digits is not None
-        return Picture(Markup(svg(three_digits, name)), caption)
+        return PageElement(Markup(svg(three_digits, name)), caption)
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:

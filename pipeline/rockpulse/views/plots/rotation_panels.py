@@ -8,10 +8,10 @@ import numpy as np
 from rocking.pictures import thinned
 from rockpulse.model_table import SEQUENCE_MODELS, is_full
 from rockpulse.views.plots import style
-from rockpulse.views.plots.model_histories import History
+from rockpulse.views.plots.model_histories import ModelHistory
 from rockpulse.views.plots.style import BLACK, DASHED, FONT, INSTANTS, SMALL, Panels
 from rockpulse.views.shared.formatting import fixed, six_digits, three_digits
-from rockpulse.views.shared.words import named, say
+from rockpulse.views.shared.words import say, translated
 
 #: The shown time is that of rotations above this share of the largest, and this share of it before and after.
 _MOVES, _AROUND = 0.02, 0.06
@@ -19,12 +19,12 @@ _MOVES, _AROUND = 0.02, 0.06
 _TOP = 1.5
 
 
-def rotation_history(histories: Sequence[History], axes: Panels | None = None, title: str = "") -> np.ndarray:
+def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = None, title: str = "") -> np.ndarray:
     """Rotation over alpha_c in time, and below it when each model has an impact.
 
     Parameters
     ----------
-    histories : sequence of History
+    histories : sequence of ModelHistory
         As :func:`~rockpulse.plots.histories` returns them.
     axes : array_like of two matplotlib Axes, optional
         Where to draw; by default on a figure of their own, with a common time.
@@ -68,15 +68,15 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
     moving.yaxis.set_major_formatter(lambda value, _: six_digits(value))  # of small ones too, no power beside the axis
     style.legend_above(moving, 2, across=True, lift=4.0)
     style.title(moving, title, rows=(len(histories) + 1) // 2)
-    style.caption(below, " ".join(_remarks(histories)))
+    style.caption(below, " ".join(_warnings(histories)))
     return panels
 
 
-def _model(history: History) -> str:
-    return named(f"models.{history.model}", history.model)
+def _model(history: ModelHistory) -> str:
+    return translated(f"models.{history.model}", history.model)
 
 
-def _answer(history: History) -> str:
+def _answer(history: ModelHistory) -> str:
     if np.isnan(history.peak):
         return say("answer.unresolved")
     if np.isfinite(history.peak):
@@ -85,7 +85,7 @@ def _answer(history: History) -> str:
     return say("plot.motion.overturns", time=fixed(history.overturning, 1)) if known else say("answer.overturns")
 
 
-def _limits(histories: Sequence[History]) -> tuple[float, float]:
+def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
     """Symmetric limits of the rotation axis, by which a motion far below alpha_c is shown large."""
     finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
     largest = max(finite, default=0.0)
@@ -109,11 +109,11 @@ def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[fl
     return max(first - around, 0.0), last + around
 
 
-def _remarks(histories: Sequence[History]) -> list[str]:
+def _warnings(histories: Sequence[ModelHistory]) -> list[str]:
     words = style.notes(
         dashed_alpha=_limits(histories)[1] > 1.0,
         impacts=True,
         cross=any(np.isfinite(history.overturning) for history in histories),
         own_time=0 < sum(history.model in SEQUENCE_MODELS for history in histories) < len(histories),
     )
-    return words + [f"{_model(history)}: {history.remark}." for history in histories if history.remark]
+    return words + [f"{_model(history)}: {history.warning}." for history in histories if history.warning]

@@ -1,20 +1,20 @@
-"""Remarks on records and results: a code and values, and the English text that is made of both."""
+"""Warnings on records and results: a code and values, and the English text made from them."""
 
 import json
 import re
 from collections.abc import Iterable
 from typing import Any
 
-#: What few earthquakes say of intervals.
+#: Text on intervals from few earthquakes.
 _WIDE = (
     "the intervals are wide because little is known (those of two or three events may come out narrow by chance), and "
     "even so they take the parameters for lognormal; correlations of so few mean little; take records of more "
     "earthquakes"
 )
 
-#: The text of each code of a warning on a record, or of a step of its processing.
+#: Text of each code of a warning on a record, or of a processing step.
 WARNINGS = {
-    # a channel as it was read
+    # a channel as read
     "dead_channel": "all samples are zero: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
     "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
@@ -28,7 +28,7 @@ WARNINGS = {
     "part_of_record": "part {part:d} of a record that is cut into files: give all of them together",
     "vertical_by_code": "the channel code {channel} says vertical, the header {told}; taken as vertical",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
-    # a record on its way to the models
+    # preparation of a record for the models
     "on_structure": "on a structure, assessed as if this were ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
     "baseline_guessed": "the format does not say whether the record is processed: the mean was subtracted; choose a "
@@ -41,23 +41,23 @@ WARNINGS = {
     "earthquake of that strength",
     "scaled_alone": "brought to the demand by its own strength, not by that of a pair: {reason}",
     "scaled_to_drift": "scaled to a PGV that its drifting baseline puts in doubt",
-    # its vertical channel
+    # the vertical channel
     "vertical_acceleration": "vertical acceleration: {record}",
     "vertical_missing": "no vertical channel of this station overlaps: taken as zero",
     "vertical_start_assumed": "vertical channel: taken to start with this one, no times are known",
     "vertical_short": "vertical channel: taken as zero for {missing:.4g} s without it",
-    # a sequence in place of a record
+    # a sequence instead of a record
     "demand_not_compared": "a sequence has no PGA, nor any other strength to bring to the demand of the site "
     "([[demand]]): nothing is compared with it",
-    # a remark on another record, behind this one
-    "of_vertical": "vertical channel: {remark}",
-    "of_channel": "{channel}: {remark}",
+    # a warning on another record that this one uses
+    "of_vertical": "vertical channel: {warning}",
+    "of_channel": "{channel}: {warning}",
 }
 
-#: The text of each code of a remark on results.
+#: Text of each code of a warning on results.
 STATEMENTS = {
     "plain": "{text}",
-    # parts of a remark
+    # parts of a warning
     "record": "{count:d} record",
     "records": "{count:d} records",
     "event": "{count:d} event",
@@ -138,66 +138,66 @@ STATEMENTS = {
 }
 
 TEMPLATES = WARNINGS | STATEMENTS
-#: In place of a code, of a text that is none of these.
+#: Code of any other text.
 PLAIN = "plain"
 
 
-class Remark(str):
-    """A remark as its English text, with its code, a key of `TEMPLATES` (``of_vertical/clipped`` for one in another).
+class WarningText(str):
+    """A warning as English text, with its code, a key of `TEMPLATES` (nested ones as ``of_vertical/clipped``).
 
-    >>> Remark("clipped", count=8, end="largest")
+    >>> WarningText("clipped", count=8, end="largest")
     '8 samples in a row at the largest value: the record may be clipped'
     """
 
     code: str
     values: dict[str, Any]
 
-    def __new__(cls, code: str, /, **values: Any) -> "Remark":
-        """The remark of a code, with what its template asks for."""
+    def __new__(cls, code: str, /, **values: Any) -> "WarningText":
+        """Make the warning of a code from the values of its template."""
         shown = {name: ", ".join(one) if isinstance(one, list) else one for name, one in values.items()}
-        remark = super().__new__(cls, TEMPLATES[code].format_map(shown))
-        remark.code = f"{code}/{code_of(values['remark'])}" if "remark" in values else code
-        remark.values = values
-        return remark
+        warning = super().__new__(cls, TEMPLATES[code].format_map(shown))
+        warning.code = f"{code}/{code_of(values['warning'])}" if "warning" in values else code
+        warning.values = values
+        return warning
 
     def __getnewargs_ex__(self) -> tuple[tuple[str], dict[str, Any]]:
         return (self.code.partition("/")[0],), self.values
 
 
 def code_of(text: str) -> str:
-    """The code of a remark; `PLAIN` for any other text."""
-    return text.code if isinstance(text, Remark) else PLAIN
+    """Return the code of a warning; `PLAIN` for any other text."""
+    return text.code if isinstance(text, WarningText) else PLAIN
 
 
-def find(remarks: Iterable[str], code: str) -> Remark | None:
-    """The first remark of a code."""
-    return next((one for one in remarks if isinstance(one, Remark) and one.code == code), None)
+def find(warnings: Iterable[str], code: str) -> WarningText | None:
+    """Return the first warning with a code, or None."""
+    return next((one for one in warnings if isinstance(one, WarningText) and one.code == code), None)
 
 
-def remarked(codes: str, *wanted: str) -> bool:
-    """Whether one of some codes is among stored ones, be it of a channel behind the record."""
+def has_warning(codes: str, *wanted: str) -> bool:
+    """Whether one of some codes is among the stored ones, also as warning on a source channel."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 
-def with_codes(remarks: Iterable[str]) -> tuple[str, str]:
-    """Remarks as they are stored: their texts, one a line, and a code for each line, with blanks between them."""
-    lines = [(line, code_of(one)) for one in remarks for line in one.splitlines() if line]
+def with_codes(warnings: Iterable[str]) -> tuple[str, str]:
+    """Return warnings as stored: texts, one per line, and the codes of the lines, separated by blanks."""
+    lines = [(line, code_of(one)) for one in warnings for line in one.splitlines() if line]
     return "\n".join(line for line, _ in lines), " ".join(code for _, code in lines)
 
 
-def counted(count: int, noun: str) -> Remark:
-    """A number and what is counted, "record" or "event", as a part of a remark."""
-    return Remark(noun if count == 1 else f"{noun}s", count=int(count))
+def counted(count: int, noun: str) -> WarningText:
+    """Return a number with its noun, "record" or "event", as part of a warning."""
+    return WarningText(noun if count == 1 else f"{noun}s", count=int(count))
 
 
-def as_stored(remarks: Iterable[str]) -> str:
-    """Remarks by their codes and values, as JSON; another text as one of the code `PLAIN`."""
-    coded = (one if isinstance(one, Remark) else Remark(PLAIN, text=one) for one in remarks)
+def as_stored(warnings: Iterable[str]) -> str:
+    """Return warnings as JSON of codes and values; other texts get the code `PLAIN`."""
+    coded = (one if isinstance(one, WarningText) else WarningText(PLAIN, text=one) for one in warnings)
     return json.dumps([_packed(one) for one in coded], ensure_ascii=False)
 
 
 def _packed(value: Any) -> Any:
-    if isinstance(value, Remark):
+    if isinstance(value, WarningText):
         return {
             "code": value.code.partition("/")[0],
             "values": {name: _packed(one) for name, one in value.values.items()},
@@ -205,10 +205,10 @@ def _packed(value: Any) -> Any:
     return [_packed(one) for one in value] if isinstance(value, list) else value
 
 
-def restored(stored: str) -> list[Remark]:
-    """The remarks that :func:`as_stored` stored; none of an empty text."""
+def restored(stored: str) -> list[WarningText]:
+    """Read the warnings of :func:`as_stored`; an empty text gives none."""
     return json.loads(stored, object_hook=_unpacked) if stored else []
 
 
 def _unpacked(found: dict[str, Any]) -> Any:
-    return Remark(found["code"], **found["values"]) if set(found) == {"code", "values"} else found
+    return WarningText(found["code"], **found["values"]) if set(found) == {"code", "values"} else found

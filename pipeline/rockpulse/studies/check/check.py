@@ -1,4 +1,4 @@
-"""The check of the bodies of a configuration by codes, beside the answers of time histories for the same bodies."""
+"""The check of the bodies of a configuration by codes, compared with time histories of the same bodies."""
 
 import math
 from collections.abc import Sequence
@@ -14,11 +14,11 @@ from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.risk import CHECK
+from rockpulse.studies.check.code_spectra import DemandSpectrum, TableEnds, spectrum_of
 from rockpulse.studies.check.codes import CHECKS, Checked, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
-from rockpulse.studies.check.spectra import DemandSpectrum, TableEnds, spectrum_of
 
-#: Settings of a body that no code uses.
+#: Settings of a body that the codes do not use.
 NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
 
 
@@ -39,15 +39,15 @@ def check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | N
     xarray.Dataset
         Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
         [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
-        `displacement_ratio`, and `statement`, the reason of NaN. A ratio of 1 or more passes; it is the worse one of
-        the two senses of a body, named by `activation_sense` and `displacement_sense`. With results over (block)
-        `probability`, that of the verdict, and `factor_50`, the median over the motions, of several restitutions the
-        worst; and `beside`, the reason of NaN.
+        `displacement_ratio`, and `statement`, the reason for NaN. A ratio of 1 or more passes; it is the worse of the
+        two directions of rotation, which `activation_sense` and `displacement_sense` name. If results are given, over
+        (block): `probability` of overturning and `factor_50`, the median over the records, for the worst of several
+        restitutions; and `beside`, the reason for NaN.
 
     Raises
     ------
     ConfigError
-        Without bodies or a demand, or for an unknown code.
+        If there are no bodies or no demand, or for an unknown code.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def _checked(
 
 
 def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """`probability`, `factor_50` and `beside`, the reason of NaN, of (m,) bodies alike in results and configuration."""
+    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies found equal in the results."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]
@@ -127,7 +127,7 @@ def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> 
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """The bodies of a configuration by name, and by the names that they have with their pedestals."""
+    """Return the bodies of a configuration by name, with and without their pedestals."""
     return {name: body for body in config.blocks for name in (body.name, *body.with_pedestals())}
 
 

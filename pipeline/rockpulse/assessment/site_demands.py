@@ -1,4 +1,4 @@
-"""The demands of a site, and the factors that bring a motion to them."""
+"""The demands of a site, and the factors that scale a record to them."""
 
 import math
 from collections.abc import Sequence
@@ -14,20 +14,20 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import ROWS, RecordOnBodies
 from rockpulse.record.record import Record
 
-#: Factors on a record between which it still stands for a recorded earthquake of that strength (docs/limits.md).
+#: Range of scale factors within which a record still represents an earthquake of that strength (docs/limits.md).
 FARTHEST = (0.25, 4.0)
 
 
-class Demand(NamedTuple):
-    """The strength that a site asks for in a limit state: its value, and measure and value in words."""
+class SiteDemand(NamedTuple):
+    """Demand of a site in a limit state: its value, and measure and value as text."""
 
     value: float
     limit_state: str
     words: str
 
 
-def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
-    """The demands of the node /summary by their names."""
+def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
+    """Return the demands of the node /summary by name."""
     if "demand" not in summary.dims:
         return {}
     found = {}
@@ -36,12 +36,12 @@ def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
         period, value = float(own["demand_period"]), float(own["demand_value"])
         measure = ROWS[str(own["demand_measure"].values)].at(None if math.isnan(period) else period)
         words = f"{measure.title} {value:.4g} {measure.shown_unit}".rstrip()
-        found[str(name)] = Demand(value, str(own["limit_state"].values), words)
+        found[str(name)] = SiteDemand(value, str(own["limit_state"].values), words)
     return found
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """Factors (m, d) [-] that bring the geometric mean of conditioned channels to d demands, for (m,) blocks."""
+    """Factors (m, d) [-] that scale the geometric mean of conditioned channels to d demands, for (m,) blocks."""
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))
     for place, demand in enumerate(config.demands):

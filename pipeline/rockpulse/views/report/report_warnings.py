@@ -1,4 +1,4 @@
-"""The remarks of a report, to be known before its numbers are used: what decides, what limits, what only explains."""
+"""The warnings of a report, to be known before its numbers are used: what decides, what limits, what only explains."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,18 +8,18 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade, sliding, worse_screens
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
-from rockpulse.remark import remarked
 from rockpulse.views.report.verdict import of_unknown_event
-from rockpulse.views.shared.columns import doubt_notes, record_cells
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.words import counted, listed, say
+from rockpulse.views.shared.shown_columns import doubt_notes, record_cells
+from rockpulse.views.shared.words import counted_words, listed, say
 from rockpulse.views.text.site import coverage
+from rockpulse.warning_text import has_warning
 
 #: From the gravest: what may turn a verdict over, what bounds it, what only explains it.
 GRADES = ("decides", "limits", "notes")
@@ -34,30 +34,30 @@ class Limit:
     text: str
 
 
-def remarks(
+def warnings(
     answers: Answers,
     found: Sequence[BodyVerdict],
     files: FilesUsed,
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """The remarks on the verdicts, the gravest first, with the node /site of a site file and [records] components."""
+    """The warnings on the verdicts, the gravest first, with the node /site of a site file and [records] components."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
-        if any(remarked(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
+        if any(has_warning(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
             said.append(_limit("decides", "not_compared"))  # a sequence has no PGA
         said += [] if site is None else _of_design(site, found)
     said += [_confidence(motions, site), _at_rest(found, motions)]
     if files.line:
-        told = files.counted or say("remark.files.none")
+        told = files.counted or say("warning.files.none")
         said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
-        said.append(_limit("limits", "drift", count=counted(drifting, "record")))
+        said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
     blocks = {one.body.block for one in found}
     if len(blocks) < len(found):
-        words = {"blocks": counted(len(blocks), "block"), "bodies": counted(len(found), "body")}
+        words = {"blocks": counted_words(len(blocks), "block"), "bodies": counted_words(len(found), "body")}
         said.append(_limit("notes", "restitutions", **words))
     if components == "horizontal" and motions.kind == "record":
         said.append(_limit("notes", "as_recorded"))
@@ -70,21 +70,21 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
     if motions.kind == "sequence":
-        lines += [one.text for one in said if one.head == say("remark.site_confidence.head")]
+        lines += [one.text for one in said if one.head == say("warning.site_confidence.head")]
     else:
         counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
         fewest = min(counts, default=motions.event_count)
         most = ratio(float(probability_interval(0.0, fewest)[1]))
-        lines.append(say("limits.earthquakes", events=counted(fewest, "earthquake"), most=most))
+        lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=most))
     return [*lines, say("limits.not_covered")]
 
 
 def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: object) -> Limit:
-    return Limit(grade, say(f"remark.{key}.head", **fields), say(f"remark.{key}.text", **fields))
+    return Limit(grade, say(f"warning.{key}.head", **fields), say(f"warning.{key}.text", **fields))
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """The remark on a model that is not the full equation of motion."""
+    """The warning on a model that is not the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -95,23 +95,23 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """The remarks on demands to which too few earthquakes can be brought."""
+    """The warnings on demands to which too few earthquakes can be brought."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
     fields = {"needed": FEWEST_AT_DEMAND, "most": six_digits(FARTHEST[1])}
     return [
-        _limit("decides", "few", name=name, events=counted(count, "earthquake"), **fields)
+        _limit("decides", "few", name=name, events=counted_words(count, "earthquake"), **fields)
         for name, count in most.items()
     ]
 
 
 def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
-        told = say("remark.site_confidence.ask") if site is None else coverage(site)
+        told = say("warning.site_confidence.ask") if site is None else coverage(site)
         return _limit("limits", "site_confidence", coverage=told)
-    events = counted(motions.event_count, "earthquake")
-    few = say("remark.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
+    events = counted_words(motions.event_count, "earthquake")
+    few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
     return _limit(
         "limits",
         "confidence",
@@ -124,7 +124,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """The remarks on bodies that stand under the design of their site."""
+    """The warnings on bodies that stand under the design of their site."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
@@ -159,24 +159,24 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Remarks on bodies that stand on a pedestal, and on those whose friction does not hold them."""
+    """Warnings on bodies that stand on a pedestal, and on those whose friction does not hold them."""
     said = []
     for alone, worst in worse_screens(answers, found):
         value = ratio(worst.decides.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=worst.body.name, value=value))
     for one in sliding(answers):
-        told = {"total": counted(one.total, "record"), "most": ratio(one.most)}
+        told = {"total": counted_words(one.total, "record"), "most": ratio(one.most)}
         own = six_digits(one.friction)
         said.append(_limit("decides", "slides", name=one.body.name, count=one.above, friction=own, **told))
     return said
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """The remark that motions are left out of the probability."""
+    """The warning that motions are left out of the probability."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
-    why = "" if answers.probable else say("remark.unknown.why")
+    why = "" if answers.probable else say("warning.unknown.why")
     return _limit("decides", "unknown", count=count, total=total, why=why)
 
 
@@ -186,7 +186,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
         return None
     never = sum(one.grade == Grade.STAYS for one in found)
     if never:
-        bodies = counted(len(found), "body")
+        bodies = counted_words(len(found), "body")
         return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)
     return _limit("notes", "at_rest", idle=idle, total=total)
 
@@ -198,4 +198,4 @@ def _doubtful(summary: xr.Dataset) -> Limit | None:
         return None
     notes = " ".join(doubt_notes(named))
     records = listed([cell.marked for cell in named])
-    return _limit("decides", "doubtful", count=counted(len(named), "record"), records=records, notes=notes)
+    return _limit("decides", "doubtful", count=counted_words(len(named), "record"), records=records, notes=notes)

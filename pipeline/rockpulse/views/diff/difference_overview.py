@@ -7,7 +7,7 @@ from rockpulse.storage.hdf5.results_file import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn
 from rockpulse.views.shared.formatting import ABSENT, paragraph, shortened
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
 
 #: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
 #: many for one screen, which shows as many variables as lines.
@@ -102,9 +102,9 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
     rows = tuple(
         (
             Cell(one.name),
-            number(one.differing, str),
-            number(one.compared, str),
-            number(one.largest, lambda size: ABSENT if math.isnan(size) else f"{size:.1e}"),
+            number_cell(one.differing, str),
+            number_cell(one.compared, str),
+            number_cell(one.largest, lambda size: ABSENT if math.isnan(size) else f"{size:.1e}"),
             Cell(f"  {_place(one.place)}"),
             Cell(f"  {_text(one.before)} -> {_text(one.after)}"),
         )
@@ -112,7 +112,7 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
     )
     headings = tuple(map(Heading, ("variable", "differ", "of", "largest", "  where", "  before -> after")))
     note = "largest: relative difference (inf: one is no finite number), and where it is; of texts and flags the first."
-    shown = text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
+    shown = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
     more = len(found.variables) - len(rows)
     return f"{shown}\n  and {more} more variables" if more > 0 else shown
 

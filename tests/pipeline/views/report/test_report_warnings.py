@@ -1,4 +1,4 @@
-"""What the verdict does not say: remarks on a design sequence and its site, on directions and restitutions."""
+"""What the verdict does not say: warnings on a design sequence and its site, on directions and restitutions."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import xarray as xr
 from report_cases import answers, motions, probable, summary_of, verdict
 
 from rocking.response import Outcome
-from rockpulse.views.report.remarks import GRADES, limits, remarks
+from rockpulse.views.report.report_warnings import GRADES, limits, warnings
 from rockpulse.views.shared.files_used import FilesUsed
 
 
@@ -34,14 +34,14 @@ def site(peaks, design=0.2, upper=0.3):
 
 def heads(summary, kind="sequence", **options):
     of = motions(summary.sizes["record"], kind=kind)
-    found = remarks(answers(summary, of), [verdict(summary, of)], FilesUsed(1), **options)
+    found = warnings(answers(summary, of), [verdict(summary, of)], FilesUsed(1), **options)
     return {one.head: one for one in found}
 
 
 def test_the_gravest_stand_first_and_three_lines_at_most_stand_on_the_first_page():
     summary = probable([0.9, np.nan, 0.2], at_demand=[0.1, 0.2, 0.3], demand=0.5)
     of = motions(3)
-    said = remarks(answers(summary, of), [verdict(summary, of)], FilesUsed(1))
+    said = warnings(answers(summary, of), [verdict(summary, of)], FilesUsed(1))
     assert [one.grade for one in said] == sorted((one.grade for one in said), key=GRADES.index)
     decides, earthquakes, not_covered = limits(said, [verdict(summary, of)], of)
     assert decides.startswith("What may change a verdict: at the demand “ULS” there is no verdict, for the records")
@@ -88,7 +88,7 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
     summary = probable([0.0] * 3, at_demand=[0.0] * 3, demand=0.5, to_demand=[1.0, 1.0, 5.0])
     of = motions(3)
     found = [verdict(summary, of)]
-    told = limits(remarks(answers(summary, of), found, FilesUsed(1)), found, of)
+    told = limits(warnings(answers(summary, of), found, FilesUsed(1)), found, of)
     assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "0.78" in line]
 
 

@@ -22,11 +22,11 @@ from rockpulse.selection.tables import selection_of
 from rockpulse.selection.votes import unmatched_patterns
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables import fragility as stored
-from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
-from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble
+from rockpulse.studies.fragility.motion_capacity import BodyLanes, empty_capacity, motion_capacity
 
-#: Points of a curve, dispersions that they reach beyond the outermost medians of a body, and logarithm of the farthest
-#: level: a curve that hardly rises would leave the range of numbers.
+#: Number of points of a curve, its extent beyond the outermost medians of a body in dispersions, and logarithm of the
+#: farthest level, which keeps a nearly flat curve within the range of numbers.
 POINTS, REACH, FARTHEST = 41, 3.0, 600.0
 
 
@@ -46,7 +46,7 @@ def fragility(
     config : Config or path, optional
         Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration; full sizes in m.
+        The bodies, instead of those of the configuration; full sizes in m.
     failures, progress
         As for :func:`rockpulse.assess`.
 
@@ -59,15 +59,15 @@ def fragility(
     Raises
     ------
     ConfigError
-        Without a body, for two records of one id or a table of events that does not fit. A record that cannot be used
-        is a row of /failures.
+        Without a body, for two records with the same id or a table of events that does not match the records. A record
+        that cannot be used is a row of /failures.
 
     Notes
     -----
     With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
-    probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first scale factor that
-    reaches it, and the curve the probability of reaching it at or below a level, which is larger, as rotation need not
-    grow with the factor (docs/decisions/012).
+    probability of reaching the limit state at a level. With ``data = "ida"`` the capacity is the first scale factor
+    that reaches it, and the curve the probability of reaching it at or below a level, which is larger, as rotation need
+    not grow with the factor (docs/decisions/012).
 
     Examples
     --------
@@ -82,7 +82,7 @@ def fragility(
 
 
 class FragilityAnalysis(Analysis):
-    """The capacity of every body under every motion, and the curves fitted to them."""
+    """Computes the capacity of every body under every record, and fits the curves."""
 
     name = "fragility"
     doing = "scaling"
@@ -92,18 +92,18 @@ class FragilityAnalysis(Analysis):
         super().__init__(config)
         gathered = gather_bodies(config.blocks if bodies is None else bodies, config.records)
         self.block_names, block, owner = gathered.apart()
-        self.lanes = Lanes(block, gathered, owner)
+        self.lanes = BodyLanes(block, gathered, owner)
         self.selection = selection_of(config)
 
     @property
     def work(self) -> Work:
-        """Finds the capacities of all bodies under a motion."""
+        """Return the function that computes the capacities of all bodies under one record."""
         return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
 
     @cached_property
     def nothing(self) -> Part:
-        """Every array of a motion's capacities, without a row."""
-        return nothing(len(self.block_names), self.config, self.selection)
+        """Empty arrays of capacities, for a record without results."""
+        return empty_capacity(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Fits the curves and builds the tree."""
@@ -111,7 +111,7 @@ class FragilityAnalysis(Analysis):
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
         uplift = np.where(known, uplift_scale(block, np.array([-1.0, 1.0]), settings.equation), np.nan)
-        ensemble = gather(parts, len(names), self.config, self.selection)
+        ensemble = gather_ensemble(parts, len(names), self.config, self.selection)
         lanes = list(range(len(names)))
         single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [lanes])
         states = [state if isinstance(state, str) else f"{state:g}" for state in settings.limit_states]
@@ -127,7 +127,7 @@ class FragilityAnalysis(Analysis):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plans the motions, those of a selection alone; raises ConfigError for a missing selection."""
+        """Plan the records, limited to those of a selection; raise ConfigError for a missing selection."""
         plan = super().plan(records, failures)
         if self.selection is None:
             return plan
@@ -159,7 +159,7 @@ def _curves(
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Common levels of all limit states of a body, and the curves and bands at them."""
+    """Return common levels for all limit states of a body, and the curves and bands at these levels."""
     groups, states, measures = fits.curves.shape
     level = np.full((groups, measures, POINTS), np.nan)
     tables = [np.full((groups, states, measures, POINTS), np.nan) for _ in range(3)]
@@ -212,7 +212,7 @@ def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr
             values[f"{prefix}beta_ratio{end}"] = table[shown]
         values |= {f"{prefix}slope": fits.slope[shown], f"{prefix}p_value": fits.p_value[shown]}
     beta = single.of("beta").astype(float)
-    # PGA and PGA/(g tan alpha_c) are the same for one body but for rounding: the first of equal ones.
+    # For one body PGA and PGA/(g tan alpha_c) differ only by rounding: the first of equal measures is chosen.
     best = [
         "" if np.all(np.isnan(row)) else measures[int(np.nanargmin(np.round(row, 9)))]
         for row in beta.reshape(-1, len(measures))
@@ -227,7 +227,7 @@ def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
-    """Ratio of dispersions with its limits: (3, g, s, k)."""
+    """Return the ratio of dispersions with its limits: (3, g, s, k)."""
     table = np.full((3, *fits.curves.shape), np.nan)
     if REFERENCE in measures:
         column = list(measures).index(REFERENCE)

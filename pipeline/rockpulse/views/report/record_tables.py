@@ -13,11 +13,11 @@ from rockpulse.errors import alike
 from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
-from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import failure_rows, reasons_of
 from rockpulse.views.shared.formatting import ratio, three_digits
-from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
-from rockpulse.views.shared.words import counted, listed, say
+from rockpulse.views.shared.record_facts import Known
+from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
+from rockpulse.views.shared.words import counted_words, listed, say
 from rockpulse.views.text.left_out import apart, by_kind
 
 #: Rows of the table of records, directions that are named in a row, and reasons of one kind.
@@ -68,7 +68,7 @@ def used_table(answers: Answers) -> Table:
     headings = tuple(Heading(say(f"head.{title}"), "g" if title == PGA else "") for title in titles)
     rows = tuple(_used(answers, rows) for rows in order[:ROWS])
     told = "caption.used" if len(order) <= ROWS else "caption.strongest"
-    caption = say(told, shown=len(rows), total=len(order), records=counted(len(pga), "record"))
+    caption = say(told, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
     return Table("used", caption, headings, rows)
 
 
@@ -82,8 +82,8 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
         Cell(first.magnitude, first.real("magnitude")),
         Cell(first.place or (answers.records[rows[0]] if earthquake_words(first) else "")),
         Cell(shown),
-        number(len(rows), str),
-        number(float(answers["pga"][strongest]) / STANDARD_GRAVITY, three_digits),
+        number_cell(len(rows), str),
+        number_cell(float(answers["pga"][strongest]) / STANDARD_GRAVITY, three_digits),
         _worst(answers, rows),
     )
 
@@ -100,7 +100,7 @@ def _worst(answers: Answers, rows: list[int]) -> Cell:
     return Cell(f"{answers.bodies[lane].name} ({what}\N{NO-BREAK SPACE}{ratio(abs(float(np.nanmax(table[:, lane]))))})")
 
 
-def event_table(answers: Answers) -> Table:
+def earthquake_table(answers: Answers) -> Table:
     """The earthquakes, with what the files state of each, and the motions that are counted to it."""
     motions = answers.motions
     of_event: dict[str, list[int]] = {}
@@ -111,7 +111,7 @@ def event_table(answers: Answers) -> Table:
         members = np.unique(motions.index[places])
         known = [Known(answers.summary, record=answers.records[row]) for row in members if row >= 0]
         names = ", ".join(motions.names[place] for place in places)
-        rows.append((Cell(event_name(event)), *_of_earthquake(known), number(len(places), str), Cell(names)))
+        rows.append((Cell(event_name(event)), *_of_earthquake(known), number_cell(len(places), str), Cell(names)))
     titles, always = ("earthquake", "date", "magnitude", "distance", "motions", "which"), (0, 4, 5)
     shown = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
     of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
@@ -138,9 +138,9 @@ def left_out_table(tree: xr.DataTree) -> Table:
         said, rest = reasons_of(every, REASONS, LONGEST) if kind in _TOLD else ([say(f"left_out.why.{kind}")], 0)
         told = "; ".join([*said, *([say("left_out.other", count=rest)] if rest else [])])
         grade = "bad" if kind == "failed" else ""
-        rows.append((Cell(say(f"left_out.{kind}"), grade=grade), number(len(every), str), Cell(told)))
+        rows.append((Cell(say(f"left_out.{kind}"), grade=grade), number_cell(len(every), str), Cell(told)))
     if beside:
-        rows.append((Cell(say("left_out.no_record")), number(len(beside), str), Cell(listed(beside))))
+        rows.append((Cell(say("left_out.no_record")), number_cell(len(beside), str), Cell(listed(beside))))
     return Table("left-out", say("caption.left_out"), _headings("kind", "count", "reason"), tuple(rows))
 
 
@@ -156,14 +156,14 @@ def input_table(summary: xr.Dataset) -> Table:
         if told := ", ".join(filter(None, (earthquake_words(known), known.place))):
             of_file.setdefault(source, {})[told] = None
     rows = tuple(
-        (*map(Cell, row), number(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
+        (*map(Cell, row), number_cell(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
         for row, count in Counter(zip(*columns, strict=True)).items()
     )
     headings = _headings("file", "sha256", "format", "records", *(["occasion"] if of_file else []))
     return Table("inputs", say("caption.inputs"), headings, rows)
 
 
-def failure_table(tree: xr.DataTree) -> Table:
+def left_out_files(tree: xr.DataTree) -> Table:
     """Files and channels that were not assessed, and why, those of one reason together; those that failed first."""
     rows = tuple(
         (
@@ -187,7 +187,7 @@ def warning_table(summary: xr.Dataset) -> Table:
         for place, (label, text) in enumerate(zip(summary[kind].values, summary[name].values, strict=True)):
             key = f"{'body' if kind == 'block' else 'record'}-{place}"
             rows += [(Cell(record_label(str(label)), link=key), Cell(line)) for line in str(text).splitlines() if line]
-    return Table("warnings", say("page.warnings"), _headings("of_what", "warning"), tuple(rows))
+    return Table("record-warnings", say("page.warnings"), _headings("of_what", "warning"), tuple(rows))
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:
