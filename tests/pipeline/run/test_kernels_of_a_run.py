@@ -6,12 +6,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from dask_cluster import dask_cluster
+from dask_cluster import dask_cluster, wait_for_workers
 from record_writers import at2, pulse
 
 import rocking
 import rockpulse
 from rocking.kernel_cache import folder
+from rockpulse.run.crew import Crew
 
 #: A line of a kernel that others call, and what it becomes.
 KERNEL = "rocking/march/event.py"
@@ -55,13 +56,17 @@ def peak(top, way):
 
     def done(*command):
         command = [sys.executable, *command]
-        return subprocess.run(command, cwd=top, capture_output=True, text=True, check=True).stdout
+        run = subprocess.run(command, cwd=top, capture_output=True, text=True)
+        assert (run.returncode, run.stderr) == (0, "")
+        return run.stdout
 
     if way == "response":
         return float(done("peak.py", way))
     job = ["-m", "rockpulse", "assess", "records", "--block", "wall=0.4x3.0", "-o", f"{way}.h5", "--overwrite"]
     if way == "dask":
         with dask_cluster(top) as (address, *_):
+            with Crew.scheduler(address, timeout=300.0) as crew:
+                wait_for_workers(crew, 2)
             done(*job, "--scheduler", address)
     else:
         done(*job, "--workers", "2" if way == "workers" else "1")
