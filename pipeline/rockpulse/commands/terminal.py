@@ -77,6 +77,14 @@ MISSING = {
     "second": "rockpulse assess writes one",
 }
 
+#: Advice on a fault of a file, by the numbers of the error.
+ADVICE = {
+    (errno.ENOSPC, errno.EDQUOT): "; make room there, or choose another folder",
+    (errno.EACCES, errno.EPERM, errno.EROFS): "; check the permissions, or choose another folder",
+    (errno.ENAMETOOLONG,): "; choose a shorter name: most file systems take 255 bytes",
+    (errno.EAGAIN, errno.EBUSY, errno.ETXTBSY): "; another program holds the file: close it there, or wait",
+}
+
 #: Arguments that name results to read.
 RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
 #: Largest number of differences of a results file in a message.
@@ -101,7 +109,8 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
     if error.errno == errno.EISDIR:
         return f"{shown}: expected a file, found a folder"
     if error.errno not in (errno.ENOENT, errno.ENOTDIR):
-        return f"{shown}: {error.strerror or error}"
+        advice = next((text for numbers, text in ADVICE.items() if error.errno in numbers), "")
+        return f"{shown}: {error.strerror or error}{advice}"
     if not path.parent.is_dir():
         return f"{shown}: there is no folder {path.parent}; check the path, or create it first"
     if option in WRITTEN:
