@@ -74,13 +74,13 @@ def configuration(blocks: int, everything: bool = False) -> Config:
         for k, (u, v) in enumerate(sizes.tolist())
     ]
     if not everything:
-        return Config(blocks=tuple(bodies))
+        return Config(bodies=tuple(bodies))
     return Config(
         models=ModelSettings(use=ALL_MODELS),
         sequence=SequenceSettings(method="statistics"),
         search=SearchSettings(intervals=True),
         uncertainty=UncertaintySettings(probability=False),
-        blocks=tuple(bodies),
+        bodies=tuple(bodies),
     )
 
 

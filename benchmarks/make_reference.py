@@ -94,7 +94,7 @@ def synthetic_cases() -> Iterator[Case]:
 def sample_cases() -> Iterator[Case]:
     """Every horizontal channel of the strong sample records, every body, both equations."""
     folder = TOP / "data" / "samples" / "records"
-    bodies = {block.name: block.block() for block in load_config(folder.parent / "site.toml").blocks}
+    bodies = {block.name: block.block() for block in load_config(folder.parent / "site.toml").bodies}
     bodies |= {
         name: Block(half_width=0.5 * width, half_height=0.5 * height) for name, (width, height) in MORE_BODIES.items()
     }

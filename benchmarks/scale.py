@@ -47,7 +47,7 @@ def configuration() -> Config:
         records=RecordSettings(store="none"),
         models=ModelSettings(use=("nonlinear",)),
         uncertainty=UncertaintySettings(probability=False),
-        blocks=blocks,
+        bodies=blocks,
     )
 
 

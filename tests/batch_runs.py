@@ -25,9 +25,9 @@ height = 3.0
 CONFIG = Config(
     models=ModelSettings(use=("resonance",)),
     search=SearchSettings(models=()),
-    blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
+    bodies=(BlockSettings(name="wall", width=0.4, height=3.0),),
 )
-SITE = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100), blocks=CONFIG.blocks)
+SITE = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100), bodies=CONFIG.bodies)
 
 
 def four_records(folder):

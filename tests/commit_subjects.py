@@ -52,7 +52,8 @@ def main() -> int:
         print(f"subjects of commits: not checked, for the history here does not reach back to {SINCE[:8]}")
         return 0
     wrong = [f"commit {name} {subject!r}: {fault}" for name, subject in found for fault in faults(subject)]
-    print("\n".join([*wrong, "change it: git commit --amend, or git rebase -i main"]) if wrong else "", end="")
+    if wrong:
+        print(*wrong, "change it: git commit --amend, or git rebase -i main", sep="\n")
     return bool(wrong)
 
 

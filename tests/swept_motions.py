@@ -35,7 +35,7 @@ def upwards(station="CCC"):
 
 def config(components, blocks=(WALL, TOWER), models=None, **records):
     records, search = RecordSettings(components=components, **records), SearchSettings(points=8)
-    return Config(blocks=blocks, records=records, models=models or ModelSettings(), search=search)
+    return Config(bodies=blocks, records=records, models=models or ModelSettings(), search=search)
 
 
 def sweep(*records, **options):

@@ -37,7 +37,7 @@ def assessed(components="horizontal", blocks=(WALL, CHEST)):
         models=ModelSettings(use=("sequence", "nonlinear"), histories=True),
         search=SearchSettings(intervals=True, points=16),
         uncertainty=UncertaintySettings(azimuth=components == "sweep"),
-        blocks=blocks,
+        bodies=blocks,
         demands=(DemandSettings(name="collapse", acceleration=2.5),),
     )
     return rp.assess([channel(0.0), channel(90.0)], config)

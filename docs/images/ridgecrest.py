@@ -16,7 +16,7 @@ RECORD, BODY = "CI.CCC..90@20190706T031937", "pinnacle"
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#666666"
 
 config = rp.load_config("data/samples/site.toml")
-block = next(body for body in config.blocks if body.name == BODY).block()
+block = next(body for body in config.bodies if body.name == BODY).block()
 record = rp.condition(next(r for r in rp.read("data/samples/records/CICCC.RAW") if r.id == RECORD))
 waves, phase = rp.half_waves(record), rp.intense_phase(record)
 sequence = rp.record_sequence(waves, phase=phase)

@@ -2,7 +2,9 @@
 
 import html
 from abc import ABC, abstractmethod
+from dataclasses import fields, is_dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +14,8 @@ INK = "currentColor"
 BLUE, ORANGE, RED, GREY = "#0072B2", "#E69F00", "#D55E00", "#808080"
 #: Size of a picture and margin around the drawing [px].
 WIDTH, HEIGHT, MARGIN = 380.0, 120.0, 14.0
+#: Longest repr, and most values of a list in it.
+LINE, FEW = 120, 4
 #: Number of columns to which a long line is thinned; more could not be distinguished.
 COLUMNS = 300
 
@@ -102,7 +106,7 @@ class Shown(ABC):
 
     def __repr__(self) -> str:
         facts = ", ".join(f"{name} {value}".strip() for name, value in self._facts().items())
-        return f"<{type(self).__name__} {facts}>"
+        return shortened_line(f"<{type(self).__name__} {facts}>")
 
     def _repr_html_(self) -> str:
         """Return the HTML for notebooks: a table of the main values beside the picture."""
@@ -115,6 +119,39 @@ class Shown(ABC):
         drawn = "" if picture is None else picture.svg(f"{title}: {', '.join(self._facts().values())}")
         side_by_side = "display:flex;flex-wrap:wrap;align-items:center;gap:1em"
         return f'<div><strong>{title}</strong><div style="{side_by_side}"><table>{rows}</table>{drawn}</div></div>'
+
+
+def shortened_line(text: str) -> str:
+    """Shorten a repr to one line of at most LINE characters."""
+    text = " ".join(text.split())
+    return text if len(text) <= LINE else f"{text[: LINE - 4]}...{text[-1]}"
+
+
+def one_line(thing: Any) -> str:
+    """Return a repr of a dataclass or named tuple in one line: values that differ from defaults, shapes of arrays."""
+    if isinstance(thing, tuple):
+        known = thing._asdict()  # type: ignore[attr-defined]
+    else:
+        shown = [item for item in fields(thing) if item.repr]
+        values = {item.name: (getattr(thing, item.name), item.default) for item in shown}
+        known = {
+            name: value for name, (value, usual) in values.items() if value is not usual and not _same(value, usual)
+        }
+    told = ", ".join(f"{name}={_told(value)}" for name, value in known.items())
+    return shortened_line(f"{type(thing).__name__}({told})")
+
+
+def _same(value: Any, usual: Any) -> bool:
+    return isinstance(value, str | int | float | tuple | None) and value == usual
+
+
+def _told(value: Any) -> str:
+    """A value in a few words: of an array its shape, of a long list its length."""
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"<{' x '.join(map(str, value.shape))} {value.dtype}>"
+    if isinstance(value, list | tuple) and (len(value) > FEW or any(map(is_dataclass, value))):
+        return f"<{len(value)} {type(value[0]).__name__}>"
+    return f"{value!r:.60}" if not isinstance(value, np.generic | np.ndarray) else repr(value.item())
 
 
 def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rocking.arguments import Booleans, Floats, Integers
 from rocking.lanes import LaneValues, lane_field
-from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, thinned
+from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, one_line, thinned
 
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
@@ -62,6 +62,8 @@ class HalfCycles(LaneValues):
     impulse_count : (h, ...) ndarray of int
         Number n_i of intermediate impulses (0 for none, -1 if n -> infinity or there is no half-cycle).
     """
+
+    __repr__ = one_line
 
     start_velocity: np.ndarray = lane_field()
     peak: np.ndarray = lane_field()

@@ -41,8 +41,8 @@ from .errors import UnitError as UnitError
 from .model_table import ModelSettings as ModelSettings
 from .model_table import SearchSettings as SearchSettings
 from .models import Block as Block
-from .readers import read as read
 from .readers.conversion import write as write
+from .readers.folders import read as read
 from .readers.folders import read_all as read_all
 from .readers.format import FileSettings as FileSettings
 from .readers.obspy_plugin import from_trace as from_trace
@@ -75,7 +75,6 @@ from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
 from .studies.fragility.fragility import fragility as fragility
 from .studies.risk.free_bodies import free_body_fragility as free_body_fragility
-from .studies.risk.frequency import risk as risk
 from .studies.risk.frequency import standing_test as standing_test
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
@@ -83,8 +82,10 @@ from .studies.risk.hazard import SiteHazards as SiteHazards
 from .studies.risk.hazard_files import load_hazard as load_hazard
 from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
+from .studies.risk.risk import risk as risk
 from .studies.site.calibration import calibrate as calibrate
 from .studies.site.calibration import load_design as load_design
+from .views.diff.difference_overview import diff as diff
 from .views.plots.drawing import plot as plot
 from .views.report.writing import report as report
 

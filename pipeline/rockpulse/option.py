@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from rocking.pictures import one_line
 from rockpulse.errors import ConfigError
 
 
@@ -36,6 +37,9 @@ class Section:
 
     heading: ClassVar[str] = ""
 
+    def __init_subclass__(cls) -> None:
+        cls.__repr__ = one_line  # type: ignore[method-assign]
+
     @property
     def where(self) -> str:
         """Name of this section in messages."""
@@ -61,12 +65,13 @@ class Section:
 
 
 def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
-    """Return ``; did you mean "x"?`` if a known word is close to the wrong one, then `told`, the list of known words.
+    """Return ``; did you mean "x"?`` if a known word is close to the wrong one in any case, then `told`.
 
     >>> hint("wdth", ["width"], "known are width"), hint("x", ["width"], "known are width")
     ('; did you mean "width"? Known are width', '; known are width')
     """
-    close = difflib.get_close_matches(wrong, list(known), n=1)
+    spelt = {word.lower(): word for word in known}
+    close = [spelt[word] for word in difflib.get_close_matches(wrong.lower(), list(spelt), n=1)]
     if not close:
         return told and f"; {told}"
     return f'; did you mean "{close[0]}"?' + (told and f" {told[0].upper()}{told[1:]}")

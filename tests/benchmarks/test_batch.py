@@ -26,7 +26,7 @@ def test_records_are_distinct_and_the_same_again(batch, files, tmp_path):
 
 
 def test_blocks_are_as_slender_as_said(batch):
-    blocks = batch.configuration(100).blocks
+    blocks = batch.configuration(100).bodies
     slenderness = np.array([block.height / block.width for block in blocks])
     assert len({block.name for block in blocks}) == 100
     assert ((slenderness > 3.99) & (slenderness < 8.01)).all()

@@ -136,7 +136,7 @@ def test_each_model_is_searched_with_its_own_input():
 def test_models_that_are_not_searched_have_no_factor():
     record, asked = Record(MOTION, 0.01, id="one", processed=True), SearchSettings(models=("linear", "sequence"))
     for intervals, searched in ((False, {"sequence"}), (True, {"linear", "sequence"})):
-        config = Config(blocks=(BlockSettings(name="a", width=0.2, height=2.0),), search=asked)
+        config = Config(bodies=(BlockSettings(name="a", width=0.2, height=2.0),), search=asked)
         config = replace(config, search=replace(asked, intervals=intervals))
         tree = assess([record], config)
         for model in ALL_MODELS:

@@ -27,7 +27,7 @@ def test_the_studies_take_paths_and_the_path_of_a_configuration(golden):
     assert site["site"].sizes["block"] == 2
     curves = rp.fragility(golden.records, config=config)
     assert curves["fragility"].sizes["block"] == 2
-    assert rp.check(rp.load_config(config)).sizes["block"] == 2
+    assert rp.check(config=config).sizes["block"] == 2
 
 
 @pytest.mark.sweep
@@ -56,3 +56,61 @@ def test_a_record_has_its_own_sequence(ccc):
 def test_a_misspelt_name_is_answered_with_the_nearest_one(typed, meant):
     with pytest.raises(AttributeError, match=f"did you mean '{meant}'"):
         getattr(rp, typed)
+
+
+@pytest.mark.sweep
+def test_a_folder_is_read_whole(golden, tmp_path):
+    records = rp.read(golden.records)
+    assert [record.id for record in records] == [record.id for record in rp.read_all(golden.records)[0]]
+    with pytest.raises(rp.RecordRefused, match="no record in the folder"):
+        rp.read(tmp_path)
+
+
+@pytest.mark.sweep
+def test_one_block_is_enough_and_its_sizes_are_full(ccc):
+    tree = rp.assess(ccc[0], bodies=rp.Block(0.5, 3.0))
+    assert (tree["summary"]["width"].item(), tree["summary"]["height"].item()) == (0.5, 3.0)
+    assert len(rp.assess(ccc[0], bodies=rp.Block(0.5, 3.0), all_models=True)["summary"]["model"]) > 4
+
+
+@pytest.mark.sweep
+def test_the_verbs_take_paths_of_results_and_of_a_hazard(golden, tmp_path, monkeypatch):
+    curve = tmp_path / "hazard.csv"
+    curve.write_text("pga [g],rate\n0.05,0.05\n0.2,0.005\n1.0,0.00005\n")
+    found = rp.risk(golden.fragility, curve, resamples=0, years=100)
+    assert found["frequency"].equals(rp.risk(golden.fragility, rp.load_hazard(curve), resamples=0)["frequency"])
+    assert rp.risk(golden.fragility, resamples=0).attrs["hazard"].startswith("power law")  # [hazard] of the fragility
+    assert rp.check(golden.results, code="en_1998")["probability"].notnull().all()
+    assert rp.plot(golden.results, "critical-scale", block="pier", model="nonlinear") is not None
+    monkeypatch.chdir(tmp_path)
+    assert rp.report(golden.results, config=golden.config).name == "report.html"
+
+
+@pytest.mark.sweep
+def test_two_results_are_compared_by_path_or_in_memory(golden, ccc):
+    assert rp.diff(golden.results, rp.load(golden.results)).same
+    before, after = (rp.assess(ccc[0], bodies={"wall": (width, 3.0)}) for width in (0.3, 0.6))
+    changes = rp.diff(before, after)
+    assert not changes.same
+    assert "The results differ" in str(changes)
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        (lambda: rp.DemandSettings("SLV", measure="PGA", value=3.0), "pga"),
+        (lambda: rp.HazardSettings(k0=1e-4, k=2.0, measure="SI"), "si"),
+        (lambda: rp.FragilitySettings(measures=["PGV"]), "pgv"),
+        (lambda: rp.FragilitySettings(stripe_measure="velocity-ratio"), "velocity_ratio"),
+        (lambda: rp.PowerLawHazard(1e-4, 2.0, "Sa_1"), "sa_1"),
+        (lambda: rp.CalibrationSettings(scale_to="PGV"), "pgv"),
+    ],
+)
+def test_a_measure_in_capitals_or_misspelt_is_offered_the_right_one(typed, meant):
+    with pytest.raises(rp.ConfigError, match=f'did you mean "{meant}"'):
+        typed()
+
+
+def test_a_configuration_in_the_place_of_results_is_told():
+    with pytest.raises(rp.ConfigError, match="give it as config="):
+        rp.check(rp.Config())

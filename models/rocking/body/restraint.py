@@ -13,6 +13,7 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from rocking.arguments import numbers
+from rocking.pictures import one_line
 
 #: Displacement at which the friction of a load is fully mobilised [m]; below it the load acts as a spring.
 SLIP = 1e-3
@@ -58,6 +59,8 @@ class Tie:
     (6.28, 73.8)
     """
 
+    __repr__ = one_line
+
     height: float
     stiffness: float
     gap: float = 0.0
@@ -90,6 +93,8 @@ class Load:
         directions, by at most friction times weight. None: the mass of the load moves with the body.
     """
 
+    __repr__ = one_line
+
     weight: float
     height: float
     friction: float | None = None
@@ -113,6 +118,8 @@ class Thrust:
     height, distance : float
         z of its line of action above the base, and xi of its point of action behind the corner of theta > 0 [m].
     """
+
+    __repr__ = one_line
 
     force: float
     height: float

@@ -8,6 +8,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from rocking.arguments import ArrayLike, common_shape, numbers, positive, record_samples
 from rocking.body.block import Block
+from rocking.pictures import one_line
 
 
 def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: ArrayLike = "housner") -> Block:
@@ -87,6 +88,9 @@ class FloorMotion(NamedTuple):
     acceleration: np.ndarray
     dt: float
     amplification: float
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def floor_motion(

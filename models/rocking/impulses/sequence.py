@@ -23,6 +23,7 @@ from rocking.impulses.sequence_kernel import (
     tabulated_response,
 )
 from rocking.lanes import LaneValues, lane_field, split_lanes
+from rocking.pictures import one_line
 from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
 
 #: Shorter trial intervals, times p [-], cannot be distinguished from the continuous limit.
@@ -262,6 +263,8 @@ class SteadyState(LaneValues):
     stable : bool or ndarray
         Whether the motion stabilises, v* <= 1 (at v* = 1 the limit is never reached).
     """
+
+    __repr__ = one_line
 
     start_velocity: Floats = lane_field()
     effective_velocity: Floats = lane_field()

@@ -17,6 +17,7 @@ import numpy as np
 from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import Block
 from rocking.kernel_cache import njit
+from rocking.pictures import one_line
 
 #: Number of lobes of E(t0) that are kept, the largest first.
 LOBES = 16
@@ -108,6 +109,8 @@ class Demand:
         A lane will not overturn if right after an impact its speed, over the speed that overturns it on still ground,
         plus the remaining build-up is no more than this [-].
     """
+
+    __repr__ = one_line
 
     largest: np.ndarray
     lobes: np.ndarray

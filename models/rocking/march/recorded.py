@@ -15,6 +15,7 @@ from rocking.march.demand import Demand
 from rocking.march.event import LINEAR, NONLINEAR
 from rocking.march.kernel import MarchLanes, Options, march_lanes
 from rocking.march.slots import Accelerogram, empty_slots, extremes
+from rocking.pictures import one_line
 from rocking.response import Response
 
 #: Largest acceleration over gravity that is accepted in a record [-].
@@ -248,6 +249,9 @@ class SlidingDemand(NamedTuple):
     required: np.ndarray
     share: np.ndarray
     loses_contact: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def sliding_demand(

@@ -9,6 +9,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.lanes import OF_LANES, LaneValues
+from rocking.pictures import one_line
 
 #: Below the first exceedance, which gives the safety factor, a step of the scan is halved for the k-th time if the lane
 #: may come this near to the limit in it (docs/decisions/008).
@@ -45,6 +46,8 @@ class ScaleIntervals(LaneValues):
         Ratio of neighbouring factors of the scan [-]: narrower intervals and gaps may be missed. One if none can be
         missed (closed form, or a start beyond the end of the search); NaN without a search.
     """
+
+    __repr__ = one_line
 
     safety_factor: np.ndarray = field(metadata=OF_LANES)
     safe_up_to: np.ndarray = field(metadata=OF_LANES)

@@ -14,6 +14,7 @@ import numpy as np
 from rocking.arguments import ArrayLike, numbers, positive
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
+from rocking.pictures import one_line
 from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability_lanes
 from rocking.spectrum.overturning import OverturningFactors
 from rocking.spectrum.probability import Uncertainty, factor_at, lane_probability, lane_sums, mean_capacity, rising
@@ -132,6 +133,8 @@ class OverturningProbability(OverturningFactors):
     unresolved : (m,) ndarray
         Share of the lanes that are UNRESOLVED (free flight) [-]; they count as overturning.
     """
+
+    __repr__ = one_line
 
     level: np.ndarray
     probability: np.ndarray

@@ -14,6 +14,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
+from rocking.pictures import one_line
 from rocking.spectrum.overturning import OverturningSpectrum
 from rocking.spectrum.slender import lobe_tops, weighted_impulse
 from rocking.spectrum.slender_lanes import (
@@ -103,6 +104,8 @@ class HalfWaveDemand:
         Root mean square of the other lobes between the first and the last main lobe over the largest one [-], 0 if
         none; and median spacing of the lobes from the first to the last main one [s], NaN if there is only one.
     """
+
+    __repr__ = one_line
 
     march: np.ndarray
     march_10: np.ndarray

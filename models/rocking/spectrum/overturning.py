@@ -17,6 +17,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
+from rocking.pictures import one_line
 from rocking.spectrum.probability import (
     NO_LANE,
     Uncertainty,
@@ -61,6 +62,8 @@ class OverturningFactors:
     capacity_mean : (m,) ndarray
         exp of the mean logarithm of the factor at which the block overturns [-].
     """
+
+    __repr__ = one_line
 
     at_one: np.ndarray
     at_one_low: np.ndarray

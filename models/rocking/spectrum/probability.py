@@ -24,6 +24,7 @@ from scipy.special import ndtr, owens_t
 
 from rocking.arguments import ArrayLike, numbers
 from rocking.kernel_cache import njit
+from rocking.pictures import one_line
 
 #: Smallest standard deviation of the factor [-]: a finite number of lanes cannot resolve a smaller one.
 LEAST_SPREAD = 0.02
@@ -54,6 +55,8 @@ class Uncertainty:
     >>> float(known.density(0.0).round(6))                        # 1/(0.1 sqrt(2 pi))
     3.989423
     """
+
+    __repr__ = one_line
 
     factor: float = 0.10
     restitution: tuple[float, float] = (0.9, 1.0)

@@ -21,6 +21,7 @@ from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import STANDARD_GRAVITY
 from rocking.body.limits import RATES
 from rocking.lanes import split_lanes
+from rocking.pictures import one_line
 from rocking.spectrum.slender import march_pieces, weighted_impulse
 
 #: Largest acceleration over gravity that is accepted in a ground motion [-].
@@ -70,6 +71,8 @@ class SpectrumLanes:
         1 or -1 for blocks beside a wall, which turn only towards theta > 0 or theta < 0 and whose restitution is the
         rebound e; 0 for free blocks.
     """
+
+    __repr__ = one_line
 
     p: np.ndarray
     log_x: np.ndarray

@@ -18,7 +18,7 @@ from rockpulse.config.bodies import Bodies, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.model_row import Scene
-from rockpulse.model_table import MODELS, SEQUENCE_MODELS
+from rockpulse.model_table import ALL_MODELS, MODELS, SEQUENCE_MODELS
 from rockpulse.record.components import Pair
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
@@ -37,6 +37,10 @@ def assess(
     bodies: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
+    *,
+    units: str | None = None,
+    dt: float | None = None,
+    all_models: bool = False,
 ) -> xr.DataTree:
     """Assess bodies under records with every model of the configuration.
 
@@ -54,6 +58,10 @@ def assess(
         Files and channels that were skipped on reading, to be stored with the results.
     progress : callable, optional
         Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
+    units, dt : str, float, optional
+        Unit and sampling interval [s] of files that do not state theirs, in place of those of ``[records]``.
+    all_models : bool
+        Every model side by side, in place of ``[models] use``.
 
     Returns
     -------
@@ -76,7 +84,10 @@ def assess(
     >>> tree["summary"]["model"].values.tolist()
     ['sequence', 'nonlinear']
     """
-    return registered(run(Assessment(given_config(config), bodies), records, failures, progress))
+    asked = given_config(config, units, dt)
+    if all_models:
+        asked = replace(asked, models=replace(asked.models, use=ALL_MODELS))
+    return registered(run(Assessment(asked, bodies), records, failures, progress))
 
 
 class Assessment(Analysis):
@@ -90,7 +101,7 @@ class Assessment(Analysis):
 
     def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
-        self.bodies: Bodies = gather_bodies(config.blocks if bodies is None else bodies, config.records)
+        self.bodies: Bodies = gather_bodies(config.bodies if bodies is None else bodies, config.records)
 
     @property
     def work(self) -> Work:
@@ -174,7 +185,7 @@ def assess_sequence(
     ['sequence']
     """
     asked_for = given_config(config)
-    gathered = gather_bodies(asked_for.blocks if bodies is None else bodies)
+    gathered = gather_bodies(asked_for.bodies if bodies is None else bodies)
     refuse_aloft(gathered, "a design sequence is one of the ground")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"

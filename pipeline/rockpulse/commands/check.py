@@ -7,33 +7,17 @@ from rockpulse.commands.parser import Verb
 from rockpulse.commands.shared_options import QUIET
 from rockpulse.commands.terminal import tell
 from rockpulse.config import CODES
-from rockpulse.errors import ConfigError, ResultsError
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.files import check_file, write_files
     from rockpulse.storage.export.table_file import table_csv
-    from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
-    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.check.check import check
     from rockpulse.views.text.check import check_overview
 
     if args.output is not None:
         check_file(args.output, args.overwrite)
-    if args.results is None and args.config is None:
-        raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
-    tree = None if args.results is None else load(args.results)
-    if tree is not None and (kind := str(tree.attrs["kind"])) != ASSESSMENT:
-        raise ResultsError(
-            f"{args.results}: expected {kind_in_words(ASSESSMENT)} of rockpulse, found {kind_in_words(kind)}"
-        )
-    if args.config is not None:
-        config = load_config(args.config)
-    else:
-        assert tree is not None
-        config = config_from_text(str(tree.attrs["configuration"]))
-    found = check(config, args.code or CODES, tree)
+    found = check(args.results, args.config, args.code or CODES)
     if args.output is not None:
         write_files({Path(args.output): table_csv(found.to_dataframe().reset_index())})
     if not args.quiet:

@@ -9,15 +9,10 @@ from rockpulse.commands.terminal import tell
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.hdf5.results_file import open_results
-    from rockpulse.views.diff.difference_overview import difference_overview
-    from rockpulse.views.diff.differences import compare_results
+    from rockpulse.views.diff.difference_overview import diff
 
-    with open_results(args.first) as first, open_results(args.second) as second:
-        limit = args.limit or (20 if args.full else 3)
-        found = compare_results(first, second, args.rtol, args.atol, args.ignore, limit)
-        tolerance = f"rtol {args.rtol:g}" + (f", atol {args.atol:g}" if args.atol else "")
-        tell(difference_overview(found, first, second, tolerance, args.full))
+    found = diff(args.first, args.second, args.rtol, args.atol, args.ignore, args.limit, args.full)
+    tell(str(found))
     return 0 if found.same else 1
 
 

@@ -57,4 +57,5 @@ VERB = Verb(
     "volumes, and the units that can be named for those that state none.",
     options=(),
     run=_run,
+    examples=("rockpulse formats",),
 )

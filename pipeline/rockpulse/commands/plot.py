@@ -23,8 +23,7 @@ class _List(argparse.Action):
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.files import check_file, write_files
-    from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.views.plots.drawing import draw
+    from rockpulse.views.plots.drawing import plot
     from rockpulse.views.plots.kinds import OPTIONS
     from rockpulse.views.plots.picture import picture_bytes
 
@@ -37,7 +36,7 @@ def _run(args: argparse.Namespace) -> int:
             raise ConfigError(
                 f'--restitution: expected a number from 0 to 1 or "housner", got "{args.restitution}"'
             ) from None
-    figure = draw(load(args.results), args.kind, **options)
+    figure = plot(args.results, args.kind, **options)
     write_files({target: picture_bytes(figure, target.suffix[1:].lower())})
     if not args.quiet:
         tell(f"written: {target}")
@@ -52,19 +51,22 @@ VERB = Verb(
     options=(
         {
             "RESULTS": "file of rockpulse assess, calibrate or fragility",
-            "KIND": "what to draw; --list shows all, and the file each needs",
+            "KIND": (
+                "what to draw; --list shows all, and the file each needs; default: the main picture of the file",
+                {"nargs": "?"},
+            ),
             "-o --output FILE !": "picture to write: .png, .svg or .pdf",
             "--list": ("list the kinds and leave", {"action": _List}),
             "--record ID": "one record, or a pattern (* and ?) that no other one meets",
             "--block NAME": "one block, or a pattern (* and ?) that no other one meets",
-            "--model MODEL ...": ("a model; may be repeated; default: all drawn", {"dest": "models", "default": None}),
+            "--model MODEL ...": ("a model; may be repeated; default: all drawn", {"default": None}),
             "--demand NAME": "a demand of the file; default: the records as they are",
             "--case K": ("number of the restitution of a list, from 1", {"type": int}),
             "--factor F": ("factor on the record of a rotation history; default 1", {"type": float}),
             "--measure NAME": "measure of intensity; default velocity_ratio",
             "--limit-state STATE ...": (
                 "a limit state of the file; may be repeated; default: all",
-                {"dest": "limit_states", "default": None},
+                {"default": None},
             ),
             "--restitution C": 'of the blocks of a spectrum: a number; default "housner"',
             "--overwrite": "replace a picture that exists",
@@ -72,4 +74,5 @@ VERB = Verb(
         },
     ),
     run=_run,
+    examples=("rockpulse plot results.h5 -o bodies.png", "rockpulse plot results.h5 probability -o probability.pdf"),
 )

@@ -7,12 +7,10 @@ from rockpulse.commands.terminal import tell
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.config.configuration import load_config
     from rockpulse.views.report.writing import report
 
-    config = load_config(args.config) if args.config else None
     given = (args.results, args.output, args.site, args.fragility, args.overwrite)
-    path = report(*given, language=args.language, config=config)
+    path = report(*given, language=args.language, config=args.config)
     tell(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return 0
 
@@ -28,11 +26,12 @@ VERB = Verb(
             "RESULTS": "results file of rockpulse assess",
             "--site SITE": "site file of rockpulse calibrate, shown beside the verdict",
             "--fragility FILE": "fragility file of rockpulse fragility, shown likewise",
-            "-o --output REPORT !": "file to write: .html, or .pdf",
+            "-o --output REPORT": ("file to write: .html, or .pdf; default: %(default)s", {"default": "report.html"}),
             "--language LANGUAGE": ("of the report: en (default) or it", {"default": "en"}),
             "--config FILE": "author, client, project and logo of its [report], not those stored",
             "--overwrite": "replace a report that exists; never another file",
         },
     ),
     run=_run,
+    examples=("rockpulse report results.h5", "rockpulse report results.h5 -o verifica.html --language it"),
 )

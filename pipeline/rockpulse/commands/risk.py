@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 from rockpulse.commands.parser import Verb
@@ -12,13 +11,11 @@ from rockpulse.errors import ConfigError
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.files import check_file, write_files
     from rockpulse.storage.export.table_file import table_csv
-    from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.risk.frequency import risk, standing_test
-    from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
-    from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
+    from rockpulse.studies.risk.frequency import standing_test
+    from rockpulse.studies.risk.inventory import read_inventory
+    from rockpulse.studies.risk.risk import risk
     from rockpulse.views.text import risk as text
 
     if args.bodies is not None and (args.limit_state is not None or args.resamples is not None):
@@ -38,26 +35,20 @@ def _run(args: argparse.Namespace) -> int:
         check_file(path, args.overwrite)
     if args.hazard is not None and args.config is not None:
         raise ConfigError("--hazard, --config: expected one source of the hazard, found both")
-    tree = load(args.fragility)
-    config = config_from_text(str(tree.attrs["configuration"])) if args.config is None else load_config(args.config)
-    settings, folder = config.hazard, config.folder
-    if args.hazard is not None:
-        settings = replace(settings, file=args.hazard, k0=None, k=None, longitude=None, latitude=None)
-        folder = Path()
-    if args.site is not None:
-        settings = replace(settings, longitude=args.site[0], latitude=args.site[1])
-    if args.soil_factor is not None:
-        settings = replace(settings, soil_factor=args.soil_factor)
-    years = settings.years if args.years is None else args.years
-    if args.bodies is not None:
-        bodies = read_inventory(args.bodies)
-        if bodies.passed_over:
-            tell(f"{args.bodies}: columns passed over: {', '.join(bodies.passed_over)}", sys.stderr)
-        hazards = site_hazards_of(settings, bodies.sites, bodies.soil_factor, len(bodies.names), folder)
-        found = inventory_frequency(tree, bodies.block, hazards, years).assign_coords(body=bodies.names)
-    else:
-        resamples = 500 if args.resamples is None else args.resamples
-        found = risk(tree, hazard_of(settings, folder), limit_state, years, resamples=resamples)
+    bodies = None if args.bodies is None else read_inventory(args.bodies)
+    if bodies is not None and bodies.passed_over:
+        tell(f"{args.bodies}: columns passed over: {', '.join(bodies.passed_over)}", sys.stderr)
+    found = risk(
+        args.fragility,
+        args.hazard,
+        limit_state,
+        args.years,
+        resamples=500 if args.resamples is None else args.resamples,
+        config=args.config,
+        site=args.site,
+        soil_factor=args.soil_factor,
+        bodies=bodies,
+    )
     standing = None if args.age is None else standing_test(found, args.age)
     if args.bodies is not None:
         contents = [text.inventory_table(found, standing)]

@@ -118,20 +118,12 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
     records = settings or RecordSettings()
     if args.units is not None:
         canonical_unit(args.units, "option --units")
-        records = replace(records, units=args.units)
     elif records.units is not None:
         canonical_unit(records.units, f"option [records] units of {args.config}")
-    if args.dt is not None:
-        try:
-            records = replace(records, dt=args.dt)
-        except ConfigError as error:
-            raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
-    rows = []
-    for row in records.files:
-        units, dt = row.units if args.units is None else None, row.dt if args.dt is None else None
-        if units is not None or dt is not None:
-            rows.append(replace(row, units=units, dt=dt))
-    return replace(records, files=tuple(rows))
+    try:
+        return records.for_all(args.units, args.dt)
+    except ConfigError as error:
+        raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
 
 
 def configured(args: argparse.Namespace) -> Config:
@@ -146,8 +138,8 @@ def configured(args: argparse.Namespace) -> Config:
         records = replace(records, events=str(located(records.events, config.folder).resolve()))
     if calibration.weighting not in WEIGHTS:
         calibration = replace(calibration, weights=str(located(calibration.weighting, config.folder).resolve()))
-    blocks = (*config.blocks, *(parse_block_option(option, args.confirm_size) for option in args.block))
-    return replace(config, records=records, calibration=calibration, blocks=blocks)
+    blocks = (*config.bodies, *(parse_block_option(option, args.confirm_size) for option in args.block))
+    return replace(config, records=records, calibration=calibration, bodies=blocks)
 
 
 def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:

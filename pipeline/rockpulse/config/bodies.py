@@ -172,17 +172,19 @@ def _heavy(body: BlockSettings, block: Block) -> list[str]:
     ]
 
 
-#: Bodies: a mapping of names to full (width, height) in m, Blocks or BlockSettings; or a sequence of BlockSettings.
-Blocks: TypeAlias = Mapping[str, tuple[float, float] | Block | BlockSettings] | Sequence[BlockSettings]
+#: Bodies: by their names full (width, height) in m, Blocks or BlockSettings; BlockSettings in a row; or one Block.
+Blocks: TypeAlias = Mapping[str, tuple[float, float] | Block | BlockSettings] | Sequence[BlockSettings] | Block
 
 EXPECTED = (
-    'blocks: expected a mapping of names to (width, height) in m, such as {"wall": (0.25, 2.2)}, to Block or to '
-    "BlockSettings, or a sequence of BlockSettings"
+    'bodies: expected a mapping of names to (width, height) in m, such as {"wall": (0.25, 2.2)}, to Block or to '
+    "BlockSettings, or a sequence of BlockSettings, or one Block"
 )
 
 
 def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
     """Return every body with its name, with sizes converted to settings; ConfigError for other input."""
+    if isinstance(blocks, Block | BlockSettings):
+        blocks = {getattr(blocks, "name", "block"): blocks}
     if isinstance(blocks, Mapping):
         for name, body in blocks.items():
             yield name, _named(name, body)
@@ -197,7 +199,7 @@ def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
 
 def _named(name: Any, body: Any) -> Block | BlockSettings:
     if not isinstance(name, str):
-        raise ConfigError(f"blocks: expected texts as the names of bodies, found {_found(name)}")
+        raise ConfigError(f"bodies: expected texts as the names of bodies, found {_found(name)}")
     if isinstance(body, Block):
         return body
     if isinstance(body, BlockSettings):
@@ -205,7 +207,7 @@ def _named(name: Any, body: Any) -> Block | BlockSettings:
     size = body if isinstance(body, (tuple, list)) else ()
     if len(size) != 2 or not all(isinstance(value, Real) and not isinstance(value, bool) for value in size):
         raise ConfigError(
-            f'blocks "{name}": expected (width, height) in m, a Block or BlockSettings, found {_found(body)}'
+            f'bodies "{name}": expected (width, height) in m, a Block or BlockSettings, found {_found(body)}'
         )
     return BlockSettings(name=name, width=float(size[0]), height=float(size[1]))
 

@@ -8,6 +8,7 @@ from glob import escape, has_magic
 from pathlib import Path
 from typing import Any, cast
 
+from rocking.pictures import shortened_line
 from rockpulse.config import settings, study_settings
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.study_settings import logo_bytes
@@ -31,7 +32,7 @@ class Config:
     site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
     uncertainty, calibration, fragility, hazard, check, report, run : Section
         One dataclass per section, usable as keyword arguments: ``condition(record, **config.conditioning)``.
-    blocks, demands : tuple of BlockSettings, tuple of DemandSettings
+    bodies, demands : tuple of BlockSettings, tuple of DemandSettings
         The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file.
     folder : Path
         Folder of the file, to which ``records.paths`` is relative. Not part of comparison or text.
@@ -46,6 +47,13 @@ class Config:
     >>> Config().sequence.main
     'largest'
     """
+
+    def __repr__(self) -> str:
+        changed = [repr(getattr(self, name)) for name, cls in SECTIONS.items() if getattr(self, name) != cls()]
+        several = [
+            f"{len(found)} {what}" for found, what in ((self.bodies, "bodies"), (self.demands, "demands")) if found
+        ]
+        return shortened_line(f"<Config {', '.join([*several, *changed]) or 'defaults'}>")
 
     site: settings.SiteSettings = field(default_factory=settings.SiteSettings)
     records: settings.RecordSettings = field(default_factory=settings.RecordSettings)
@@ -62,14 +70,14 @@ class Config:
     check: study_settings.CheckSettings = field(default_factory=study_settings.CheckSettings)
     report: study_settings.ReportSettings = field(default_factory=study_settings.ReportSettings)
     run: settings.RunSettings = field(default_factory=settings.RunSettings)
-    blocks: tuple[BlockSettings, ...] = ()
+    bodies: tuple[BlockSettings, ...] = ()
     demands: tuple[settings.DemandSettings, ...] = ()
     folder: Path = field(default=Path(), compare=False)
 
     def __post_init__(self) -> None:
-        _require_different("[[block]]", [block.name for block in self.blocks])
+        _require_different("[[block]]", [block.name for block in self.bodies])
         _require_different("[[demand]]", [demand.name for demand in self.demands])
-        ratios = [(block.name, own) for block in self.blocks for own in (block.restitution, block.rebound)]
+        ratios = [(block.name, own) for block in self.bodies for own in (block.restitution, block.rebound)]
         lists = {name: len(own) for name, own in ratios if isinstance(own, tuple)}
         if len(set(lists.values())) > 1:
             found = ", ".join(f'{length} in "{name}"' for name, length in lists.items())
@@ -84,7 +92,7 @@ class Config:
                 '[fragility] selection: it names records, and [records] components = "strongest" tells their ids only '
                 'when all is done; take "horizontal", "azimuth" or "sweep"'
             )
-        require_pairs(self.blocks, self.records)
+        require_pairs(self.bodies, self.records)
         if self.uncertainty.azimuth and self.records.components != "sweep":
             raise ConfigError(
                 "[uncertainty] azimuth: true, the mean over the directions of a pair of channels, needs [records] "
@@ -103,7 +111,7 @@ class Config:
     def as_text(self) -> str:
         """Return the resolved configuration as TOML, which loads back to an equal Config."""
         parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
-        parts += [_as_toml(entry.heading, entry) for entry in (*self.blocks, *self.demands)]
+        parts += [_as_toml(entry.heading, entry) for entry in (*self.bodies, *self.demands)]
         return "\n".join(parts)
 
 
@@ -145,8 +153,13 @@ def stored_sections(text: str) -> dict[str, Any]:
     return found
 
 
-def given_config(config: Config | str | os.PathLike[str] | None) -> Config:
-    """Return the given configuration, that of a file, or the defaults for None; else raise ConfigError."""
+def given_config(
+    config: Config | str | os.PathLike[str] | None, units: str | None = None, dt: float | None = None
+) -> Config:
+    """Return the given configuration, that of a file, or the defaults for None, with a unit and interval of files."""
+    if units is not None or dt is not None:
+        asked = given_config(config)
+        return dataclasses.replace(asked, records=asked.records.for_all(units, dt))
     if config is None:
         return Config()
     if isinstance(config, (str, os.PathLike)):
@@ -195,7 +208,7 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
     sections: Any = {name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document}
     blocks = _sections(BlockSettings, document, "block", "body")
     demands = _sections(settings.DemandSettings, document, "demand", "limit state")
-    return Config(**sections, blocks=blocks, demands=demands, folder=folder)
+    return Config(**sections, bodies=blocks, demands=demands, folder=folder)
 
 
 def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: str) -> tuple[Any, ...]:

@@ -1,7 +1,9 @@
 """The sections of the configuration: one dataclass per section with keys, defaults and allowed values."""
 
+from __future__ import annotations
+
 import math
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, replace
 from typing import Any
 
 from rockpulse.errors import ConfigError
@@ -74,6 +76,16 @@ class RecordSettings(Section):
                 f"[records] azimuth_step: expected a whole part of 180 degrees, found {self.azimuth_step:g}; "
                 "take 5, 10, 15, 22.5, 30 or 45"
             )
+
+    def for_all(self, units: str | None, dt: float | None) -> RecordSettings:
+        """The same with a unit and an interval [s] of all files that state none, also of those of [[records.file]]."""
+        rows = []
+        for row in self.files:
+            own = row.units if units is None else None, row.dt if dt is None else None
+            if own != (None, None):
+                rows.append(replace(row, units=own[0], dt=own[1]))
+        units, dt = self.units if units is None else units, self.dt if dt is None else dt
+        return replace(self, files=tuple(rows), units=units, dt=dt)
 
 
 @dataclass(frozen=True)

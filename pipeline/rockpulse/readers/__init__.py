@@ -35,39 +35,7 @@ def read(
     response: str = "sensitivity",
     stationxml: str | os.PathLike[str] | BinaryIO | None = None,
 ) -> list[Record]:
-    """Read every channel of a strong-motion file.
-
-    Parameters
-    ----------
-    path : str, path or binary file
-        A file, plain or compressed with gzip, or an open one, read from its position; folders: `rockpulse.read_all`.
-    units : str, optional
-        Unit of the accelerations, a key of `UNITS`, for files that do not state one (columns, SAC).
-    dt : float, optional
-        Sampling interval [s] for columns without a time column.
-    response : {"sensitivity", "remove"}
-        How counts with a StationXML become m/s2; see `ReadOptions`.
-    stationxml : str, path or binary file, optional
-        Station metadata of miniSEED. Without it the StationXML files beside a file with a name are searched.
-
-    Returns
-    -------
-    list of Record
-        In m/s2, in the order of the file.
-
-    Raises
-    ------
-    RecordFormatError
-        No reader recognises the file, or it breaks the rules of its format.
-    RecordRefused
-        A sound file without usable acceleration: velocity, spectra, counts without a gain, gaps.
-    UnitError
-        The unit is missing or unknown.
-    ConfigError
-        `dt` or `response` is none that can be.
-    OSError
-        The file cannot be opened.
-    """
+    """Read every channel of a strong-motion file; as :func:`rockpulse.read`, without folders."""
     options = ReadOptions(units, dt, response)
     file = _open(path)
     if stationxml is not None:

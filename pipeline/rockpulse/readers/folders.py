@@ -1,15 +1,17 @@
 """From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash."""
 
 import glob
+import logging
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import BinaryIO, NamedTuple
 
 from rockpulse.errors import NO_RECORD, ConfigError, Failure, RecordFormatError, RecordRefused, RockpulseError
 from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source
+from rockpulse.readers import read as read_file
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.format import FileSettings
 from rockpulse.readers.no_record import is_quiet
@@ -24,6 +26,7 @@ from rockpulse.readers.source import (
 )
 from rockpulse.record.record import Record
 
+logger = logging.getLogger("rockpulse")
 PathLike = str | os.PathLike[str]
 
 
@@ -40,6 +43,69 @@ class Opened(NamedTuple):
     name: str  # as in `Record.source`
     file: SourceFile | RockpulseError | OSError  # the file, or the reason why it cannot be opened
     member: int | None = None  # its place in `Archive.names`; None for a file that is no member of an archive
+
+
+def read(
+    path: PathLike | BinaryIO,
+    units: str | None = None,
+    dt: float | None = None,
+    response: str = "sensitivity",
+    stationxml: PathLike | BinaryIO | None = None,
+) -> list[Record]:
+    """Read every channel of a strong-motion file, or of all files of a folder.
+
+    Parameters
+    ----------
+    path : str, path or binary file
+        A file, plain or compressed with gzip, or an open one, read from its position. A folder is read as by
+        `rockpulse.read_all`, which also tells the files that gave no record; these are logged as warnings here.
+    units : str, optional
+        Unit of the accelerations, a key of `UNITS`, for files that do not state one (columns, SAC).
+    dt : float, optional
+        Sampling interval [s] for columns without a time column.
+    response : {"sensitivity", "remove"}
+        How counts with a StationXML become m/s2; see `ReadOptions`.
+    stationxml : str, path or binary file, optional
+        Station metadata of miniSEED. Without it the StationXML files beside a file with a name are searched.
+
+    Returns
+    -------
+    list of Record
+        In m/s2, in the order of the file; of a folder sorted by path and channel.
+
+    Raises
+    ------
+    RecordFormatError
+        No reader recognises the file, or it breaks the rules of its format.
+    RecordRefused
+        A sound file without usable acceleration: velocity, spectra, counts without a gain, gaps; a folder without a
+        record.
+    UnitError
+        The unit is missing or unknown.
+    ConfigError
+        `dt` or `response` is none that can be, or a `stationxml` is given for a folder.
+    OSError
+        The file cannot be opened.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> [record.component for record in rp.read("data/samples/records/CICLC.v1")]
+    ['90 Deg', '360 Deg', 'Up']
+    >>> len(rp.read("data/samples/records"))
+    10
+    """
+    if not isinstance(path, str | os.PathLike) or not Path(path).is_dir():
+        return read_file(path, units, dt, response, stationxml)
+    if stationxml is not None:
+        raise ConfigError(f"{path}: stationxml is of one file; put it into the folder, beside its records")
+    records, failures = read_all(path, units, None, dt, response)
+    reasons = [row.reason for row in failures if row.kind != "skipped"]
+    if not records:
+        raise RecordRefused(f"{path}: no record in the folder{': ' * bool(reasons)}{'; '.join(reasons[:3])}")
+    for reason in reasons:
+        logger.warning("%s", reason)
+    return records
 
 
 def read_all(

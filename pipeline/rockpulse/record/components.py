@@ -9,6 +9,7 @@ from pathlib import PurePath
 
 import numpy as np
 
+from rocking.pictures import one_line
 from rockpulse.errors import Failure, some
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText
@@ -36,6 +37,8 @@ OVERLAP_SHARE = 0.5
 @dataclass(frozen=True, eq=False)
 class Pair:
     """Two horizontal channels of one instrument, their azimuths known."""
+
+    __repr__ = one_line
 
     first: Record
     second: Record

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from rocking.pictures import one_line
 from rockpulse.errors import Failure
 
 
@@ -48,6 +49,8 @@ class BatchOptions:
         Function that is called with each line of text for the user.
     """
 
+    __repr__ = one_line
+
     workers: int | str | None = None
     scheduler: str | None = None
     executor: Executor | None = None
@@ -76,6 +79,8 @@ class BatchReport:
     seconds : dict of str to float
         Total time of the workers for each step [s]: "read", "condition", "solve", "pack".
     """
+
+    __repr__ = one_line
 
     path: Path | None = None
     records: int = 0

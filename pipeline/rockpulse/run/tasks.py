@@ -6,7 +6,7 @@ import time
 import traceback
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from threading import get_ident
@@ -111,9 +111,9 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
         uncertainty=replace(config.uncertainty, azimuth=False),
         run=replace(config.run, workers=1, seed=config.run.seed if seeded else 0),
     )
-    sections = [repr(getattr(config, name)) for name in SECTIONS if name not in IDLE[verb]]
-    blocks = [replace(block, confirm_size=True) for block in config.blocks]
-    bodies = [repr(entry) for entry in (*blocks, *config.demands)]
+    sections = [repr(asdict(getattr(config, name))) for name in SECTIONS if name not in IDLE[verb]]
+    blocks = [replace(block, confirm_size=True) for block in config.bodies]
+    bodies = [repr(asdict(entry)) for entry in (*blocks, *config.demands)]
     chosen = repr(selection_of(config)) if verb == "fragility" else ""
     return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies, chosen])
 

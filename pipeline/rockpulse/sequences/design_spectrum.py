@@ -13,6 +13,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.pictures import one_line
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
 
 
@@ -42,6 +43,8 @@ class DesignSpectrum:
     >>> design.factor(Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9)).round(4)  # (g tan(alpha)/p)/0.6
     array([0.82])
     """
+
+    __repr__ = one_line
 
     p: np.ndarray
     restitution: np.ndarray

@@ -19,6 +19,7 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES, radius_of_rectangle
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.main_sequence import effective_amplification
+from rocking.pictures import one_line
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rocking.spectrum.slender_lanes import SpectrumLanes
@@ -55,6 +56,8 @@ class Rule:
         Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C over Housner's [-]) of the bodies on
         which the rule was fitted; a quantity that is not named is unlimited.
     """
+
+    __repr__ = one_line
 
     point: str
     factor: float

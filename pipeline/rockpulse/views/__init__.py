@@ -1,1 +1,1 @@
-"""The views for people: text, pictures, differences, and the report. A view reads answers and computes nothing."""
+"""Views of results: text, pictures, differences, and the report. A view reads results and computes nothing."""

@@ -20,7 +20,7 @@ from rockpulse.selection.events import UNKNOWN
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.views.report.verdict import of_unknown_event
 
-CONFIG = Config(blocks=(BlockSettings(name="wall", width=0.3, height=2.4),), models=ModelSettings(use=("resonance",)))
+CONFIG = Config(bodies=(BlockSettings(name="wall", width=0.3, height=2.4),), models=ModelSettings(use=("resonance",)))
 TITLES = ("Kobe, 1/16/1995", "KOBE 01/16/95", "", "")
 
 

@@ -38,7 +38,7 @@ def Config(**sections):
 def tree():
     records = [record("one", orientation="horizontal"), record("two", 1, 1.0), record("up", 2, orientation="vertical")]
     left_out = [Failure("notes.txt", "read", "no record", "skipped")]
-    return assess(records, nominal(blocks=(WALL, TOWER)), failures=left_out)
+    return assess(records, nominal(bodies=(WALL, TOWER)), failures=left_out)
 
 
 def test_every_record_block_and_model_has_an_answer(tree):
@@ -73,12 +73,12 @@ def test_parts_are_joined_with_the_records_counted_on():
     ("path", "dimension"), [("/summary/outcome", "record"), ("/summary/p", "block"), ("/half_cycles/peak", "row")]
 )
 def test_the_dimension_along_which_a_variable_grows_is_its_first(path, dimension):
-    assert Assessment(Config(blocks=(WALL,))).dimension_of(path) == dimension
+    assert Assessment(Config(bodies=(WALL,))).dimension_of(path) == dimension
 
 
 def test_results_are_named_after_the_site(tree):
     assert tree.attrs["title"] == "Rocking response of rigid blocks to recorded ground motions"
-    named = Config(blocks=(WALL,), models=ModelSettings(use=("linear",)), site=SiteSettings(name="Borgo"))
+    named = Config(bodies=(WALL,), models=ModelSettings(use=("linear",)), site=SiteSettings(name="Borgo"))
     assert assess([record("one")], named).attrs["title"] == "Borgo"
 
 
@@ -129,7 +129,7 @@ def test_intervals_of_overturning_begin_with_the_safety_factor_and_hold_the_outc
 
 
 def test_models_left_out_of_the_search_have_no_factor_and_records_are_left_out_where_asked_for():
-    config = Config(blocks=(WALL,), search=SearchSettings(models=()), records=RecordSettings(store="none"))
+    config = Config(bodies=(WALL,), search=SearchSettings(models=()), records=RecordSettings(store="none"))
     tree = assess([record("one")], config)
     assert "records" not in tree.children
     assert np.all(np.isnan(tree["summary"]["safety_factor"]))
@@ -146,7 +146,7 @@ def test_models_left_out_of_the_search_have_no_factor_and_records_are_left_out_w
 def test_capacity_is_compared_with_every_demand(restitution):
     demands = (DemandSettings(name="damage", acceleration=1.0), DemandSettings("collapse", 2.5, "475 years"))
     wall = BlockSettings(name="wall", width=0.4, height=3.0, restitution=restitution)
-    summary = assess([record("one")], Config(blocks=(wall,), demands=demands))["summary"]
+    summary = assess([record("one")], Config(bodies=(wall,), demands=demands))["summary"]
     assert list(summary["demand"].values) == ["damage", "collapse"]
     assert list(summary["demand_acceleration"].values) == [1.0, 2.5]
     assert list(summary["limit_state"].values) == ["", "475 years"]
@@ -222,8 +222,8 @@ def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
     up = record("one-up", 3, 3.0, station="S", orientation="vertical")
     up = Record(up.acceleration, DT, id="up", station="S", orientation="vertical", source="one.txt", processed=True)
     models = ModelSettings(use=("sequence", "linear", "nonlinear"))
-    with_up = Config(blocks=(WALL,), models=models, records=RecordSettings(include_vertical=True))
-    without = Config(blocks=(WALL,), models=models, records=RecordSettings(include_vertical=False))
+    with_up = Config(bodies=(WALL,), models=models, records=RecordSettings(include_vertical=True))
+    without = Config(bodies=(WALL,), models=models, records=RecordSettings(include_vertical=False))
     lifted = assess([horizontal, up], with_up)["summary"]["peak_rotation_ratio"].values[0, 0]
     plain = assess([horizontal, up], without)["summary"]["peak_rotation_ratio"].values[0, 0]
     direct = recorded_response(Block(0.4, 3.0), horizontal.acceleration, DT, vertical=up.acceleration)
@@ -257,7 +257,7 @@ def test_every_estimator_gives_an_assessment_with_safety_factors():
     models = ModelSettings(use=("resonance", "sequence"))
     for number in range(max(map(len, tables.values()))):  # each word of every table at least once
         options = {name: [*table][number % len(table)] for name, table in tables.items()}
-        config = Config(blocks=(WALL,), models=models, sequence=SequenceSettings(**options))
+        config = Config(bodies=(WALL,), models=models, sequence=SequenceSettings(**options))
         tree = assess([record("one")], config)
         assert tree["failures"].sizes["failure"] == 0, options
         assert np.all(tree["summary"]["safety_factor"] > 0.0), options
@@ -267,7 +267,7 @@ def test_every_estimator_gives_an_assessment_with_safety_factors():
 def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it():
     own = BlockSettings(name="own", p=2.385, alpha=0.2445, radius=1.136, restitution=[0.87, 0.92])
     without = BlockSettings(name="without", p=2.385, alpha=0.2445, restitution=[0.87, 0.92])
-    config = Config(blocks=(own, without), models=ModelSettings(use=("sequence", "nonlinear")))
+    config = Config(bodies=(own, without), models=ModelSettings(use=("sequence", "nonlinear")))
     summary = assess([record("one")], config)["summary"].to_dataset()
     assert summary["radius"].values == pytest.approx([1.136, 1.2930], abs=1e-4)
     assert summary["block_warnings"].values[0] == ""
@@ -281,7 +281,7 @@ def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it():
 @pytest.mark.sweep
 def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():
     island = BlockSettings(name="island", width=1e9, height=1e10, confirm_size=True)
-    summary = assess([record("one")], Config(blocks=(WALL, island)))["summary"].sel(record="one")
+    summary = assess([record("one")], Config(bodies=(WALL, island)))["summary"].sel(record="one")
     assert summary["reason"].sel(block="island", model="sequence") == Reason.SHORT_INTERVAL
     island = summary.sel(block="island", model="sequence")
     assert (island["safety_factor"], island["interval_count"], island["search_step"]) == (np.inf, 0, 1.0)
@@ -292,7 +292,7 @@ def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers()
 @pytest.mark.sweep
 def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
     confirmed = RecordSettings(confirm=("strong",))
-    config = Config(blocks=(WALL,), sequence=SequenceSettings(spacing="end"), records=confirmed)
+    config = Config(bodies=(WALL,), sequence=SequenceSettings(spacing="end"), records=confirmed)
     strong = Record(2.5e7 * motion(0), DT, id="strong", processed=True, source="strong.txt")
     tree = assess([strong, record("one")], config)
     assert list(tree["summary"]["record"].values) == ["one"]
@@ -303,7 +303,7 @@ def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
 def test_velocity_that_drifts_is_flagged():
     drifting = Record(motion(0) + 0.05, DT, id="drift", processed=True)
     models = ModelSettings(use=("linear",))
-    summary = assess([record("one"), drifting], Config(blocks=(WALL,), models=models))["summary"]
+    summary = assess([record("one"), drifting], Config(bodies=(WALL,), models=models))["summary"]
     assert summary["pgv_drift"].values.tolist() == [0, 1]
 
 
@@ -311,7 +311,7 @@ def test_record_without_a_sequence_is_still_assessed_and_says_so():
     pulse = np.zeros(200)
     pulse[50:80] = 3.0 * np.sin(np.pi * np.arange(30) / 30)
     single = Record(pulse, DT, id="pulse", processed=True, orientation="horizontal")
-    tree = assess([single], Config(blocks=(WALL,)))
+    tree = assess([single], Config(bodies=(WALL,)))
     summary = tree["summary"].to_dataset().squeeze()
     assert list(summary["outcome"].values[:2]) == [Outcome.UNRESOLVED] * 2
     assert np.all(np.isfinite(summary["peak_rotation_ratio"].values[2:]) | np.isinf(summary["peak_rotation_ratio"][2:]))
@@ -321,7 +321,7 @@ def test_record_without_a_sequence_is_still_assessed_and_says_so():
 
 def test_record_that_cannot_be_assessed_is_a_row_and_the_others_go_on():
     still = Record(np.zeros(300), DT, id="still", processed=True, source="still.txt")
-    tree = assess([still, record("one")], Config(blocks=(WALL,)))
+    tree = assess([still, record("one")], Config(bodies=(WALL,)))
     assert list(tree["summary"]["record"].values) == ["one"]
     failed = tree["failures"].isel(failure=0)
     assert failed["kind"].item() == "failed"
@@ -329,11 +329,11 @@ def test_record_that_cannot_be_assessed_is_a_row_and_the_others_go_on():
 
 
 def test_no_record_at_all_gives_an_empty_tree_and_two_of_one_id_are_refused():
-    tree = assess([], Config(blocks=(WALL,)))
+    tree = assess([], Config(bodies=(WALL,)))
     assert tree["summary"].sizes["record"] == 0
     assert tree["half_cycles"].sizes["row"] == 0
     with pytest.raises(ConfigError, match="one"):
-        assess([record("one"), record("one")], Config(blocks=(WALL,)))
+        assess([record("one"), record("one")], Config(bodies=(WALL,)))
 
 
 def test_every_variable_has_a_unit_and_a_long_name(tree):

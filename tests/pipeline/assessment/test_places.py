@@ -33,7 +33,7 @@ def config(*blocks, **options):
     """Without a probability, unless it is asked for."""
     options = {"uncertainty": rp.UncertaintySettings(probability=False)} | options
     asked = rp.ModelSettings(use=("sequence", "nonlinear"), histories=True)
-    return rp.Config(blocks=blocks, models=asked, search=rp.SearchSettings(intervals=True, points=16), **options)
+    return rp.Config(bodies=blocks, models=asked, search=rp.SearchSettings(intervals=True, points=16), **options)
 
 
 @pytest.mark.sweep
@@ -153,7 +153,7 @@ def test_the_spectrum_of_the_results_is_that_of_the_ground():
         ((body("aloft", floors=(FLOOR,)),), False),
     ):
         asked = config(*blocks, **PROBABLE)
-        scene, bodies = extract(RECORD, asked), gather_bodies(asked.blocks)
+        scene, bodies = extract(RECORD, asked), gather_bodies(asked.bodies)
         spectrum = assess_scene(scene, bodies, asked).spectrum
         assert (spectrum is not None) is known
         if known:
@@ -175,7 +175,7 @@ def test_what_is_told_of_a_floor_is_a_warning_of_the_record_once():
     squat = [rp.BlockSettings(name=f"{number}", width=1.0, height=1.0, floors=floors)
              for number, floors in enumerate(((FLOOR,), (rp.FloorSettings(period=0.3),), ()))]  # fmt: skip
     for blocks in (squat[:2], squat):
-        told = rp.assess([RECORD], replace(asked, blocks=tuple(blocks)))["summary"]["warnings"].item()
+        told = rp.assess([RECORD], replace(asked, bodies=tuple(blocks)))["summary"]["warnings"].item()
         assert told.count("1 of 1 bodies lie outside the range") == 1
 
 
@@ -288,7 +288,7 @@ def test_histories_of_a_turned_body_are_those_that_are_stored():
     records = rp.RecordSettings(components="azimuth", azimuth=75.0)
     for histories in (True, False):
         asked = rp.ModelSettings(use=("nonlinear",), histories=histories)
-        tree = rp.assess(PAIR, rp.Config(blocks=blocks, records=records, models=asked))
+        tree = rp.assess(PAIR, rp.Config(bodies=blocks, records=records, models=asked))
         if histories:
             own = rp.plots.histories(tree, "XX.STA..H075", "own")[0]
             assert np.nanmax(np.abs(own.rotation)) == pytest.approx(own.peak, rel=0.05)
@@ -303,8 +303,8 @@ def test_fragility_of_each_body_is_that_of_its_place():
     blocks = body("others"), body("own", azimuth=30.0), body("aloft", floors=(FLOOR,))
     there, here = (rp.RecordSettings(components="azimuth", azimuth=azimuth) for azimuth in (75.0, 30.0))
     levels = rp.FragilitySettings(stripe_levels=(0.5, 1.0), measures=("pga", "velocity_ratio"))
-    tree = rp.fragility(PAIR, rp.Config(blocks=blocks, records=there, fragility=levels))["capacities"]
-    own = rp.fragility(PAIR, rp.Config(blocks=[body("own")], records=here, fragility=levels))["capacities"]
+    tree = rp.fragility(PAIR, rp.Config(bodies=blocks, records=there, fragility=levels))["capacities"]
+    own = rp.fragility(PAIR, rp.Config(bodies=[body("own")], records=here, fragility=levels))["capacities"]
     for name in ("factor", "reached", "measure_value"):
         assert np.array_equal(tree[name].sel(block="own"), own[name].sel(block="own"), equal_nan=True), name
     # Aloft the measure is that of the ground: at the same factors the body is asked about its floor's motion.

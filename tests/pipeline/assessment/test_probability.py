@@ -29,12 +29,12 @@ NONE, SPECTRUM, OWN = range(3)
 
 
 def configured(*blocks, **sections):
-    return rp.Config(**{"models": NONLINEAR, "blocks": blocks} | sections)
+    return rp.Config(**{"models": NONLINEAR, "bodies": blocks} | sections)
 
 
 def told(one, config):
     """By name, of all bodies and their restitutions."""
-    return record_probability(scene_of_record(one, config), gather_bodies(config.blocks), config)[0]
+    return record_probability(scene_of_record(one, config), gather_bodies(config.bodies), config)[0]
 
 
 @cache
@@ -134,7 +134,7 @@ def test_a_factor_beyond_the_search_is_inf_from_the_end_of_the_search_on():
 
 def test_a_record_that_lifts_nothing_needs_no_spectrum():
     config = configured(WALL, CHEST)
-    scene, bodies = scene_of_record(record("one"), config), gather_bodies(config.blocks)
+    scene, bodies = scene_of_record(record("one"), config), gather_bodies(config.bodies)
     assert record_probability(scene, bodies, config)[1] is not None
     for strength in (0.0, 1e-3):
         still = replace(scene, record=replace(scene.record, acceleration=strength * motion()))
@@ -158,7 +158,7 @@ def test_a_record_that_lifts_nothing_needs_no_spectrum():
 )
 def test_what_is_not_asked_for_is_not_known(sections):
     config = configured(WALL, CHEST, **sections)
-    one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.blocks), config)
+    one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.bodies), config)
     assert one.spectrum is None
     assert one.probability["probability_source"].tolist() == [NONE, NONE]
     assert all(np.isnan(one.probability[name]).all() for name in PROBABILITY if name != "probability_source")
@@ -177,7 +177,7 @@ def test_lanes_of_a_body_are_drawn_by_the_seed_and_the_record():
 
 @pytest.mark.sweep
 def test_factors_that_are_searched_wait_for_the_key():
-    config = nominal(blocks=(WALL,), models=rp.ModelSettings(use=("resonance", "sequence", "balanced", "nonlinear")))
+    config = nominal(bodies=(WALL,), models=rp.ModelSettings(use=("resonance", "sequence", "balanced", "nonlinear")))
     searched = assess([record("one")], config)
     plain = assess([record("one")], replace(config, search=rp.SearchSettings()))
     factors = [tree["summary"]["safety_factor"].values[0, 0] for tree in (searched, plain)]
@@ -210,7 +210,7 @@ def test_a_demand_from_which_the_record_is_far_has_no_probability():
 @pytest.mark.sweep
 def test_the_variables_of_the_spectrum_lie_at_its_frequency_parameters_and_are_nan_elsewhere():
     config = configured(WALL)
-    one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.blocks), config)
+    one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.bodies), config)
     at = np.searchsorted(RATES, one.spectrum.p)
     assert 0 < at.size < RATES.size
     for name, values in stored_spectrum_values(one.spectrum).items():

@@ -29,7 +29,7 @@ def settings(**options):
 
 def config(*blocks, **uncertainty):
     return rp.Config(
-        blocks=blocks,
+        bodies=blocks,
         models=rp.ModelSettings(use=("sequence", "linear", "nonlinear"), histories=True),
         search=rp.SearchSettings(intervals=True, points=16),
         uncertainty=rp.UncertaintySettings(**uncertainty),

@@ -69,7 +69,7 @@ def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
     path = tmp_path / "resolved.toml"
     path.write_text(tree.attrs["configuration"], encoding="utf-8")
     config = rp.load_config(path)
-    assert [(block.name, block.width, block.height) for block in config.blocks] == [
+    assert [(block.name, block.width, block.height) for block in config.bodies] == [
         ("thin wall", 0.2, 2.2),
         ("pier", 1.0, 3.0),
     ]

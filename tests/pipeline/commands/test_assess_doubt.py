@@ -24,7 +24,7 @@ def test_sizes_in_millimetres_are_exit_code_two_before_any_work_unless_confirmed
     assert assess(*arguments, "--confirm-size") == 0
     stored = tmp_path / "stored.toml"
     stored.write_text(rp.load(target).attrs["configuration"])
-    assert rp.load_config(stored).blocks[0].confirm_size
+    assert rp.load_config(stored).bodies[0].confirm_size
     assert "600 m wide and 1700 m high" in rp.load(target)["summary"]["block_warnings"].values[0]
 
 

@@ -113,7 +113,7 @@ def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
     assert "design sequence 0.84" in out
     assert "nonlinear cannot answer it and is left out" in re.sub(r"\s+", " ", out)
     summary = rp.load(target)["summary"].to_dataset()
-    blocks = [block.block() for block in rp.load_config(config).blocks]
+    blocks = [block.block() for block in rp.load_config(config).bodies]
     response = rp.models.sequence_response(
         rp.models.Block.stack([one.lanes(1) for one in blocks]), rp.load_design(done)
     )

@@ -36,7 +36,7 @@ def test_without_a_configuration_the_blocks_of_the_command_line_are_enough(tmp_p
     assert main(["fragility", "r0.txt", *arguments, "--quiet"]) == 1
     ((paths, config, output, _),) = given
     assert (list(map(str, paths)), str(output)) == (["r0.txt"], str(tmp_path / "f.h5"))
-    assert [block.name for block in config.blocks] == ["stele"]
+    assert [block.name for block in config.bodies] == ["stele"]
     assert (config.records.units, config.records.dt) == ("cm/s2", 0.01)
     assert config.fragility == rp.FragilitySettings()
 

@@ -32,8 +32,8 @@ def load(tmp_path):
 
 def test_defaults_are_those_of_the_template():
     found = config_from_text(TEMPLATE)
-    assert dataclasses.replace(found, blocks=()) == Config()
-    assert found.blocks == (BlockSettings(name="block", width=0.6, height=2.4),)
+    assert dataclasses.replace(found, bodies=()) == Config()
+    assert found.bodies == (BlockSettings(name="block", width=0.6, height=2.4),)
 
 
 @pytest.mark.parametrize("text", [TEMPLATE, SITE.read_text(encoding="utf-8")], ids=["template", "site"])
@@ -57,7 +57,7 @@ def test_every_allowed_word_is_in_the_template(name):
 
 
 def test_the_sample_has_four_bodies_one_of_them_no_rectangle():
-    blocks = load_config(SITE).blocks
+    blocks = load_config(SITE).bodies
     assert len(blocks) >= 4
     assert any(block.p is not None for block in blocks)
     for block in blocks:
@@ -141,7 +141,7 @@ def _configs(draw):
         )
         for name in names
     ]
-    return Config(**sections, blocks=tuple(blocks))
+    return Config(**sections, bodies=tuple(blocks))
 
 
 @pytest.mark.sweep
@@ -154,7 +154,7 @@ def test_the_text_of_a_configuration_loads_back_to_it(tmp_path_factory, config):
 
 
 def test_odd_characters_survive_the_way_through_toml(tmp_path):
-    config = Config(blocks=(BlockSettings(name='"\\ è 柱', p=1.0, alpha=math.pi / 8),))
+    config = Config(bodies=(BlockSettings(name='"\\ è 柱', p=1.0, alpha=math.pi / 8),))
     path = tmp_path / "odd.toml"
     path.write_text(config.as_text(), encoding="utf-8")
     assert load_config(path) == config
@@ -168,8 +168,8 @@ def test_a_size_that_was_confirmed_and_a_radius_load_back(load):
         load(text)
     config = load(text + "confirm_size = true\n[[block]]\nname = 'statue'\np = 2.385\nalpha = 0.2445\nradius = 1.136\n")
     assert load(config.as_text()) == config
-    assert [block.confirm_size for block in config.blocks] == [True, False]
-    assert [block.radius for block in config.blocks] == [None, 1.136]
+    assert [block.confirm_size for block in config.bodies] == [True, False]
+    assert [block.radius for block in config.bodies] == [None, 1.136]
 
 
 def test_demands_are_read_and_written(load):

@@ -38,7 +38,7 @@ def test_a_body_with_all_it_can_have_comes_back(tmp_path):
     path = tmp_path / "site.toml"
     path.write_text(FACADE, encoding="utf-8")
     config = load_config(path)
-    facade, statue = config.blocks
+    facade, statue = config.bodies
     made = facade.block()
     assert (made.side, made.mass) == (1, 12960.0)
     assert [tie.yield_force for tie in made.restraints.ties] == [74e3]

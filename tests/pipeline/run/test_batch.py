@@ -25,13 +25,13 @@ from rockpulse.run.options import BatchOptions
 CONFIG = Config(
     models=ModelSettings(use=("sequence", "linear")),
     search=SearchSettings(models=("sequence",), points=16),
-    blocks=(BlockSettings(name="wall", width=0.4, height=3.0), BlockSettings(name="pier", width=1.0, height=3.0)),
+    bodies=(BlockSettings(name="wall", width=0.4, height=3.0), BlockSettings(name="pier", width=1.0, height=3.0)),
 )
 SITE = Config(
     calibration=CalibrationSettings(method="statistics", bootstrap=100),
     fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     search=SearchSettings(points=16),
-    blocks=CONFIG.blocks[:1],
+    bodies=CONFIG.bodies[:1],
 )
 
 
@@ -61,7 +61,7 @@ def saved(tree, path):
 
 @pytest.mark.sweep
 def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
-    config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=90.0), blocks=CONFIG.blocks[:1])
+    config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=90.0), bodies=CONFIG.bodies[:1])
     records, failures = read_all(folder)
     expected = saved(rp.assess(records, config, failures=failures), tmp_path / "memory.h5")
     report = assess_files(folder, config, tmp_path / "batch.h5", BatchOptions(workers=1))
@@ -243,7 +243,7 @@ def test_strict_stops_at_the_first_failure_and_says_what_is_kept(folder, tmp_pat
 def test_what_cannot_be_is_refused_before_anything_is_read(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(run, "survey_file", None)
     with pytest.raises(ConfigError, match="block"):
-        assess_files(folder, replace(CONFIG, blocks=()), tmp_path / "results.h5")
+        assess_files(folder, replace(CONFIG, bodies=()), tmp_path / "results.h5")
     with pytest.raises(ResultsError, match="there is no folder"):
         assess_files(folder, CONFIG, tmp_path / "gone" / "results.h5")
     (tmp_path / "there.h5").write_text("a text")

@@ -101,7 +101,7 @@ def test_without_the_package_the_error_says_what_to_install(monkeypatch):
 @pytest.mark.usefixtures("needs_distributed")
 def test_an_assessment_on_a_cluster_is_that_of_one_process_also_when_a_worker_is_killed(samples, tmp_path):
     config = Config(
-        blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
+        bodies=(BlockSettings(name="wall", width=0.4, height=3.0),),
         models=ModelSettings(use=("sequence", "nonlinear")),
         search=SearchSettings(models=()),
     )

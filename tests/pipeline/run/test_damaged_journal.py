@@ -129,7 +129,7 @@ def test_results_of_other_options_are_no_damage(folder, tmp_path, monkeypatch):
     """Their arrays have other shapes."""
     output, told = tmp_path / "results.h5", []
     stopped_at_the_last(folder, output, monkeypatch)
-    two = replace(CONFIG, blocks=(*CONFIG.blocks, BlockSettings(name="wide", width=0.5, height=3.0)))
+    two = replace(CONFIG, bodies=(*CONFIG.bodies, BlockSettings(name="wide", width=0.5, height=3.0)))
     without_results(monkeypatch)
     report = assess_files(sorted(folder.glob("r*")), two, output, BatchOptions(1, resume=True, tell=told.append))
     assert (report.records, report.resumed) == (3, 0)

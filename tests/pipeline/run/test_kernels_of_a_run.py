@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -64,7 +65,7 @@ def peak(top, way):
         return float(done("peak.py", way))
     job = ["-m", "rockpulse", "assess", "records", "--block", "wall=0.4x3.0", "-o", f"{way}.h5", "--overwrite"]
     if way == "dask":
-        with dask_cluster(top) as (address, *_):
+        with dask_cluster(Path(tempfile.mkdtemp(dir=top))) as (address, *_):
             with Crew.scheduler(address, timeout=300.0) as crew:
                 wait_for_workers(crew, 2)
             done(*job, "--scheduler", address)

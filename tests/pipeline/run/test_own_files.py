@@ -16,7 +16,7 @@ from rockpulse.run.options import BatchOptions
 CONFIG = Config(
     models=ModelSettings(use=("resonance",)),
     search=SearchSettings(models=()),
-    blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
+    bodies=(BlockSettings(name="wall", width=0.4, height=3.0),),
 )
 
 

@@ -49,7 +49,7 @@ WAYS = {
 
 
 def config(**records):
-    return Config(blocks=(WALL,), records=RecordSettings(**records))
+    return Config(bodies=(WALL,), records=RecordSettings(**records))
 
 
 def surveyed(paths, read):
@@ -233,7 +233,7 @@ def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_sch
 def test_a_body_is_the_same_whether_its_size_was_confirmed_or_not():
     wall = BlockSettings(name="wall", width=0.3, height=2.4)
     one, other = (
-        configuration_fingerprint(Config(blocks=(body,)), "assess") for body in (wall, replace(wall, confirm_size=True))
+        configuration_fingerprint(Config(bodies=(body,)), "assess") for body in (wall, replace(wall, confirm_size=True))
     )
     assert one == other
 

@@ -91,7 +91,7 @@ def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(f
             pedestals=(PedestalSettings(width=0.6, height=1.0, mass=1e3),),
         ),
     )
-    config = replace(CONFIG, models=ModelSettings(use=("nonlinear",)), blocks=(*CONFIG.blocks, *others))
+    config = replace(CONFIG, models=ModelSettings(use=("nonlinear",)), bodies=(*CONFIG.bodies, *others))
     paths, original = sorted(folder.glob("r*"))[:2], assessment.extract
 
     def out_of_memory(record, config, vertical):
@@ -128,7 +128,7 @@ def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path
     assert (report.path, report.records, report.resumed, report.failures) == (output, 3, 3, [])
     assert told == [f"{output}: the run had ended before, nothing was left to do"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["results.h5"]
-    wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
+    wider = replace(CONFIG, bodies=(BlockSettings(name="wide", width=0.5, height=3.0),))
     for asked in ((paths[:2], CONFIG), (paths, wider), (paths, replace(CONFIG, site=SiteSettings(name="other")))):
         with pytest.raises(ResultsError, match="the file exists"):
             assess_files(*asked, output, resume)
@@ -187,7 +187,7 @@ def test_only_what_the_plan_can_use_is_counted_as_kept(folder, tmp_path, monkeyp
         patch.setattr(run, "write_results", interrupted)
         with pytest.raises(run.Interrupted, match="3 finished records are kept"):
             assess_files(paths, CONFIG, output, BatchOptions(workers=1))
-        wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
+        wider = replace(CONFIG, bodies=(BlockSettings(name="wide", width=0.5, height=3.0),))
         with pytest.raises(run.Interrupted, match="1 finished record is kept"):
             assess_files(paths[:1], wider, output, BatchOptions(workers=1, resume=True))
         patch.setattr(run._Batch, "work", interrupted)
@@ -240,7 +240,7 @@ def test_resuming_a_run_that_had_only_its_journal_left_does_what_is_asked_for(fo
 
     output.unlink()
     stopped_after_writing(paths, output, monkeypatch)
-    wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
+    wider = replace(CONFIG, bodies=(BlockSettings(name="wide", width=0.5, height=3.0),))
     assert assess_files(paths[:2], wider, output, resume).resumed == 0
     found = contents(output)
     assert (len(found["summary/record"]["values"]), found["summary/block"]["values"].tolist()) == (2, [b"wide"])

@@ -36,7 +36,7 @@ from rockpulse.studies.site.calibration import SiteCalibration
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
 TOWER = BlockSettings(name="tower", width=1.0, height=5.0, restitution=(0.9, 0.95))
 CHEAP = Config(
-    blocks=(WALL, replace(TOWER, restitution="housner")),
+    bodies=(WALL, replace(TOWER, restitution="housner")),
     models=ModelSettings(use=("sequence", "impulsive", "linear")),
     search=SearchSettings(models=()),
 )
@@ -44,7 +44,7 @@ CONFIGURATIONS = {
     "horizontal": CHEAP,
     "cases": replace(
         CHEAP,
-        blocks=(replace(WALL, restitution=(0.91, 0.96)), TOWER),
+        bodies=(replace(WALL, restitution=(0.91, 0.96)), TOWER),
         demands=(DemandSettings(name="damage", acceleration=1.0),),
     ),
     "vertical": replace(
@@ -140,7 +140,7 @@ def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(two_files):
 def test_the_tasks_of_any_order_give_the_tree_in_memory(two_files, components, analysis):
     asked = analysis(
         Config(
-            blocks=CHEAP.blocks,
+            bodies=CHEAP.bodies,
             calibration=CalibrationSettings(method="statistics", bootstrap=100),
             fragility=ida(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
             search=SearchSettings(points=8),

@@ -188,7 +188,7 @@ def test_directions_that_cannot_be_assessed_are_unanswered_not_forgotten():
     phase = IntensePhaseSettings(method="bracketed", level=2.0)
     options = config("sweep", azimuth_step=20.0)
     models = ModelSettings(use=("nonlinear",))
-    options = Config(blocks=(TOWER,), records=options.records, intense_phase=phase, models=models)
+    options = Config(bodies=(TOWER,), records=options.records, intense_phase=phase, models=models)
     tree = assess([channel(90.0), channel(0.0)], options)
     found = tree["directions"].isel(pair=0)
     missing = found["record_index"].values < 0

@@ -86,6 +86,11 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     return tree.map_over_datasets(_as_saved)
 
 
+def given_results(results: xr.DataTree | str | os.PathLike[str]) -> xr.DataTree:
+    """A tree of results as it is, or that of a file, as of :func:`load`."""
+    return load(results) if isinstance(results, str | os.PathLike) else results
+
+
 @contextmanager
 def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict[str, h5py.Dataset]]]:
     """Open a results file of this schema; return it with its kind (a key of `KINDS`) and its datasets by path."""
@@ -196,7 +201,7 @@ class ResultsFile:
     kind: str  # kind of results in the root attribute
     attrs: dict[str, Any]  # attributes of the root
     groups: tuple[str, ...]  # without the leading slash
-    _hdf5: h5py.File = field(repr=False)
+    _hdf5: Any = field(repr=False)  # h5py.File; None of a tree in memory
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
 
     def dataset(self, group: str) -> xr.Dataset:
@@ -239,6 +244,13 @@ class ResultsFile:
             raise ResultsError(
                 f"{self.path}: the results file is damaged ({error}); run the assessment again"
             ) from error
+
+
+def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:
+    """A tree of results as a results file that is open; `name` is its path in messages."""
+    groups = {str(group): node.to_dataset() for group, node in tree.children.items()}
+    attrs = {str(key): value for key, value in tree.attrs.items()}
+    return ResultsFile(Path(name), str(attrs.get("kind", ASSESSMENT)), attrs, tuple(groups), None, groups)
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """The check of the bodies of a configuration by codes, compared with time histories of the same bodies."""
 
 import math
+import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,9 +11,12 @@ from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import BlockSettings, FloorSettings
-from rockpulse.config.configuration import Config, config_from_text
+from rockpulse.config.configuration import Config, config_from_text, given_config
 from rockpulse.config.study_settings import CheckSettings
-from rockpulse.errors import ConfigError
+from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.option import hint
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
+from rockpulse.storage.hdf5.results_file import given_results
 from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.code_spectra import DemandSpectrum, TableEnds, spectrum_of
 from rockpulse.studies.check.codes import CHECKS, Checked, worst
@@ -22,17 +26,21 @@ from rockpulse.studies.check.mechanism import Mechanism, mechanisms
 NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
 
 
-def check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | None = None) -> xr.Dataset:
+def check(
+    results: xr.DataTree | str | os.PathLike[str] | None = None,
+    config: Config | str | os.PathLike[str] | None = None,
+    code: str | Sequence[str] = CODES,
+) -> xr.Dataset:
     """Check the bodies of a configuration by codes, from their geometry and the demand of [check].
 
     Parameters
     ----------
-    config : Config
-        With [[block]] and [check].
-    codes : sequence of str
-        Of "circolare_2009", "circolare_2019", "en_1998".
-    results : xarray.DataTree, optional
+    results : xarray.DataTree or path, optional
         Of :func:`rockpulse.assess` on the same bodies, to compare with.
+    config : Config or path, optional
+        With [[block]] and [check]; by default that of the results.
+    code : str or sequence of str
+        Of "circolare_2009", "circolare_2019", "en_1998".
 
     Returns
     -------
@@ -48,23 +56,36 @@ def check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | N
     ------
     ConfigError
         If there are no bodies or no demand, or for an unknown code.
+    ResultsError
+        For results of another kind.
 
     Examples
     --------
     >>> import rockpulse as rp
     >>> wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
-    >>> config = rp.Config(blocks=(wall,), check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=1.0))
-    >>> found = check(config, ["circolare_2009"])
+    >>> config = rp.Config(bodies=(wall,), check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=1.0))
+    >>> found = check(config=config, code="circolare_2009")
     >>> [round(found[name].item(), 3) for name in ("multiplier", "activation_ratio", "period", "displacement_ratio")]
     [0.1, 1.333, 1.238, 1.734]
     """
-    if unknown := [code for code in codes if code not in CHECKS]:
-        raise ConfigError(f"code: expected some of {', '.join(CODES)}, found {unknown[0]!r}")
-    if not config.blocks:
+    codes = [code] if isinstance(code, str) else list(code)
+    if unknown := [one for one in codes if one not in CHECKS]:
+        raise ConfigError(f"code: expected some of {', '.join(CODES)}, found {unknown[0]!r}{hint(unknown[0], CODES)}")
+    if isinstance(results, Config):
+        raise ConfigError("results: expected the results of assess, found a Config; give it as config=")
+    if results is None and config is None:
+        raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
+    tree = None if results is None else given_results(results)
+    if tree is not None and (kind := str(tree.attrs.get("kind", ASSESSMENT))) != ASSESSMENT:
+        name = "results" if isinstance(results, xr.DataTree) else results
+        raise ResultsError(f"{name}: expected {kind_in_words(ASSESSMENT)} of rockpulse, found {kind_in_words(kind)}")
+    stored = "" if tree is None else str(tree.attrs.get("configuration", ""))
+    config = config_from_text(stored) if config is None else given_config(config)
+    if not config.bodies:
         raise ConfigError("no body to check: give [[block]] entries in the configuration")
     spectrum = spectrum_of(config.check, config.folder)
     found: dict[str, tuple[Sequence[Mechanism], list[Checked]]] = {}
-    for body in config.blocks:
+    for body in config.bodies:
         try:
             of_body = mechanisms(body)
         except ConfigError:
@@ -73,12 +94,12 @@ def check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | N
             found[body.name] = (), [Checked(statement=str(error))] * len(codes)
             continue
         for name, senses in of_body.items():
-            found[name] = senses, [_checked(code, senses, spectrum, body.floors, config.check) for code in codes]
+            found[name] = senses, [_checked(one, senses, spectrum, body.floors, config.check) for one in codes]
     names = list(found)
     weakest = [min(senses, key=lambda one: one.multiplier) if senses else None for senses, _ in found.values()]
     values = {
         **{name: np.array([getattr(one, name, math.nan) for one in weakest]) for name in ("multiplier", "share")},
-        **({} if results is None else of_histories(results, config, names)),
+        **({} if tree is None else of_histories(tree, config, names)),
         **{
             name: np.array([[getattr(one, name) for one in row] for _, row in found.values()])
             for name in (*Checked._fields, "activation_ratio")
@@ -128,7 +149,7 @@ def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
     """Return the bodies of a configuration by name, with and without their pedestals."""
-    return {name: body for body in config.blocks for name in (body.name, *body.with_pedestals())}
+    return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 
 def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: BlockSettings) -> str:

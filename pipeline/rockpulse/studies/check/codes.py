@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking.body.block import Block
+from rocking.pictures import one_line
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
@@ -212,6 +213,9 @@ class KinematicCheck(NamedTuple):
     ultimate: np.ndarray
     secant_period: np.ndarray
     nonlinear: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def kinematic_check(

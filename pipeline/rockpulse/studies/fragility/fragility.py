@@ -36,6 +36,9 @@ def fragility(
     bodies: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
+    *,
+    units: str | None = None,
+    dt: float | None = None,
 ) -> xr.DataTree:
     """Fragility curves of bodies, with confidence bands over events, and the most efficient intensity measure.
 
@@ -47,7 +50,7 @@ def fragility(
         Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, instead of those of the configuration; full sizes in m.
-    failures, progress
+    failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
     Returns
@@ -78,7 +81,7 @@ def fragility(
     >>> str(tree["fragility"]["statement"].sel(block="pier", limit_state="overturning", measure="pga").values)
     'no curve: one record only, 1.04 to 5.81 reached; a dispersion needs several'
     """
-    return run(FragilityAnalysis(given_config(config), bodies), records, failures, progress)
+    return run(FragilityAnalysis(given_config(config, units, dt), bodies), records, failures, progress)
 
 
 class FragilityAnalysis(Analysis):
@@ -90,7 +93,7 @@ class FragilityAnalysis(Analysis):
 
     def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
-        gathered = gather_bodies(config.blocks if bodies is None else bodies, config.records)
+        gathered = gather_bodies(config.bodies if bodies is None else bodies, config.records)
         self.block_names, block, owner = gathered.apart()
         self.lanes = BodyLanes(block, gathered, owner)
         self.selection = selection_of(config)

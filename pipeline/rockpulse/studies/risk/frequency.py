@@ -8,7 +8,6 @@
 """
 
 import math
-import os
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -19,7 +18,6 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
-from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY, Status
 from rockpulse.storage.variables.risk import RISK, STANDING, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
@@ -85,71 +83,18 @@ class _Asked(NamedTuple):
     uplift: bool
 
 
-def risk(
-    fragility: xr.DataTree | str | os.PathLike[str],
+def fragility_frequency(
+    fragility: xr.DataTree,
     hazard: Hazard,
-    limit_state: str = "overturning",
-    years: float = 50.0,
-    confidence: float | None = None,
-    resamples: int = 500,
-    seed: int = 0,
+    limit_state: str,
+    years: float,
+    confidence: float | None,
+    resamples: int,
+    seed: int,
 ) -> xr.Dataset:
-    """Compute the annual frequency at which each body reaches a limit state.
-
-    Parameters
-    ----------
-    fragility : xarray.DataTree or path
-        Of :func:`rockpulse.fragility`, or a file of ``rockpulse fragility``, with the measure of the hazard.
-    hazard : PowerLawHazard or HazardCurve
-        Annual rate of exceedance of the measure of the fragility at the ground below the bodies.
-    limit_state : str
-        A limit state of the fragility.
-    years : float
-        Exposure time for `probability` and `survival` [years].
-    confidence : float, optional
-        Confidence level of the bands; by default that of the fragility.
-    resamples, seed : int
-        Number of bootstrap samples of the earthquakes for the bands, 0 for no band; seed of the random numbers.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (block): `frequency` [1/year] with `frequency_low` and `frequency_high`, `probability` in `years` with its
-        limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels outside
-        the range of the records or of the hazard, `events`, `status`, `statement` and `warning`; over (block, bin)
-        `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. The uplift of a body on the
-        ground in PGA needs no fit: it is the rate of exceedance of its uplift PGA.
-
-    Raises
-    ------
-    ResultsError
-        For a tree of another kind, or one without the limit state or the measure.
-    ConfigError
-        For invalid years, confidence or resamples.
-
-    References
-    ----------
-    Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58(5), 1583-1606.
-
-    Examples
-    --------
-    >>> import numpy as np, rockpulse as rp
-    >>> t = np.arange(0.0, 4.0, 0.01)
-    >>> shake = [
-    ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", event=str(f), processed=True)
-    ...     for f in (0.6, 0.8, 1.0, 1.3, 1.7)
-    ... ]
-    >>> config = rp.Config(fragility=rp.FragilitySettings(overturning_model="lognormal"))
-    >>> pier = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
-    >>> tree = rp.fragility(shake, config, pier)
-    >>> found = rp.risk(tree, rp.PowerLawHazard(k0=1e-4, k=2.5), years=100.0)
-    >>> bool(0.0 < found["frequency"].item() < 1e-3), bool(found["survival"].item() > 0.9)
-    (True, True)
-    """
+    """Compute the annual frequency at which each body reaches a limit state; see :func:`rockpulse.risk`."""
     if not isinstance(hazard, PowerLawHazard | HazardCurve):
         raise ConfigError(f"hazard: expected one of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}")
-    if isinstance(fragility, (str, os.PathLike)):
-        fragility = load(fragility)
     if fragility.attrs.get("kind") != FRAGILITY:
         raise ResultsError("fragility: expected the tree or file of rockpulse fragility; results of assess have none")
     table = fragility["fragility"].to_dataset()

@@ -14,7 +14,9 @@ from typing import Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rocking.pictures import one_line
 from rockpulse.errors import ConfigError
+from rockpulse.option import hint
 from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
@@ -29,7 +31,8 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 def known_measure(measure: str, where: str) -> str:
     """Return the measure; raise ConfigError if it is not a measure of a hazard."""
     if measure not in HAZARD:
-        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, found {measure!r}")
+        told = f"found {measure!r}{hint(measure, HAZARD)}"
+        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {told}")
     return measure
 
 
@@ -96,6 +99,8 @@ class PowerLawHazard(_Hazard):
     >>> round(float(hazard.rate(9.80665)), 10)
     0.0001
     """
+
+    __repr__ = one_line
 
     k0: float
     k: float
@@ -168,6 +173,8 @@ class HazardCurve(_Hazard):
     >>> curve.rate(np.array([1.0, 2.0 ** 0.5, 8.0])).round(6).tolist()
     [0.01, 0.004472, 2e-05]
     """
+
+    __repr__ = one_line
 
     measure: str
     level: np.ndarray
@@ -260,6 +267,8 @@ class SiteHazards:
     ConfigError
         For no hazard, several measures or units, or invalid numbers of hazards.
     """
+
+    __repr__ = one_line
 
     hazards: tuple[Hazard, ...]
     of_body: np.ndarray

@@ -35,6 +35,9 @@ def calibrate(
     bodies: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
+    *,
+    units: str | None = None,
+    dt: float | None = None,
 ) -> xr.DataTree:
     """Calibrate the design of a site on a set of records.
 
@@ -48,9 +51,9 @@ def calibrate(
     config : Config or path, optional
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies of the design, instead of those of the configuration. Without bodies only the spectrum is stored, and
-        a single sequence is designed for 100 bodies (:func:`rockpulse.studies.site.site_records.block_family`).
-    failures, progress
+        The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
+        one sequence covers a family of 100 (:func:`rockpulse.studies.site.site_records.block_family`).
+    failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
     Returns
@@ -80,7 +83,7 @@ def calibrate(
     >>> int(tree["site"]["event_count"])
     2
     """
-    return run(SiteCalibration(given_config(config), bodies), records, failures, progress)
+    return run(SiteCalibration(given_config(config, units, dt), bodies), records, failures, progress)
 
 
 class NothingCalibrated(RecordRefused):
@@ -100,7 +103,7 @@ class SiteCalibration(Analysis):
 
     def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
-        self.block_names, self.lanes = self._bodies(config.blocks if bodies is None else bodies)
+        self.block_names, self.lanes = self._bodies(config.bodies if bodies is None else bodies)
         rule = config.calibration.weighting
         self.weights = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
 

@@ -1,4 +1,4 @@
-"""The changes between two assessments that decide: answers on the other side of a limit, and margins of bodies."""
+"""The decisive changes between two assessments: results that crossed a limit, and changed margins of bodies."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from rockpulse.views.shared.formatting import ratio
 from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.shown_columns import margin_cells
 
-#: Variables that the margin of a body is told by.
+#: Variables from which the margin of a body is described.
 MARGIN = (
     *("outcome", "safety_factor", "factor_resolved", "safe_up_to", "capacity_ratio"),
     *("overturning_probability", "factor_10", "factor_10_low"),
@@ -21,7 +21,7 @@ MARGIN = (
 
 
 class Flip(NamedTuple):
-    """A verdict that changed, or a ratio that crossed one, at a record, block and model, and perhaps a demand."""
+    """A verdict that changed, or a ratio that crossed one, for a record, block and model, and possibly a demand."""
 
     place: tuple[str, ...]
     before: str
@@ -30,7 +30,7 @@ class Flip(NamedTuple):
 
 @dataclass
 class Changes:
-    """Answers of one variable that changed sides, of all models and of the fullest; at most `listed` are named."""
+    """Results of one variable that crossed a limit, of all models and the most complete; at most `listed` are named."""
 
     listed: int = 0
     compared: int = 0
@@ -42,11 +42,11 @@ class Changes:
 
     @property
     def named(self) -> list[Flip]:
-        """The first of them, those of the fullest model before all others."""
+        """Return the first changes, those of the most complete model first."""
         return [*self._first, *self._others][: self.listed]
 
     def add(self, places: np.ndarray, leading: np.ndarray, named: Callable[[int], Flip]) -> None:
-        """Count the changes at some places, and name those that are listed; `leading` are of the fullest model."""
+        """Count changes at `places`, and name the listed ones; `leading` marks those of the most complete model."""
         self.count += places.size
         self.count_by_model += int(leading.sum())
         for told, some in ((self._first, places[leading]), (self._others, places[~leading])):
@@ -54,7 +54,7 @@ class Changes:
 
 
 def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
-    """The fullest of the models that two nodes /summary have; empty without one."""
+    """Return the most complete model that two nodes /summary have in common; empty for none."""
     if "model" not in one.coords or "model" not in other.coords:
         return ""
     common = one.sel(model=np.isin(one["model"].values, other["model"].values))
@@ -64,7 +64,7 @@ def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
 def body_changes(
     one: xr.Dataset, other: xr.Dataset, named: Mapping[str, Matched], model: str, ignore: Sequence[str] = ()
 ) -> list[str]:
-    """A line for every body whose margin changed, by its worst restitution and the records (`named`) of both files."""
+    """Return a line for each body with a changed margin, by its worst restitution and the common records (`named`)."""
     records, blocks = named["record"], named["block"]
     size = records.first.size
     if not size:
@@ -93,7 +93,7 @@ def body_changes(
 
 
 def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
-    """Words on the blocks by some variables: how much of every block."""
+    """Describe the margins of blocks from the variables `names`."""
     answers = Answers(summary)
 
     def probability(values: np.ndarray, *left_out: np.ndarray) -> list[str]:

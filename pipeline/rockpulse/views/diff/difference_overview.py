@@ -1,22 +1,27 @@
 """The changes between two results files as text."""
 
 import math
+import os
 from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
 
-from rockpulse.storage.hdf5.results_file import ResultsFile
+import xarray as xr
+
+from rockpulse.storage.hdf5.results_file import ResultsFile, of_tree, open_results
 from rockpulse.views.diff.answer_changes import Changes
-from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn
+from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn, compare_results
 from rockpulse.views.shared.formatting import ABSENT, paragraph, shortened
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
 
-#: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
-#: many for one screen, which shows as many variables as lines.
+#: Largest number of listed names that only one file has, and half the number of lines of configuration and bodies; the
+#: same for one screen.
 LISTED, ON_SCREEN = 12, 3
-#: Longest place and text in a table, and name in a place.
+#: Largest width of a place and of a text in a table, and of a name in a place.
 PLACE_WIDTH = 44
 TEXT_WIDTH = 20
 NAME_WIDTH = 34
-#: What is said of ratios that crossed one.
+#: Text on ratios that crossed one.
 CROSSED = {
     FACTOR: "Factors of 10 % that crossed 1 (below it the record as it is overturns with more than 10 % probability)",
     SAFETY: "Safety factors that crossed 1 (below it a weaker copy of the record overturns)",
@@ -24,10 +29,64 @@ CROSSED = {
 }
 
 
+def diff(
+    before: xr.DataTree | str | os.PathLike[str],
+    after: xr.DataTree | str | os.PathLike[str],
+    rtol: float = 1e-9,
+    atol: float = 0.0,
+    ignore: str | Sequence[str] = (),
+    limit: int | None = None,
+    full: bool = False,
+) -> Differences:
+    """The changes between two results of the same kind, which ``print`` shows as ``rockpulse diff`` does.
+
+    Parameters
+    ----------
+    before, after : xarray.DataTree or path
+        Results of one kind; rows are matched by name.
+    rtol, atol : float
+        Numbers may differ by `rtol` times the larger [-], and by `atol` in the unit of each variable.
+    ignore : str or sequence of str
+        Variables that are not compared, as ``name`` or ``/group/name``.
+    limit : int, optional
+        Most flipped verdicts and crossed ratios that are named; by default 3, with `full` 20.
+    full : bool
+        Every variable, name and line that differs, in place of one screen of them.
+
+    Returns
+    -------
+    Differences
+        `same` says whether the results are the same; `bodies`, `variables`, `only` hold what differs.
+
+    Raises
+    ------
+    ResultsError
+        For results of two kinds, or an unknown name in `ignore`.
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+    >>> before, after = (rp.assess(sine, bodies={"wall": (width, 2.2)}) for width in (0.25, 0.8))
+    >>> rp.diff(before, after).same, rp.diff(before, before).same
+    (False, True)
+    """
+    with ExitStack() as stack:
+        first, second = (
+            of_tree(one, name) if isinstance(one, xr.DataTree) else stack.enter_context(open_results(Path(one)))
+            for one, name in ((before, "before"), (after, "after"))
+        )
+        names = (ignore,) if isinstance(ignore, str) else ignore
+        found = compare_results(first, second, rtol, atol, names, limit or (20 if full else 3))
+        tolerance = f"rtol {rtol:g}" + (f", atol {atol:g}" if atol else "")
+        found.text = difference_overview(found, first, second, tolerance, full)
+    return found
+
+
 def difference_overview(
     found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str, full: bool = True
 ) -> str:
-    """The differences as text: bodies, flipped verdicts, crossed ratios and the rest; one screen without `full`."""
+    """Return the differences as text: bodies, verdicts, crossed ratios and others; one screen unless `full`."""
     most = LISTED if full else ON_SCREEN
     parts = ["\n".join(map(_file, "-+", (first, second)))]
     if not found.same:
@@ -74,18 +133,18 @@ def _only(one: OnlyIn, most: int) -> str:
 
 
 def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -> str:
-    """The title, and the first of some lines; empty where there are none."""
+    """Return the title and the first lines of a list; empty for an empty list."""
     said = [paragraph(line, indent, "  ") for line in every]
     return "\n".join([title, *_first(said, most)]) if said else ""
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
-    """The first lines, and how many more there are."""
+    """Return the first lines and the number of further ones."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
-    """The title, then a line for each change that is listed, and how many more there are."""
+    """Return the title, a line for each listed change, and the number of further ones."""
     rows = tuple(
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
@@ -118,7 +177,7 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
 
 
 def _place(names: Sequence[str]) -> str:
-    """Names in one line, each cut as far as the longest of them have to be."""
+    """Join names in one line, shortening the longest ones to fit."""
     room = PLACE_WIDTH - 2 * (len(names) - 1)
     width = max(map(len, names), default=0)
     while sum(min(len(name), width) for name in names) > room:
@@ -127,7 +186,7 @@ def _place(names: Sequence[str]) -> str:
 
 
 def _cut(name: str, width: int) -> str:
-    """The end of a record id is its time: what stands before it tells more, and is kept where it can be."""
+    """Shorten a name at its end, as the end of a record id is only its time."""
     channel, at, start = name.partition("@")
     room = width - len(channel) - len("@…")
     if len(name) > width and at and room > 0:

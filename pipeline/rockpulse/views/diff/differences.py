@@ -1,4 +1,4 @@
-"""The changes between two results files: rows of one only, values beyond a tolerance, verdicts that flipped."""
+"""The changes between two results files: rows in only one file, values beyond a tolerance, changed verdicts."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,50 +17,58 @@ from rockpulse.storage.hdf5.results_file import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes, Flip, body_changes, leading_model
 from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_only
 
-#: Largest part of a variable that is read at once; larger ones are slower, for their memory is new each time.
+#: Largest part of a variable that is read at once; larger parts are slower, as their memory is allocated each time.
 PART = 1_000_000
-#: Variables whose changes are named one by one: of the first all, of the others those from one side of 1 to the other.
+#: Variables whose changes are listed: all changes of the first, crossings of 1 of the others.
 OUTCOME = "/summary/outcome"
 SAFETY = "/summary/safety_factor"
 CAPACITY = "/summary/capacity_ratio"
 FACTOR = "/summary/factor_10"
-#: Names of variables in a message, where none is close.
+#: Largest number of variables in a message, if no name is close.
 LISTED = 8
-#: Root attributes that say where a file comes from; their change alone makes no other results.
+#: Root attributes with the origin of a file; a change in these does not count as a difference.
 ABOUT = ("title", "site_description")
-APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", *ABOUT)
+APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", "_NCProperties", *ABOUT)
 
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """The difference of a variable."""
+    """The difference of one variable."""
 
     name: str  # group and variable
-    differing: int  # values beyond the tolerance
+    differing: int  # number of values beyond the tolerance
     compared: int
     largest: float  # relative difference; inf between a number and NaN or inf; NaN for texts and flags
-    place: tuple[str, ...]  # of the largest, of texts and flags of the first: record, block, model, or another name
+    place: tuple[str, ...]  # of the largest (texts, flags: first) difference: record, block, model, other names
     before: str
     after: str
 
 
-@dataclass
+@dataclass(repr=False)
 class Differences:
-    """The changes between two files; ``sides`` are the verdicts and ratios that changed sides, by variable."""
+    """The changes between two files; ``sides`` are the changed verdicts and crossed ratios, by variable."""
 
-    about: list[tuple[str, str, str]] = field(default_factory=list)  # attributes of the root: name, before, after
+    about: list[tuple[str, str, str]] = field(default_factory=list)  # root attributes: name, before, after
     configuration: list[str] = field(default_factory=list)
-    only: list[OnlyIn] = field(default_factory=list)  # groups, rows and variables of one file
-    others: list[str] = field(default_factory=list)  # other differences in words
+    only: list[OnlyIn] = field(default_factory=list)  # groups, rows and variables in only one file
+    others: list[str] = field(default_factory=list)  # other differences as text
     variables: list[VariableDifference] = field(default_factory=list)
-    model: str = ""  # the fullest that both have; empty without one
-    bodies: list[str] = field(default_factory=list)  # changes of the margins by that model
+    model: str = ""  # most complete model of both; empty for none
+    bodies: list[str] = field(default_factory=list)  # changes of margins by that model
     sides: dict[str, Changes] = field(default_factory=dict)
     compared: int = 0  # values
+    text: str = field(default="", repr=False)  # of :func:`rockpulse.diff`
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        found = f"{len(self.variables)} variables differ" if not self.same else "the same"
+        return f"<Differences {found}, {self.compared} values compared>"
 
     @property
     def same(self) -> bool:
-        """Whether the results are the same; versions and configuration may differ."""
+        """Whether the results are equal; versions and configuration may differ."""
         return not (self.only or self.others or self.variables)
 
 
@@ -72,11 +80,11 @@ def compare_results(
     ignore: Sequence[str] = (),
     listed: int = 20,
 ) -> Differences:
-    """Compare two open results files of the same kind; a ResultsError for others, and for an unknown name in `ignore`.
+    """Compare two open results files of the same kind; ResultsError for others, and for an unknown name in `ignore`.
 
-    Two numbers are the same where they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the
-    same infinity; texts, whole numbers and flags where they are equal. Variables in `ignore`, as ``name`` or
-    ``/group/name``, are not compared; at most `listed` verdicts and `listed` ratios that changed sides are named.
+    Two numbers count as equal if they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the
+    same infinity; texts, whole numbers and flags must be equal. Variables in `ignore`, as ``name`` or ``/group/name``,
+    are not compared; at most `listed` changed verdicts and `listed` crossed ratios are named.
     """
     if first.kind != second.kind:
         raise ResultsError(
@@ -125,7 +133,7 @@ def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Ma
 
 
 def _placed(configuration: str) -> list[str]:
-    """Lines of a configuration, each behind its section; of a block or demand with its name, which is no line then."""
+    """Return the lines of a configuration with their section, for blocks and demands with the name."""
     where, lines = "", []
     for line in configuration.splitlines():
         if line.startswith("["):
@@ -138,7 +146,7 @@ def _placed(configuration: str) -> list[str]:
 
 
 def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) -> None:
-    """Compare the failures as sets: a failure has no name but all of its text."""
+    """Compare the failures as sets, as a failure is identified only by its whole text."""
     first, second = (
         list(map("{} ({}) {}: {}".format, *(dataset[name].values for name in ("kind", "stage", "file", "reason"))))
         for dataset in (one, other)
@@ -148,7 +156,7 @@ def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) ->
 
 
 def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], rtol: float, atol: float) -> None:
-    """Match the rows of a group of both files, then compare the variables that both have."""
+    """Match the rows of a group of both files, then compare the common variables."""
     one, other, group = rows.one, rows.other, rows.group
     for name in sorted(set(one.attrs) | set(other.attrs)):
         old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (one, other))
@@ -166,14 +174,14 @@ def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], 
         title = f"/{group}/{name}"
         if reason := _not_alike(before, after):
             found.others.append(f"{title}: {reason}")
-        elif name not in POINTS_AT and "sample_dimension" not in before.attrs:  # by these the rows are matched
+        elif name not in POINTS_AT and "sample_dimension" not in before.attrs:  # the rows are matched by these
             matched = [rows.of(str(dim)) for dim in before.dims]
-            if None not in matched:  # else it is said where the rows were matched
+            if None not in matched:  # otherwise reported when the rows were matched
                 _compare_values(found, title, before, after, [row for row in matched if row is not None], rtol, atol)
 
 
 def _not_alike(before: xr.Variable, after: xr.Variable) -> str:
-    """The difference in units, flags, dimensions or kind that leaves nothing to compare; empty for none."""
+    """Describe a difference in units, flags, dimensions or type that prevents a comparison; empty for none."""
     for what in ("units", "flag_meanings"):
         if str(before.attrs.get(what)) != str(after.attrs.get(what)):
             return f"{what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}"
@@ -229,7 +237,7 @@ def _compare_values(
 def _parts(
     before: xr.Variable, after: xr.Variable, rows: list[Matched]
 ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Start along the first dimension, and the values of both files from there on."""
+    """Yield the start along the first dimension, and the values of both files from there on, in parts."""
     if not rows:
         yield 0, np.asarray(before.values), np.asarray(after.values)
         return
@@ -248,10 +256,10 @@ def _parts(
 
 
 def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.ndarray:
-    """Flat places at which two arrays differ by more than the tolerance."""
+    """Return flat indices at which two arrays differ by more than the tolerance."""
     if old.dtype == new.dtype and old.dtype.kind in "biuf":
         bits = f"u{old.dtype.itemsize}"
-        if np.array_equal(old.view(bits), new.view(bits)):  # NaN too, several times as fast as what follows
+        if np.array_equal(old.view(bits), new.view(bits)):  # also for NaN; faster than the comparison below
             return np.zeros(0, dtype=int)
     places = np.flatnonzero(old != new)
     if old.dtype.kind != "f" or new.dtype.kind != "f" or not places.size:
@@ -265,13 +273,13 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
 
 
 def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """The flat places, of some, at which a ratio was below one and is not, or the other way round."""
+    """Return those of the flat indices at which a ratio crossed one."""
     one, other = old.reshape(-1)[places], new.reshape(-1)[places]
     return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
 
 
 def _relative(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Relative difference of numbers, inf where only one is finite; one for texts and whole numbers."""
+    """Return the relative difference of numbers, inf if only one is finite; one for texts and whole numbers."""
     if old.dtype.kind != "f" or new.dtype.kind != "f":
         return np.ones(old.shape)
     with np.errstate(invalid="ignore", divide="ignore"):

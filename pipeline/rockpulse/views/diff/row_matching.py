@@ -1,4 +1,4 @@
-"""The rows that two results files have in common: by name, by owner, or by the row that they point at."""
+"""Matching of the rows of two results files: by name, by owner, or by the row to which they refer."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from rockpulse.storage.export.long_table import POINTS_AT
 
 @dataclass(frozen=True)
 class OnlyIn:
-    """Names of groups, variables, records, blocks or failures that only the first, or only the second file has."""
+    """Names of groups, variables, records, blocks or failures that exist in only one of two files."""
 
     what: str
     first: tuple[str, ...]
@@ -20,7 +20,7 @@ class OnlyIn:
 
 
 def add_only(only: list[OnlyIn], what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
-    """Add to a list what only one of two lists of names has, unless it is said already."""
+    """Add to `only` the names that exist in only one of two lists, unless they are listed already."""
     before, after = dict.fromkeys(map(str, first)), dict.fromkeys(map(str, second))
     gone = tuple(name for name in before if name not in after)
     new = tuple(name for name in after if name not in before)
@@ -31,17 +31,17 @@ def add_only(only: list[OnlyIn], what: str, first: Iterable[Any], second: Iterab
 
 @dataclass(frozen=True, eq=False)
 class Matched:
-    """Positions of the rows along one dimension that both files have."""
+    """Positions of the common rows of both files along one dimension."""
 
     first: np.ndarray
     second: np.ndarray
-    names: Callable[[int], tuple[str, ...]]  # of the k-th of them: a label, or labels and a number
-    whole: bool  # whether they are all rows of both files, in the same order
+    names: Callable[[int], tuple[str, ...]]  # name of the k-th row: a label, or labels and a number
+    whole: bool  # whether they include all rows of both files, in the same order
 
 
 @dataclass
 class RowMatcher:
-    """The rows of one group of two files; fills ``only``, ``warnings`` and, from /summary, ``named`` by dimension."""
+    """Matches the rows of one group of two files; fills ``only``, ``warnings`` and, from /summary, ``named``."""
 
     group: str
     one: xr.Dataset
@@ -52,7 +52,7 @@ class RowMatcher:
     _matched: dict[str, Matched | None] = field(default_factory=dict)
 
     def of(self, dim: str) -> Matched | None:
-        """Rows along a dimension that both files have; None where they cannot be matched."""
+        """Return the common rows along a dimension; None if they cannot be matched."""
         if dim not in self._matched:
             self._matched[dim] = self._match(dim)
         return self._matched[dim]
@@ -86,7 +86,7 @@ class RowMatcher:
         return matched
 
     def _by_owner(self, dim: str, sizes: str) -> Matched | None:
-        """Samples of a ragged array, of the owners that have as many in both."""
+        """Match the samples of a ragged array, for owners with equal numbers in both files."""
         owner = self.of(str(self.one[sizes].dims[0]))
         if owner is None:
             return None
@@ -113,7 +113,7 @@ class RowMatcher:
         return Matched(first, second, name, owner.whole and bool(alike.all()))
 
     def _by_pointers(self, dim: str) -> Matched | None:
-        """Rows that point at the same record, block, case and model, in their order."""
+        """Match rows that refer to the same record, block, case and model, in their order."""
         pointers = [name for name in POINTS_AT if name in self.one and self.one[name].dims == (dim,)]
         alike = all(np.array_equal(self.one[name].values, self.other[name].values) for name in pointers)
         if alike and all(matched.whole for matched in self.named.values()):
@@ -140,7 +140,7 @@ class RowMatcher:
         return Matched(first, second, self._names(dim, pointers, first), whole)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
-        """The name that the k-th row points at, and its number in the first file."""
+        """Return a function that gives the name to which the k-th row refers, and its number in the first file."""
         labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:
@@ -153,7 +153,7 @@ class RowMatcher:
         return name
 
     def _common(self, pointed: np.ndarray, at: str, side: str) -> np.ndarray:
-        """The names that rows point at, counted in the names that both files have; -1 for others."""
+        """Return indices, among the common names, of the names to which rows refer; -1 for others."""
         if at not in self.named:
             return pointed.astype(np.int64)
         place = getattr(self.named[at], side)
@@ -165,7 +165,7 @@ class RowMatcher:
 def _in_order(
     first_key: np.ndarray, second_key: np.ndarray, first_known: np.ndarray, second_known: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, int, bool]:
-    """Rows, sorted by key, whose keys occur as often in both; how many keys do not; whether these are all rows."""
+    """Match rows, sorted by key, whose keys occur equally often; count other keys; tell whether all rows match."""
     if np.array_equal(first_key, second_key) and first_known.all() and second_known.all():
         return np.arange(first_key.size), np.arange(first_key.size), 0, True
     rows = []

@@ -1,4 +1,4 @@
-"""Pictures of results: each takes Axes or makes its own, and returns them; nothing is shown, no global is changed."""
+"""Pictures of results, drawn on given or new Axes, which are returned; no window is opened, no global is changed."""
 
 import lazy_loader
 

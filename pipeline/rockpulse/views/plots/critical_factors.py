@@ -1,4 +1,4 @@
-"""Factors by which a record may get stronger: intervals of overturning, and the critical scale of every record."""
+"""Scale factors on records: intervals of overturning, and the smallest factor of every record that overturns."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -18,14 +18,14 @@ from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.notes import factor_name
 from rockpulse.views.shared.words import listed, numerals, say, translated
 
-#: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
+#: Style of an interval in which the block survives again: hatched, or light grey if too narrow.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
-#: An interval of overturning, and one in which the model cannot answer.
+#: Styles of an interval of overturning, and of one without a result.
 _OVERTURNS: dict[str, Any] = {"fc": RED, "ec": RED}
 _UNKNOWN: dict[str, Any] = {"fc": "white", "ec": GREY, "hatch": "xxxx"}
-#: Narrower intervals of overturning are drawn this wide [pt], over the windows beside them, because they matter.
+#: Smallest drawn width of an interval of overturning [pt], so that narrow ones stay visible.
 _THINNEST = 1.0
-#: As ratios: the left end of the axis to the smallest factor, and the places of those without a factor, one for each
+#: Ratios: the left end of the axis to the smallest factor, and the positions of rows without a factor, one for each
 #: model, to the end of the search.
 _BELOW, _NONE = 0.7, 1.09
 _SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
@@ -39,25 +39,25 @@ def overturning_map(
     ax: Axes | None = None,
     most: int = factor_rows.ROWS,
 ) -> Axes:
-    """Factors on the input at which blocks overturn, and the windows between them in which they stand.
+    """Draw the scale factors at which blocks overturn, and the intervals between them in which they survive.
 
-    Where intervals of overturning were not searched, the factors at which its probability is 10 and 50 %. Two and more
-    rows without a factor are one row with their number. A line stands at factor 1, and a tick at what each demand asks
-    of the record.
+    If intervals of overturning were not searched, the factors at which its probability is 10 and 50 % are drawn. Rows
+    without a factor are joined to one row with their number. A line marks factor 1, and a tick the factor of each
+    demand.
 
     Parameters
     ----------
     tree : xarray.DataTree
         Results of an assessment.
     record, block : str, optional
-        One of them: a row for every block (and restitution) under the record, or for every record on the block.
-        Neither where there is one record only.
+        Give one of them: a row is drawn for every block (and restitution) under the record, or for every record on the
+        block. Neither is needed if there is only one record.
     model : str, optional
-        By default the fullest of the results.
+        By default the most complete model of the results.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own, as high as its rows.
+        Axes to draw on; by default a new figure with a height that fits its rows.
     most : int
-        Rows; of more those of the smallest factors are shown.
+        Largest number of rows; the smallest factors are shown.
     """
     summary = tree["summary"].to_dataset()
     model = fullest_model(summary) if model is None else one_name(summary, "model", model)
@@ -84,7 +84,7 @@ def overturning_map(
         if np.isnan(factors[place]):
             ax.text(1.0, place, f" {say('grade.not_known')}", fontsize=SMALL, color=GREY, va="center")
             continue
-        at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # else under the words
+        at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # otherwise below the text
         if searched:
             found = table_of_pair(tree, "overturning_intervals", one, body, model, case)
             _bars(ax, place, found, begin, end, at_end)
@@ -115,23 +115,23 @@ def critical_scale(
     case: int = 1,
     ax: Axes | None = None,
 ) -> Axes:
-    """The smallest factor on every record at which a block overturns, by each model.
+    """Draw the smallest scale factor on every record at which a block overturns, by each model.
 
-    Of the nonlinear model that at which the probability of overturning is 10 %, where its factors were not searched. A
-    row for every record, in the order of the fullest model, the weakest for the block on top.
+    For the nonlinear model without searched factors, the factor at a probability of overturning of 10 % is drawn. There
+    is a row for every record, sorted by the most complete model, the record with the smallest factor on top.
 
     Parameters
     ----------
     tree : xarray.DataTree
         Results of an assessment.
     block : str, optional
-        Name; none where there is one only.
+        Name; not needed if there is only one.
     models : sequence of str, optional
-        By default all that were searched.
+        By default all models with searched factors.
     case : int
         Number of the restitution, from 1.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own, as high as its rows.
+        Axes to draw on; by default a new figure with a height that fits its rows.
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
@@ -167,7 +167,7 @@ def critical_scale(
 
 
 def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[str], model: str) -> np.ndarray:
-    """A variable for every record, block and restitution, the last running fastest; NaN where the file lacks it."""
+    """Return a variable for every record, block and restitution (varying fastest); NaN if the file does not have it."""
     count = len(records) * len(blocks) * summary.sizes.get("case", 1)
     if name not in summary:
         return np.full(count, np.nan)
@@ -195,7 +195,7 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:
-    """A dot at the factor of every row, hollow where it is a lower bound."""
+    """Draw a dot at the factor of every row, hollow for a lower bound."""
     dots: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 3.6, "mec": BLACK, "mew": 0.7, "zorder": 3}
     for rows, face in ((~bound, BLACK), (bound, "white")):
         shown = rows & np.isfinite(factors)

@@ -1,4 +1,4 @@
-"""The figure of whatever there is: of each kind of picture of a results file, and of an object by its type."""
+"""Figures for each kind of picture of a results file, and for objects by their type."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ from rockpulse.option import hint
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
-from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.hdf5.results_file import given_results
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.plots import ground_motion, selection, style
@@ -38,14 +38,16 @@ from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.words import say
 
-#: Most records whose spectra are marched again for a picture, some seconds in all.
+#: Largest number of records whose spectra are recomputed for a picture, which takes some seconds.
 MARCHED = 12
-#: The pictures of results where no kind is asked for, by the kind of their file.
+#: Options of which there may be several.
+SEVERAL = ("model", "limit_state")
+#: Default pictures of results, by the kind of file.
 FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 
 
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
-    """A record, a block and their title, with a second line on the earthquake, the station and the direction."""
+    """Return a record, a block and their title, with a second line on earthquake, station and direction."""
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     names = f"{style.plain(record)}, {style.plain(selection.named_body(summary, block, case))}"
@@ -89,7 +91,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
-    """Equally spaced values over the same range, widened to include every marked value."""
+    """Return equally spaced values over the same range, extended to include every marked value."""
     low, high = min([values[0], *(0.9 * one for one in marked)]), max([values[-1], *(1.1 * one for one in marked)])
     return np.linspace(low, high, len(values)).tolist()
 
@@ -105,7 +107,7 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 
 def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
-    """Spectra at the stored C nearest to one: as stored, or of a few records marched again where they have gaps."""
+    """Return spectra at the stored C nearest to `restitution`: as stored, or recomputed for a few records with gaps."""
     records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
     nearest = float(grid[np.argmin(np.abs(grid - restitution))])
     there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
@@ -128,7 +130,7 @@ def _overturning_map(
     return overturning_map(tree, record, block, None if models is None else models[0])
 
 
-#: By the names of :data:`rockpulse.views.plots.kinds.KINDS`: functions of a tree and what is chosen of it.
+#: Functions of a tree and the options of a kind, by the names of :data:`rockpulse.views.plots.kinds.KINDS`.
 DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
     "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
         ground_motion.stored_motion(tree, selection.one_name(tree["summary"].to_dataset(), "record", record))
@@ -149,35 +151,35 @@ DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
 
 
 def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
-    """A picture of a results file.
+    """Draw a picture of a results file.
 
     Parameters
     ----------
     tree : xarray.DataTree
-        As :func:`rockpulse.load` reads it, or as the functions that compute it return it.
+        Results from :func:`rockpulse.load`, or from the functions that compute them.
     kind : str
         One of :data:`~rockpulse.plots.KINDS`.
     **options
-        Options of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states` (sequences of
+        Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or several
         names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
-        "housner"). None is the default. A record or a block may be left out where there is one only; a pattern (* and
-        ?) that only one name meets stands for that name.
+        "housner"). None is the default. A record or a block may be omitted if there is only one; a pattern (* and ?)
+        that matches a single name stands for that name.
 
     Returns
     -------
     matplotlib Figure
-        Bound to no window; :func:`rockpulse.plots.svg` and ``savefig`` make text and files of it.
+        A figure without a window; :func:`rockpulse.plots.svg` and ``savefig`` write it as text or file.
 
     Raises
     ------
     ResultsError
-        For an unknown kind, option or name, a file of another kind, or one that does not hold what the picture needs.
+        For an unknown kind, option or name, a file of another kind, or one without the data that the picture needs.
 
     Examples
     --------
     >>> import rockpulse as rp
     >>> record = rp.read("data/samples/records/CICLC.v1")[0]
-    >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
+    >>> results = rp.assess([record], rp.Config(bodies=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
     >>> rp.plots.draw(results, "bodies").axes[0].get_title()
     'wall'
     """
@@ -190,11 +192,14 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         without = f" without the group {row.group}" if found == row.file else ""
         raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)} file{without}")
     given = {name: value for name, value in options.items() if value is not None}
-    for name in given:
+    for name in list(given):
         if name not in row.options:
             flags = ", ".join(OPTIONS[option] for option in row.options)
             takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
             raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
+        if name in SEVERAL:
+            value = given.pop(name)
+            given[f"{name}s"] = [value] if isinstance(value, str) else value
     return style.whole_figure(DRAWERS[kind](tree, **given))
 
 
@@ -205,34 +210,34 @@ def plot(
     block: Block | str | None = None,
     **options: Any,
 ) -> Figure:
-    """A picture of an object, by its type.
+    """Draw a picture of an object by its type.
 
     Parameters
     ----------
     what : Record, HalfWaves, ImpulseSequence, Block, Response, xarray.Dataset, xarray.DataTree, str or Path
         A record: with its intense phase and half-waves. A sequence: two half-cycles, or with a `block` the limit
-        accelerogram. A response: its history where it has one, else its peaks. A dataset: of
+        accelerogram. A response: its history if it has one, else its peaks. A dataset: of
         :func:`rockpulse.overturning_spectrum` or :func:`rockpulse.rocking_spectrum`. A tree or the path of a file:
         results of any kind.
     kind : str, optional
-        Of results: one of :data:`rockpulse.plots.KINDS`; by default the overturning spectrum of an assessment where it
-        has one, else its bodies, and of other files their main picture.
+        For results: one of :data:`rockpulse.plots.KINDS`; by default the overturning spectrum of an assessment if it
+        has one, else its bodies, and for other files their main picture.
     block : Block or str, optional
-        Of a sequence: the Block whose half-cycles give it times. Of results: the name of a body.
+        For a sequence: the Block whose half-cycles determine the times. For results: the name of a body.
     **options
-        Of results: other options of :func:`rockpulse.plots.draw`.
+        For results: other options of :func:`rockpulse.plots.draw`.
 
     Returns
     -------
     matplotlib Figure
-        Bound to no window, so that a notebook shows it once; ``savefig`` writes it.
+        A figure without a window, which a notebook shows once; ``savefig`` writes it.
 
     Raises
     ------
     TypeError
-        For an object without a picture, or an option that it does not take.
+        For an object without a picture, or an option that does not apply to it.
     ResultsError
-        For results that do not hold what the picture needs.
+        For results without the data that the picture needs.
 
     Examples
     --------
@@ -242,7 +247,7 @@ def plot(
     '2.2 m'
     """
     if isinstance(what, (xr.DataTree, str, os.PathLike)):
-        tree = what if isinstance(what, xr.DataTree) else load(what)
+        tree = given_results(what)
         return draw(tree, kind or _first(tree), block=block, **options)
     if not isinstance(what, tuple(_BY_TYPE)):
         raise TypeError(
@@ -281,7 +286,7 @@ def _first(tree: xr.DataTree) -> str:
     raise ResultsError(f"plot: of {kind_in_words(found)} there is no picture")
 
 
-#: Functions of an object, by its type.
+#: Functions that draw an object, by its type.
 _BY_TYPE: dict[type, Callable[[Any], Figure | Axes | np.ndarray]] = {
     Record: lambda record: ground_motion.accelerogram(ground_motion.motion_of_record(record)),
     HalfWaves: half_wave_impulses,

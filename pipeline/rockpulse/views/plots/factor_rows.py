@@ -1,4 +1,4 @@
-"""The rows of a picture of factors: which are drawn, the axis of the factors, ticks of demands, bars of probability."""
+"""Rows of a picture of scale factors: selection of rows, axis, ticks of demands, bars of probability."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,27 +16,27 @@ from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREEN, GREY, PALE, 
 from rockpulse.views.shared.formatting import shortened, six_digits
 from rockpulse.views.shared.words import listed, say
 
-#: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
+#: Largest number of rows on a page (the smallest factors are shown), height of a row [in], and longest name beside it.
 ROWS, ROW, NAME = 60, 0.155, 34
-#: Names that are listed of the rows that are drawn as one.
+#: Largest number of listed names of rows that are joined.
 LISTED = 3
 
 
 def shown_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """The rows that are drawn (those without a factor merged), the rows merged into each last one, names, sentences."""
+    """Return the drawn rows (those without a factor joined), the rows joined into each last one, names, sentences."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
     records = len({record for record, _, _ in rows})
-    if records > 1 or lone.size > most:  # the weakest for the block on top
+    if records > 1 or lone.size > most:  # smallest factor on top
         lone = lone[np.argsort(factors[lone], kind="stable")]
     told = [say("plot.rows.smallest", count=most, total=len(rows))] if lone.size > most else []
     lone = lone[:most]
     every = [named_body(summary, block, case) for _, block, case in rows]
     if records > 1:
-        # A restitution of several stands at the end: ", C = 0.98".
+        # One of several restitutions is named at the end: ", C = 0.98".
         ends = [name.removeprefix(block) for name, (_, block, _) in zip(every, rows, strict=True)]
         every = [shortened(row[0], NAME - len(c)) + c for row, c in zip(rows, ends, strict=True)]
     names = [every[place] for place in lone]
@@ -49,7 +49,7 @@ def shown_rows(
 
 
 def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """The ticks of the rows that are drawn; NaN in a row that stands for several of which each has another."""
+    """Return the ticks of the drawn rows; NaN for a joined row with different ticks."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
         if np.unique(ticks[group]).size > 1:
@@ -58,7 +58,7 @@ def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) 
 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Label the rows, draw the factor on a logarithmic axis, and leave room beyond it for rows without a factor."""
+    """Label the rows, set a logarithmic axis of factors, and leave room beyond it for rows without a factor."""
     ax.set_xscale("log")
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:
@@ -75,7 +75,7 @@ def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: 
 
 
 def legend_once(ax: Axes, columns: int) -> int:
-    """Draw a legend with every label once, and return the number of rows that it takes."""
+    """Draw a legend with every label once, and return its number of rows."""
     handles, labels = ax.get_legend_handles_labels()
     names = list(dict.fromkeys(labels))
     legend_above(ax, columns, across=True, handles=[handles[labels.index(name)] for name in names], labels=names)
@@ -85,7 +85,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """(rows,) factors that bring each record to each demand, for its body; NaN beyond the search, empty without one."""
+    """Return factors (rows,) that scale each record to each demand, for its body; NaN beyond the search."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
@@ -102,7 +102,7 @@ def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """Draw the factors of :func:`factors_to_demands` as ticks in the rows 0, 1, ..., shorter with every demand."""
+    """Draw the factors of :func:`factors_to_demands` as ticks in rows 0, 1, ..., shorter for each further demand."""
     for place, (name, factors) in enumerate(needed.items()):
         words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
@@ -110,21 +110,21 @@ def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
 
 
 def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
-    """The meaning of the ticks, for the caption."""
+    """Return the meaning of the ticks for the caption."""
     return notes(tick=bool(needed), no_tick=any(np.isnan(factors).any() for factors in needed.values()))
 
 
 def configured_uncertainty(tree: xr.DataTree) -> str:
-    """The uncertainty that the probability of overturning is stated under."""
+    """Describe the uncertainty of the probability of overturning from the configuration."""
     known, search = settings_of(tree, UncertaintySettings), settings_of(tree, SearchSettings)
     low, high = map(six_digits, known.restitution)
     factor, less = (six_digits(100.0 * spread) for spread in (known.factor, known.geometry))
     return say("plot.uncertainty", factor=factor, low=low, high=high, less=less, most=six_digits(search.factor_max))
 
 
-#: Half the height of a bar.
+#: Half of the height of a bar.
 HALF = 0.33
-#: The bars of a probability of overturning from its lower end on, by the keys of their words, and how they look.
+#: Styles of the bars of probability from the lower end on, by the keys of their labels.
 _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("below_10", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
     ("between", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
@@ -133,7 +133,7 @@ _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
-    """Bars up to the factor of 10 %, from there to that of 50 %, and beyond, as far as they are within the search."""
+    """Draw bars up to the factor at 10 %, from there to that at 50 %, and beyond, within the range of the search."""
     edges = [begin, *np.clip(factors, begin, end), end]
     for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
         if high > low:
@@ -143,7 +143,7 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 
 
 def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:
-    """The words in a row without a factor, at the end of the search or beside the line at 1."""
+    """Write the label of a row without a factor, at the end of the search or beside the line at 1."""
     words, (where, side) = (
         say("plot.rows.none_up_to", factor=six_digits(end)),
         (end, "right") if at_end else (1.0, "left"),
@@ -152,5 +152,5 @@ def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:
 
 
 def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    """A bar in a row, between two factors, with a label by its key in the section [plot.bar]."""
+    """Draw a bar in a row between two factors, with a label by its key in the section [plot.bar]."""
     ax.barh(place, high - low, left=low, height=2.0 * HALF, label=say(f"plot.bar.{words}"), **style)

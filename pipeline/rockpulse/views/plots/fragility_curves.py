@@ -1,4 +1,4 @@
-"""Fragility curves of a block, one of them with its band, over one measure or several side by side."""
+"""Fragility curves of a block, one of them with its band, over one or several measures."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,14 +16,14 @@ from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import in_numerals, numerals, say, translated
 from rockpulse.views.text.fragility import shown_measure, statement
 
-#: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
+#: The range of the axis ignores probabilities below this, and above one minus this.
 _TAIL = 0.002
-#: Limit states whose single capacities are drawn beside the curves: more of them hide each other.
+#: Largest number of limit states whose single capacities are drawn beside the curves.
 _POINTS = 3
-#: A band that is wider than this [-] at most of the levels says nothing; a curve that lies by more than this [-] above
-#: that of a milder limit state is told of.
+#: A band wider than this [-] at most levels is not drawn; a curve that is higher than that of a milder limit state by
+#: more than this [-] is mentioned.
 _WIDE, _ABOVE = 0.8, 0.01
-#: Points of a curve between two levels of the file, and warnings that are given one by one.
+#: Number of points of a curve between two levels of the file, and of warnings that are listed.
 _BETWEEN, _WARNINGS = 8, 4
 
 
@@ -34,27 +34,27 @@ def fragility(
     limit_states: Sequence[str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Probability of reaching each limit state over a measure of intensity, and the confidence band of one of them.
+    """Draw the probability of each limit state over an intensity measure, and the confidence band of one of them.
 
     Parameters
     ----------
     tree : xarray.DataTree
-        As :func:`rockpulse.fragility` returns it.
+        Result of :func:`rockpulse.fragility`.
     block : str, optional
-        Name; none where there is one only.
+        Name; not needed if there is only one.
     measure : str, optional
-        By default p PGV/(g tan alpha_c), or the first of the file.
+        By default p PGV/(g tan alpha_c), or the first measure of the file.
     limit_states : sequence of str, optional
-        Some of the file; all by default. The band is that of the first of them that has one; by default that of
-        overturning, else of the last one: several would hide each other.
+        Limit states of the file; all by default. The band is drawn for the first of them that has one; by default for
+        overturning, else for the last one.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own.
+        Axes to draw on; by default a new figure.
 
     Returns
     -------
     matplotlib Axes
-        A line for every fitted curve, one filled band unless it spans practically 0 to 1, and, of up to three limit
-        states, the single capacities (a mark each) where every record was scaled.
+        Axes with a line for every fitted curve, one filled band unless it spans practically 0 to 1, and, for up to
+        three limit states, a mark for each single capacity if every record was scaled.
     """
     measure = measure or shown_measure(tree["fragility"].to_dataset())
     found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
@@ -68,17 +68,17 @@ def fragility_panels(
     limit_states: Sequence[str] | None = None,
     axes: Panels | None = None,
 ) -> np.ndarray:
-    """The curves of :func:`fragility` over several measures, side by side.
+    """Draw the curves of :func:`fragility` over several measures in adjacent panels.
 
     Parameters
     ----------
     tree, block, limit_states : xarray.DataTree, str, sequence of str
         As of :func:`fragility`.
     measures : sequence of str, optional
-        A panel each. By default that of :func:`fragility`, and beside it the measure of the power law in `[hazard]`,
-        else PGA, where the file has it.
+        Measures, one per panel. By default that of :func:`fragility`, and the measure of the power law in `[hazard]`,
+        else PGA, if the file has it.
     axes : matplotlib Axes, optional
-        One for each measure; by default on a figure of their own.
+        Axes for each measure; by default on a new figure.
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
@@ -97,7 +97,7 @@ def fragility_panels(
         said.append(_panel(ax, tree, own, states, next(with_band, None), len(chosen) == 1))
         ax.set_xlabel(style.wrapped(ax.get_xlabel(), 90 // len(chosen)))
         found = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True)) | found
-    # Small print may leave the label little height.
+    # The small print may leave little height for the label.
     panels[0].set_ylabel(style.wrapped(style.label(curves["probability"]), 30))
     names = sorted(found, key=lambda words: words == say("plot.fragility.lifts"))
     style.legend_above(panels[0], 3, across=True, handles=[found[name] for name in names], labels=names)
@@ -119,7 +119,7 @@ def _measure_words(own: xr.Dataset) -> str:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw curves over one measure, and return what has to be said; `alone` the legend tells what a curve lacks."""
+    """Draw curves over one measure, and return the notes; with `alone` the legend explains missing curves."""
     level, measure = own["level"].values, str(own["measure"].item())
     shown = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
@@ -162,12 +162,12 @@ def _panel(
 
 
 def _named(state: str) -> str:
-    """The name of a limit state, or the rotation that it is, as mathematics."""
+    """Return the name of a limit state, or its rotation as a formula."""
     return say(f"limit_state.{state}") if state.isalpha() else rf"$\theta_{{max}}/\alpha_c \geq$ {numerals(state)}"
 
 
 def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
-    """Capacity of every record at its share (Kaplan-Meier): one that does not reach the state is known to be above."""
+    """Draw the capacity of every record at its cumulative share (Kaplan-Meier), with unreached states censored."""
     from scipy.stats import CensoredData, ecdf
 
     factor = own["factor"].sel(limit_state=state).values
@@ -183,7 +183,7 @@ def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance:
 
 
 def _shown(own: xr.Dataset) -> np.ndarray:
-    """Levels at which a curve is on its way from 0 to 1, and those between; all where there is none."""
+    """Return the levels between which curves rise from 0 to 1, or all levels."""
     probability = own["probability"].transpose("limit_state", "point").values
     rising = np.flatnonzero(np.any((probability > _TAIL) & (probability < 1.0 - _TAIL), axis=0))
     every = np.ones(probability.shape[1], dtype=bool)
@@ -193,14 +193,14 @@ def _shown(own: xr.Dataset) -> np.ndarray:
 
 
 def _crossing(own: xr.Dataset, shown: np.ndarray) -> bool:
-    """Whether a curve lies above that of a limit state before it, a milder one: each is fitted without the others."""
+    """Whether a curve exceeds that of a milder limit state, possible as each is fitted alone."""
     probability = own["probability"].transpose("limit_state", "point").values[:, shown]
     probability = probability[~np.isnan(probability).any(axis=1)]  # no curve
     return bool(np.any(probability[1:] > np.minimum.accumulate(probability[:-1]) + _ABOVE))
 
 
 def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """A probability at the levels of the file, and smoothly between them; a step function where the curve is a step."""
+    """Return a probability at the levels of the file and smoothly between them, or as a step if the curve is one."""
     from scipy.interpolate import PchipInterpolator
 
     level, values = one["level"].values, one[name].values
@@ -227,7 +227,7 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: n
 
 
 def _told(warnings: dict[str, list[str]], states: int) -> list[str]:
-    """Every warning once, with the limit states to which it applies."""
+    """Return every warning once, with the limit states to which it applies."""
     every = say("plot.fragility.all")
     words = [
         f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {warning}."

@@ -1,4 +1,4 @@
-"""The ground motion of one record as a small dataset, its accelerogram, half-waves and the impulses for them."""
+"""The ground motion of one record as a small dataset, and pictures of accelerogram, half-waves and impulses."""
 
 from typing import Any
 
@@ -23,21 +23,21 @@ from rockpulse.views.shared.formatting import fixed, three_digits
 from rockpulse.views.shared.record_facts import Known, RecordFacts
 from rockpulse.views.shared.words import say
 
-#: The remedy where the samples of a record are not in the file.
+#: Advice if the samples of a record are not in the file.
 STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
-#: Stored variables that are fields of a record by another name: by it alone no record is counted to an earthquake.
+#: Stored variables whose field of a record has another name.
 _FIELDS = {"event_title": "event"}
 _ACCELERATION = real("ground acceleration", "m s-2", dims=("sample",))
 _TIME = real("time from the first sample", "s", dims=("sample",))
 
 
 def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
-    """Accelerogram, half-waves and calibrated impulses of a record of an assessment, as of :func:`motion_of_record`.
+    """Return accelerogram, half-waves and impulses of a stored record, as :func:`motion_of_record` does.
 
     Raises
     ------
     ResultsError
-        Where the file does not hold the accelerogram.
+        If the file does not contain the accelerogram.
     """
     summary = tree["summary"].to_dataset()
     own = summary.sel(record=record)
@@ -56,7 +56,7 @@ def motion_of_record(
     phase: IntensePhase | None = None,
     sequence: ImpulseSequence | None = None,
 ) -> xr.Dataset:
-    """The ground motion of a record that was read and conditioned, with what a picture shows of it.
+    """Return the ground motion of a conditioned record as the dataset from which pictures are drawn.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def motion_of_record(
         Conditioned.
     waves, phase, sequence : HalfWaves, IntensePhase, ImpulseSequence, optional
         By default of :func:`rockpulse.half_waves`, :func:`rockpulse.intense_phase` and
-        :func:`rockpulse.record_sequence`; no sequence where the phase holds too few half-waves.
+        :func:`rockpulse.record_sequence`; no sequence if the phase contains too few half-waves.
 
     Returns
     -------
@@ -106,14 +106,14 @@ def motion_of_record(
 
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:
-    """The conditioned record stored in the results, for the models; ResultsError if the accelerogram is not stored."""
+    """Return the conditioned record stored in results; ResultsError if the accelerogram is not stored."""
     own = tree["summary"].to_dataset().sel(record=record)
     samples = _samples(tree, own, "row_size", ["acceleration"])
     return Record(samples["acceleration"].values, dt=float(own["dt"]), id=record)
 
 
 def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -> dict[str, xr.Variable]:
-    """Variables of /records of a record, by its part of /summary."""
+    """Return variables of /records for one record, given its part of /summary."""
     record = str(own["record"].item())
     found = ragged(tree, sizes, names, record)
     if found is None:
@@ -123,22 +123,22 @@ def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -
 
 
 def had_vertical(summary: xr.Dataset, record: str) -> bool:
-    """Whether a vertical channel, which is not stored, acted on the nonlinear model of a record."""
+    """Whether a vertical channel, which is not stored, was used in the nonlinear model of a record."""
     return bool(summary["vertical_channel"].sel(record=record).item())
 
 
-#: The share of the intense phase that is shown before and after it, but at least so many seconds; columns by which the
-#: whole record is drawn, as an overview.
+#: Share of the intense phase that is shown before and after it, and its minimum [s]; number of columns of the overview
+#: of the whole record.
 _AROUND, _LEAST, _WHOLE = 0.1, 1.0, 450
 
 
 def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
-    """The whole record, its intense phase with the half-waves, and their impulses at the centroids.
+    """Draw the whole record, its intense phase with the half-waves, and their impulses at the centroids.
 
     Parameters
     ----------
     motion : xarray.Dataset
-        As :func:`~rockpulse.plots.stored_motion` or :func:`~rockpulse.plots.motion_of_record` returns it.
+        Result of :func:`~rockpulse.plots.stored_motion` or :func:`~rockpulse.plots.motion_of_record`.
     axes : array_like of three matplotlib Axes, optional
         Where to draw; by default on a figure of their own.
     """
@@ -181,7 +181,7 @@ def _phase(motion: xr.Dataset) -> tuple[float, float]:
 
 
 def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None:
-    """The acceleration, with the strong half-waves of the phase filled."""
+    """Draw the acceleration, with the strong half-waves of the phase filled."""
     time, acceleration = motion["time"].values, motion["acceleration"].values
     inside = (time >= window[0]) & (time <= window[1])
     ax.plot(*thinned(time[inside], acceleration[inside], INSTANTS), color=GREY, lw=0.6)
@@ -197,7 +197,7 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
 
 
 def _strong(motion: xr.Dataset) -> np.ndarray:
-    """Which half-waves of the phase are strong, as `main_count = "half-largest"` counts them."""
+    """Mask of the strong half-waves of the phase, which `main_count = "half-largest"` counts."""
     impulse, centroid = np.abs(motion["impulse"].values), motion["centroid"].values
     first, last = _phase(motion)
     within = (centroid >= first) & (centroid <= last)
@@ -208,7 +208,7 @@ def _impulses(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None
     impulse, centroid = motion["impulse"].values, motion["centroid"].values
     largest = float(np.max(np.abs(impulse), initial=0.0))
     shown = (centroid >= window[0]) & (centroid <= window[1]) & (np.abs(impulse) > VISIBLE * largest)
-    # Lines from zero to every impulse, as one broken line.
+    # Lines from zero to every impulse, drawn as one line with gaps.
     stems = np.full((np.count_nonzero(shown), 3, 2), np.nan)
     stems[:, :2, 0], stems[:, 0, 1], stems[:, 1, 1] = centroid[shown, np.newaxis], 0.0, impulse[shown]
     handles = ax.plot(*stems.reshape(-1, 2).T, color=BLUE, lw=0.9, label=say("plot.ground.impulses"))

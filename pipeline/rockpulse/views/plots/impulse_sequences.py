@@ -15,25 +15,26 @@ from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, P
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import numerals, say
 
-#: Main impulses that are shown at most, and the shortest half-cycle with room for its peak, as a share of the picture.
+#: Largest number of main impulses in a picture, and shortest half-cycle with room for its peak, as a share of the
+#: width.
 _MAIN_SHOWN, _NAMED = 12, 0.07
-#: Words beside a half-cycle.
+#: Text beside a half-cycle.
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}
 
 
 def limit_accelerogram(
     block: Block, sequence: ImpulseSequence, axes: Panels | None = None, name: str = ""
 ) -> np.ndarray:
-    """Impulses of the limit accelerogram of a block, without and with the secondary sequence.
+    """Draw the impulses of the limit accelerogram of a block, without and with the secondary sequence.
 
     Parameters
     ----------
     block, sequence : Block, ImpulseSequence
-        One block, whose half-cycles set the times of the main impulses, and one sequence that ends.
+        One block, whose half-cycles determine the times of the main impulses, and one sequence that ends.
     axes : array_like of two matplotlib Axes, optional
-        Where to draw; by default on a figure of their own, with a common time.
+        Axes to draw on; by default a new figure with a common time axis.
     name : str
-        Stands above: the record and the block.
+        Title: the record and the block.
 
     Returns
     -------
@@ -63,7 +64,7 @@ def limit_accelerogram(
         style.panel_title(ax, say(f"plot.sequence.{words}"), rows=1)
         table = response.half_cycles
         assert table is not None
-        # Where the table ends, its last row repeats itself.
+        # After the end of the table its last row repeats.
         rows = np.minimum(np.arange(starts.size), max(table.duration.size - 1, 0))
         durations = table.duration[rows]
         cycles.append((starts, durations, table.peak[rows]))
@@ -83,7 +84,7 @@ def limit_accelerogram(
 
 
 def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """True for the main impulses of a train with I_s = I, by the number of secondary impulses of each half-cycle."""
+    """Mask of the main impulses of a train with I_s = I, from the number of secondary impulses of each half-cycle."""
     table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)
@@ -96,14 +97,14 @@ def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarra
 
 
 def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, words: str, color: str, lw: float, ms: float) -> None:
-    """Impulses as arrows: a line with a head that points away from zero."""
+    """Draw impulses as arrows that point away from zero."""
     ax.vlines(times, 0.0, sizes, color=color, lw=lw)
     for chosen, marker, label in ((sizes > 0.0, "^", words), (sizes <= 0.0, "v", None)):
         ax.plot(times[chosen], sizes[chosen], ls="none", marker=marker, ms=ms, color=color, label=label)
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
-    """Draw the half-cycles as bars along the bottom: their length sets the time of the next main impulse."""
+    """Draw the half-cycles as bars along the bottom; each ends at the next main impulse."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label=say("limit_state.overturning"))

@@ -1,4 +1,4 @@
-"""The kinds of pictures: what each shows, which file it is drawn from, and what may be chosen."""
+"""The kinds of pictures: content, source file and options of each."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ class PictureKind:
     """One kind of picture."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
-    summary: str  # what it shows
-    command: str = "rockpulse assess"  # makes a file from which it is drawn
-    file: str = ASSESSMENT  # the kind of that file
-    group: str = ""  # that the file must have
+    summary: str  # content of the picture
+    command: str = "rockpulse assess"  # command that makes its file
+    file: str = ASSESSMENT  # kind of that file
+    group: str = ""  # groups that the file must have
 
 
 _STORED = 'rockpulse assess with [records] store = "all"'
@@ -31,7 +31,7 @@ KINDS = {
         "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
     ),
     "rotation-history": PictureKind(
-        ("record", "block", "models", "case", "factor"),
+        ("record", "block", "model", "case", "factor"),
         "rotation of a block under a record by several models, impacts and overturning",
         _STORED,
     ),
@@ -46,17 +46,17 @@ KINDS = {
         group="spectra",
     ),
     "overturning-map": PictureKind(
-        ("record", "block", "models"),
+        ("record", "block", "model"),
         "factors on the input that overturn, of all blocks under a record or all records on a block",
     ),
     "probability": PictureKind(
         ("demand",), "probability that each record, as it is or brought to a demand, overturns each body"
     ),
     "critical-scale": PictureKind(
-        ("block", "models", "case"), "smallest factor on every record that overturns a block, by each model"
+        ("block", "model", "case"), "smallest factor on every record that overturns a block, by each model"
     ),
     "fragility": PictureKind(
-        ("block", "measure", "limit_states"),
+        ("block", "measure", "limit_state"),
         "fragility curves of a block, and the band of one of them, in p PGV/(g tan alpha) and PGA",
         "rockpulse fragility",
         FRAGILITY,
@@ -69,15 +69,15 @@ KINDS = {
     ),
 }
 
-#: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`, each in the singular.
+#: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`.
 OPTIONS = {
-    name: f"--{name.removesuffix('s').replace('_', '-')}"
-    for name in ("record", "block", "models", "demand", "case", "factor", "measure", "limit_states", "restitution")
+    name: f"--{name.replace('_', '-')}"
+    for name in ("record", "block", "model", "demand", "case", "factor", "measure", "limit_state", "restitution")
 }
 
 
 def kind_list() -> str:
-    """The kinds, what each shows, the command that makes its file and its options, as text."""
+    """Return the list of kinds as text: content, command that makes the file, and options of each."""
     from rockpulse.views.shared.formatting import paragraph
 
     lines = []

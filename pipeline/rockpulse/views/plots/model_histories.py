@@ -1,4 +1,4 @@
-"""Rotation histories of a block under one record by several models, stored in the results or computed again."""
+"""Rotation histories of a block under one record by several models, stored in the results or recomputed."""
 
 import math
 from collections.abc import Sequence
@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rocking.body.block import Block
+from rocking.pictures import one_line
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
 from rockpulse.assessment.scene import acting, floor_record
 from rockpulse.config.block_settings import floors_from_text
@@ -25,23 +26,26 @@ from rockpulse.views.plots.motion_history import HalfCycle, motion_samples
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
-#: Difference of peaks [-] from which on a history has a warning, and instants of the history of a sequence.
+#: Difference of peaks above which a history gets a warning [-], and number of points of the history of a sequence.
 _SAME, _INSTANTS = 1e-3, 4000
-#: Remedies where the file does not hold the motion of a body.
+#: Advice if the file does not contain the motion of a body.
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
 
 
 class ModelHistory(NamedTuple):
-    """The motion of a block by one model; without an instant where it could not say."""
+    """The motion of a block by one model; without samples if the model gave no result."""
 
     model: str
-    time: np.ndarray = np.zeros(0)  # (n,) from the first sample of the record [s]
+    time: np.ndarray = np.zeros(0)  # (n,) time after the first sample of the record [s]
     rotation: np.ndarray = np.zeros(0)  # (n,) theta/alpha_c [-]; NaN once the block has overturned
-    impacts: np.ndarray = np.zeros(0)  # (k,) times of those that the history shows [s]
-    impact_count: int = -1  # of the model; -1 where they never end or are not known
-    overturning: float = math.nan  # time from which it is certain [s]; NaN without
-    peak: float = math.nan  # theta_max/alpha_c [-]; inf where the block overturns, NaN where the model cannot say
+    impacts: np.ndarray = np.zeros(0)  # (k,) times of the impacts in the history [s]
+    impact_count: int = -1  # number of impacts; -1 if endless or unknown
+    overturning: float = math.nan  # time at which overturning is certain [s]; NaN without overturning
+    peak: float = math.nan  # theta_max/alpha_c [-]; inf if the block overturns, NaN without a result
     warning: str = ""  # doubts about the motion
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def histories(
@@ -52,27 +56,27 @@ def histories(
     case: int = 1,
     factor: float = 1.0,
 ) -> list[ModelHistory]:
-    """Motion of a block under a record by each model.
+    """Return the motion of a block under a record by each model.
 
     Parameters
     ----------
     tree : xarray.DataTree
         Results of an assessment.
     record, block : str, optional
-        Names; none where there is one only.
+        Names; not needed if there is only one.
     models : sequence of str, optional
-        Some of nonlinear, linear, impulsive, sequence and resonance; by default those of the results that follow the
-        record, the first three. One that could not say (UNRESOLVED) has an empty history and a warning.
+        Any of nonlinear, linear, impulsive, sequence and resonance; by default those of the first three, which use the
+        record, that the results contain. A model without a result (UNRESOLVED) has an empty history and a warning.
     case : int
         Number of the restitution, from 1.
     factor : float
-        On the record, positive [-]; another one than 1 is for the models that follow the record.
+        Scale factor on the record, positive [-]; values other than 1 only for the models that use the record.
 
     Notes
     -----
-    A model that follows the record: as stored ([models] histories = true), else, and at another factor, computed again
-    from the stored accelerogram; impulsive from the stored half-waves. Sequence and resonance have a time of their own:
-    their first main impulse is put at the beginning of the intense phase.
+    Models that use the record: as stored ([models] histories = true), otherwise, and at other factors, recomputed from
+    the stored accelerogram; impulsive from the stored half-waves. Sequence and resonance have their own time: their
+    first main impulse is placed at the start of the intense phase.
     """
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
@@ -107,7 +111,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
         return ModelHistory(model, warning="; ".join([say("unknown.unresolved"), *warnings]))
     body = selection.block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
-        # A design sequence stands for no record: its own time is the only one.
+        # A design sequence belongs to no record: its own time is used.
         start = float(np.nan_to_num(summary["intense_start"].sel(record=record)))
         time, rotation, hits = _of_sequence(tree, record, block, model, case)
         time, hits, overturning = start + time, start + hits, start + overturning
@@ -127,7 +131,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
 def stored_history(
     tree: xr.DataTree, record: str, block: str, model: str, case: int
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Time from the first sample [s] and theta/alpha_c of the record as it is; None where the file does not hold it."""
+    """Return time from the first sample [s] and theta/alpha_c under the unscaled record; None if not stored."""
     if "records" not in tree.children or "rotation" not in tree["records"]:
         return None
     summary, kept = tree["summary"].to_dataset(), tree["records"].to_dataset()
@@ -146,7 +150,7 @@ def stored_history(
 def _of_sequence(
     tree: xr.DataTree, record: str, block: str, model: str, case: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time from the first main impulse, theta/alpha_c, impacts: from the table of half-cycles."""
+    """Return time from the first main impulse, theta/alpha_c and impacts, from the table of half-cycles."""
     own = tree["summary"].to_dataset().sel(block=block)
     table = selection.table_of_pair(tree, "half_cycles", record, block, model, case)
     order = np.argsort(table["half_cycle"])
@@ -154,17 +158,17 @@ def _of_sequence(
     p, sequence = float(own["p"]), selection.sequence_of(tree, record)
     share = 0.0 if MODELS[model].cycles == "main" else float(sequence.secondary) / float(own["critical_impulse"])
     ends = np.cumsum([cycle.duration for cycle in cycles if np.isfinite(cycle.duration)])
-    # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
+    # An overturning half-cycle is continued for some time beyond alpha_c, where the history ends.
     last = (float(ends[-1]) if ends.size else 0.0) + (0.0 if np.isfinite(cycles[-1].duration) else 6.0 / p)
     time = np.linspace(0.0, last, _INSTANTS)
     return time, motion_samples(cycles, p, share, sequence.spacing, time), ends
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
-    """Times of impacts faster than `IMPACT_CUTOFF`: changes of sign, or turns that only a wall behind explains."""
+    """Return times of impacts faster than `IMPACT_CUTOFF`: changes of sign, or reversals at a wall."""
     before, after = rotation[:-1], rotation[1:]
     if body.side:
-        # What turns back between two samples has gone on to the other side of the wall, as in a mirror.
+        # A reversal at the wall between two samples is found by mirroring the motion after it.
         after = np.where(2.0 * np.abs(before) < np.abs(np.concatenate([before[:1], before[:-1]])), -after, after)
     with np.errstate(invalid="ignore", divide="ignore"):
         crossed = before * after < 0.0
@@ -176,7 +180,7 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
 ) -> list[ModelHistory]:
-    """Motions of a block, `body`, under a record times factors; ResultsError without the motion that acts on it."""
+    """Recompute the motions of a block, `body`, under a record times factors; ResultsError if it is not stored."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
     azimuth, own = float(summary["azimuth"].sel(record=record)), float(summary["body_azimuth"].sel(block=block))
@@ -196,7 +200,7 @@ def recomputed(
         raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
     motion = stored_record(tree, record)
     motion = floor_record(motion, floors) if floors else motion
-    # What is stored of a body before a wall is the worse of those senses of the record that may act.
+    # For a body beside a wall the worse of the possible senses of the record is stored.
     facing = float(summary["facing"].sel(block=block))
     scene = _scene(tree, motion, {"impulse": np.zeros(0), "centroid": np.zeros(0)})
     senses = acting(azimuth, facing) if body.side else (1,)
@@ -205,7 +209,7 @@ def recomputed(
 
 
 def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
-    """The half-waves of a record, which need no accelerogram."""
+    """Return the stored half-waves of a record, without the accelerogram."""
     summary = tree["summary"].to_dataset().sel(record=record)
     waves = selection.ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
     if waves is None:
@@ -218,7 +222,7 @@ def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
 
 
 def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> Scene:
-    """What a model that follows a record takes of it."""
+    """Return the scene of a record for the models that use it."""
     others = dict.fromkeys(("start", "end", "peak", "lobes"), np.zeros(waves["impulse"].size))
     return Scene(
         record=record,
@@ -231,7 +235,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
 
 
 def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
-    """Of each factor the response with the larger peak, one that cannot say counting as the largest."""
+    """Return for each factor the response with the larger peak; no result counts as the largest."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
     time, histories = np.asarray(found[0].time), []

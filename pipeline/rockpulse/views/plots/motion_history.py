@@ -1,4 +1,4 @@
-"""The motion under the limit accelerogram instant by instant, from the table of its half-cycles.
+"""The history of the motion under the limit accelerogram, from the table of its half-cycles.
 
 Rotations are in units of alpha_c, velocities u = theta'/(p alpha_c); the first main impulse is positive: theta < 0.
 """
@@ -10,7 +10,7 @@ import numpy as np
 
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
 
-#: phi of t_k = (k - phi) dT; for "open" the count of intervals is n + 1.
+#: phi in t_k = (k - phi) dT; for "open" the number of intervals is n + 1.
 _PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
 
 
@@ -27,19 +27,20 @@ def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tupl
     """Times [s] and velocity changes [-] (`secondary` is u_1 I_s/I) in a half-cycle that returns."""
     if secondary == 0.0:
         return np.zeros(0), np.zeros(0)
-    if spacing == "continuous":  # infinitely many act like half of one at the start and half of one at the end
+    if spacing == "continuous":  # the limit of infinitely many is half an impulse at the start and half at the end
         return np.array([0.0, cycle.duration]), np.array([-0.5, 0.5]) * secondary
     order = np.arange(1, cycle.impulse_count + 1)
     return (order - _PHASE[spacing]) * cycle.interval, np.where(order % 2, -secondary, secondary)
 
 
 def motion_samples(cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray) -> np.ndarray:
-    """Signed rotation theta/alpha_c [-] at increasing instants from the first main impulse [s], within the half-cycles.
+    """Signed rotation theta/alpha_c [-] at increasing times after the first main impulse [s], within the half-cycles.
 
-    `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. The half-cycle that overturns comes last; in it the main impulse
-    alone is followed up to alpha_c, NaN from there on. At just the critical velocity a block never reaches alpha_c.
+    `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. The half-cycle that overturns is the last one; in it only the
+    main impulse acts up to alpha_c, with NaN afterwards. At exactly the critical velocity a block never reaches
+    alpha_c.
     """
-    # Natural motion from an instant [s] on, with x and x' [-], and its side.
+    # Natural motion from a time [s] on, with x and x' [-], and its side.
     pieces: list[tuple[float, float, float, float]] = []
     start, side = 0.0, -1.0
     for cycle in cycles:

@@ -1,4 +1,4 @@
-"""Pictures of single objects: half-waves, an impulse sequence, a response, and bodies drawn from their numbers."""
+"""Pictures of single objects: half-waves, an impulse sequence, a response, and bodies."""
 
 import math
 from collections.abc import Sequence
@@ -23,22 +23,22 @@ from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREY, INSTANTS, ORA
 from rockpulse.views.shared.formatting import six_digits, three_digits
 from rockpulse.views.shared.words import say
 
-#: Colours of the outcomes, and lanes of a response whose histories are drawn.
+#: Colours of the outcomes, and largest number of lanes whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
 LANES = 6
-#: Bodies in a picture, and in a row of it; the height of the bar of one that overturns, where alpha_c is 1 [-].
+#: Largest number of bodies in a picture and in a row; height of the bar of an overturning body, over alpha_c [-].
 MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
 def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
-    """Impulses of half-waves at their centroids, those above half the largest in another colour.
+    """Draw the impulses of half-waves at their centroids, those above half the largest in another colour.
 
     Parameters
     ----------
     waves : HalfWaves
-        Of one record.
+        Half-waves of one record.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own.
+        Axes to draw on; by default a new figure.
     """
     ax = style.one_axes(ax, height=2.6)
     size = np.abs(waves.impulse)
@@ -55,15 +55,15 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
 
 
 def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
-    """Two half-cycles of an impulse sequence, the first of several, in intervals dT instead of the times of a block.
+    """Draw two half-cycles of an impulse sequence (the first of several) over time in intervals dT.
 
     Parameters
     ----------
     sequence : ImpulseSequence
-        With four intermediate impulses a half-cycle where it does not say how many; a block says that by how long its
-        half-cycles last, see :func:`limit_accelerogram`.
+        Without a given number of intermediate impulses four are drawn; the true number depends on the half-cycles of a
+        block, see :func:`limit_accelerogram`.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own.
+        Axes to draw on; by default a new figure.
     """
     ax = style.one_axes(ax, height=2.6)
     mains, others = sequence.two_half_cycles()
@@ -84,9 +84,9 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
 
 
 def block_outlines(block: Block) -> Figure:
-    """A block, or the first eight of several (m,), with their sizes and what holds them, each to a scale of its own.
+    """Draw a block, or the first eight of (m,), with sizes and restraints, each at its own scale.
 
-    Seen along the base, theta > 0 to the right.
+    The view is along the base, with theta > 0 to the right.
     """
     count = block.shape[0] if block.shape else 0
     names = [say("plot.object.block", number=lane + 1) for lane in range(count)]
@@ -94,14 +94,14 @@ def block_outlines(block: Block) -> Figure:
 
 
 def response(answer: Response, ax: Axes | None = None) -> Axes:
-    """The rotation of a response in time, of the first lanes of several; without a history the peak of every lane.
+    """Draw the rotation of the first lanes of a response over time, or without a history the peak of every lane.
 
     Parameters
     ----------
     answer : Response
-        Of any model; with a history where `history=True` was asked for.
+        Response of any model, with a history if it was requested.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own.
+        Axes to draw on; by default a new figure.
     """
     ax = style.one_axes(ax)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
@@ -143,9 +143,9 @@ def _peaks(ax: Axes, codes: np.ndarray, peaks: np.ndarray) -> Axes:
 
 
 def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
-    """Draw the first eight bodies, or one, from the numbers that results of an assessment hold of them.
+    """Draw the first eight bodies, or one, from the results of an assessment.
 
-    Seen along the base, theta > 0 to the right; each to a scale of its own.
+    The view is along the base, with theta > 0 to the right; each body has its own scale.
     """
     summary = tree["summary"].to_dataset()
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
@@ -155,7 +155,7 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
 
 
 def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
-    """The first eight of some bodies, by their names, blocks and the periods of the floors that they stand on [s]."""
+    """Draw the first eight bodies, given by names, blocks and the periods of their floors [s]."""
     drawn = drawn[:MOST]
     rows = math.ceil(len(drawn) / IN_ROW)
     figure = style.figure_of(height=3.2 * rows)

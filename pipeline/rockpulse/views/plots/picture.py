@@ -1,4 +1,4 @@
-"""A figure as a file, the same bytes on every run and its own ids in every SVG, and a figure for a notebook's cell."""
+"""Figures as files with reproducible bytes and unique ids in SVG, and figures for notebooks."""
 
 import hashlib
 import re
@@ -8,55 +8,55 @@ from io import BytesIO
 import matplotlib
 from matplotlib.figure import Figure
 
-#: Dots per inch of a PNG: 300 and more is for photographs.
+#: Dots per inch of a PNG.
 RESOLUTION = 200
-#: Metadata left out of a file: the time of the run, and what takes room and says nothing.
+#: Metadata left out of a file: the time of the run and other needless entries.
 _UNDATED: dict[str, dict[str, None]] = {
     "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
     "pdf": {"CreationDate": None},
     "png": {},
 }
 
-#: A tag, and in it an id or a reference to one.
+#: Patterns of a tag, and of an id or a reference to an id in it.
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
 _ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
-#: Coordinates of a path, which are written to 1e-6 pt.
+#: Pattern of the coordinates of a path, which matplotlib writes to 1e-6 pt.
 _PATH = re.compile(r'\bd="[^"]*"')
 _LONG = re.compile(r"-?\d+\.\d{3,}")
-#: A rule for the whole page, which the element can carry itself; and the list of fonts at every text.
+#: Patterns of a style rule for the whole page, which the element can carry, and of the list of fonts of a text.
 _RULE = '<style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style>'
 _FONTS = re.compile(r"font-family: 'DejaVu Sans',[^;\"]*")
-#: matplotlib's settings, and its reader of mathematics, are the same for all threads.
+#: Lock, as matplotlib's settings and its parser of formulas are shared by all threads.
 _WRITING = threading.Lock()
 
 
 def picture_bytes(figure: Figure, form: str) -> bytes:
-    """The content of a file with the figure, as "png", "svg" or "pdf".
+    """Return the content of a file with the figure, as "png", "svg" or "pdf".
 
-    The same bytes for the same figure: no time, and in SVG no random ids. Text is text in SVG and PDF.
+    Equal figures give equal bytes: no time stamp, and in SVG no random ids. Texts stay texts in SVG and PDF.
     """
     buffer = BytesIO()
-    # Read by the writers when they write, and nowhere else to be given; put back at once, one thread after the other.
+    # The writers read these settings only globally; they are restored at once, under the lock.
     with _WRITING, matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "rockpulse", "pdf.fonttype": 42}):
         figure.savefig(buffer, format=form, dpi=RESOLUTION, metadata=_UNDATED[form])
     return buffer.getvalue()
 
 
 def svg(figure: Figure, name: str | None = None) -> str:
-    """The figure as an element `<svg>` to stand in an HTML page beside any number of others.
+    """Return the figure as an `<svg>` element for an HTML page that may contain others.
 
     Parameters
     ----------
     figure : matplotlib Figure
-        The figure that is drawn.
+        The figure.
     name : str, optional
-        Begins every id of the element, and every reference to one: letters, digits, "-" and "_"; different for each
-        picture of a page. By default made from the content, so that only pictures that are equal share their ids.
+        Prefix of every id of the element and of the references to it: letters, digits, "-" and "_"; different for each
+        picture of a page. By default it is made from the content, so that only equal pictures share ids.
 
     Raises
     ------
     ValueError
-        For a name that cannot begin an id.
+        For a name that cannot start an id.
     """
     text = picture_bytes(figure, "svg").decode("utf-8")
     element = text[text.index("<svg") :].rstrip()
@@ -71,14 +71,14 @@ def svg(figure: Figure, name: str | None = None) -> str:
     def rounded(number: re.Match[str]) -> str:
         return f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
 
-    # A hundredth of a point is a tenth of the thinnest line: half the size, the same picture.
+    # A hundredth of a point is a tenth of the thinnest line: this halves the size without visible change.
     element = _PATH.sub(lambda path: _LONG.sub(rounded, path.group()), element)
     return _TAG.sub(lambda tag: _ID.sub(rf"\g<1>{name}-", tag.group()), element)
 
 
 class NotebookFigure(Figure):
-    """A figure that belongs to no window: pyplot, by which notebooks show all others, does not know it."""
+    """A figure without a window, which pyplot does not know, and which displays itself in notebooks."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """The picture, and the width at which it has the size of other pictures [px]."""
+        """Return the picture and its display width [px]."""
         return picture_bytes(self, "png"), {"width": round(self.get_figwidth() * self.get_dpi())}

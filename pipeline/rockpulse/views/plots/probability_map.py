@@ -1,4 +1,4 @@
-"""The probability of overturning of every body under every record, as a map."""
+"""Map of the probability of overturning of every body under every record."""
 
 from typing import Any
 
@@ -20,26 +20,27 @@ from rockpulse.views.plots.style import BLACK, GREY, SMALL
 from rockpulse.views.shared.formatting import ratio, shortened, six_digits
 from rockpulse.views.shared.words import say
 
-#: Records and bodies on a page, of more the likeliest to overturn; bodies with upright names, and with written values.
+#: Largest number of records and bodies on a page, of bodies with vertical names, and of bodies with written values.
 ROWS, COLUMNS, UPRIGHT, WRITTEN = 50, 30, 5, 10
-#: Steps of the colours, among them those at which a body may overturn and overturns.
+#: Steps of the colours, including the limits of the verdicts "may overturn" and "overturns".
 LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 
 
 def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | None = None) -> Axes:
-    """The probability that each record overturns each body: the darker, the likelier.
+    """Draw the probability that each record overturns each body, darker for higher probabilities.
 
-    Where it was not computed, whether the record overturns the body by the fullest model of the results. A row for
-    every record, the likeliest on top; of a sweep for every pair of channels, in its worst direction.
+    Without a computed probability, the map shows whether the record overturns the body by the most complete model of
+    the results. It has a row for every record, the highest probability on top; a sweep has a row for every pair of
+    channels, in its worst direction.
 
     Parameters
     ----------
     tree : xarray.DataTree
         Results of an assessment.
     demand : str, optional
-        Name of a demand, to which every record is brought; by default the records are taken as they are.
+        Name of a demand to which every record is scaled; by default the records are unscaled.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own, as high as its rows.
+        Axes to draw on; by default a new figure with a height that fits its rows.
     """
     answers = answers_of(tree)
     motions, known = answers.motions, answers.probable
@@ -69,7 +70,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax.set_yticks(np.arange(rows.size) + 0.5, [style.plain(shortened(motions.names[row], NAME)) for row in rows])
     names = [style.plain(shortened(answers.bodies[column].name, NAME)) for column in columns]
     names = [style.wrapped(name, 60 // columns.size) for name in names] if upright else names
-    # Room for the names, of which a letter is a good half as wide as it is high.
+    # Room for the names; a letter is a little wider than half its height.
     lift = 6.0 + SMALL * (1.4 * max(name.count("\n") + 1 for name in names) if upright else 0.6 * max(map(len, names)))
     ax.set_xticks(np.arange(columns.size) + 0.5, names, rotation=0 if upright else 90)
     ax.xaxis.tick_top()

@@ -1,4 +1,4 @@
-"""Rotation histories of several models on one record, their impacts and overturning."""
+"""Rotation histories of several models under one record, with impacts and overturning."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,23 +13,23 @@ from rockpulse.views.plots.style import BLACK, DASHED, FONT, INSTANTS, SMALL, Pa
 from rockpulse.views.shared.formatting import fixed, six_digits, three_digits
 from rockpulse.views.shared.words import say, translated
 
-#: The shown time is that of rotations above this share of the largest, and this share of it before and after.
+#: The time axis covers rotations above this share of the largest, extended by this share of it on both sides.
 _MOVES, _AROUND = 0.02, 0.06
-#: Largest rotation that is shown: beyond it the block has fallen.
+#: Largest rotation that is shown, beyond which the block has fallen.
 _TOP = 1.5
 
 
 def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = None, title: str = "") -> np.ndarray:
-    """Rotation over alpha_c in time, and below it when each model has an impact.
+    """Draw rotation over alpha_c over time, and below it the impacts of each model.
 
     Parameters
     ----------
     histories : sequence of ModelHistory
-        As :func:`~rockpulse.plots.histories` returns them.
+        Result of :func:`~rockpulse.plots.histories`.
     axes : array_like of two matplotlib Axes, optional
-        Where to draw; by default on a figure of their own, with a common time.
+        Axes to draw on; by default a new figure with a common time axis.
     title : str
-        Stands above.
+        Title of the figure.
     """
     rows = 0.35 + 0.17 * len(histories)
     ratios = [2.9, rows]
@@ -44,10 +44,10 @@ def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = No
         color, words = appearance.color, f"{appearance.label}: {_answer(history)}"
         shown = (history.time >= first) & (history.time <= last)
         curve = thinned(history.time[shown], history.rotation[shown], INSTANTS)
-        # The one to judge the others by is the thickest and on top.
+        # The reference model is the thickest line and on top.
         width, above = (1.7, 3.0) if is_full(history.model) else (1.0, 2.0)
         moving.plot(*curve, color=color, ls=appearance.line, lw=width, zorder=above, label=words)
-        # The last instant before the rotation leaves the picture.
+        # The last sample before the rotation leaves the picture.
         inside = np.flatnonzero(np.abs(history.rotation) <= _TOP)[-1:]
         if np.isfinite(history.overturning) and inside.size:
             cross: dict[str, Any] = {"ls": "none", "marker": "X", "ms": 8, "mec": "white", "mew": 0.8, "zorder": 5}
@@ -65,7 +65,7 @@ def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = No
     moving.set_ylabel(say("plot.motion.rotation"))
     moving.set_xlim(first, last)
     moving.set_ylim(*_limits(histories))
-    moving.yaxis.set_major_formatter(lambda value, _: six_digits(value))  # of small ones too, no power beside the axis
+    moving.yaxis.set_major_formatter(lambda value, _: six_digits(value))  # without a common power of ten
     style.legend_above(moving, 2, across=True, lift=4.0)
     style.title(moving, title, rows=(len(histories) + 1) // 2)
     style.caption(below, " ".join(_warnings(histories)))
@@ -86,7 +86,7 @@ def _answer(history: ModelHistory) -> str:
 
 
 def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
-    """Symmetric limits of the rotation axis, by which a motion far below alpha_c is shown large."""
+    """Return symmetric limits of the rotation axis, which enlarge a motion far below alpha_c."""
     finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
     largest = max(finite, default=0.0)
     if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
@@ -97,7 +97,7 @@ def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
 
 
 def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
-    """Limits of the time axis [s] about the first and the last motion, of times and rotations one after the other."""
+    """Return limits of the time axis [s] around the first and the last motion, from pairs of times and rotations."""
     largest = [min(np.nanmax(np.abs(rotation), initial=0.0), 1.0) for _, rotation in motions]
     found = [time[np.abs(one) > _MOVES * most] for (time, one), most in zip(motions, largest, strict=True)]
     moving = np.concatenate([np.zeros(0), *found])

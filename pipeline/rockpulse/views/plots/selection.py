@@ -1,4 +1,4 @@
-"""The part of a results file that is drawn: records, blocks and models by their names, and their stored values."""
+"""Selection of the part of a results file to draw: records, blocks and models by name, and their stored values."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -18,12 +18,12 @@ from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.formatting import restitution
 
 _Section = TypeVar("_Section", bound=Section)
-#: Names listed in a message.
+#: Largest number of names in a message.
 LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """The only name along a dimension, or the given one, in full or by a pattern; ResultsError for any other."""
+    """Return the only name along a dimension, or the given one, in full or by a pattern; ResultsError for others."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]
@@ -37,7 +37,8 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
         raise ResultsError(
             f'{dimension}: "{name}" is met by {len(met)} in these results, the picture is of one: {_listed(met)}'
         )
-    near = get_close_matches(name, known, n=3, cutoff=0.4)
+    spelt = {label.lower(): label for label in known}
+    near = [spelt[label] for label in get_close_matches(name.lower(), list(spelt), n=3, cutoff=0.4)]
     nearest, there = f"the nearest: {_listed(near)}; " if near else "", f"there are: {_listed(known)}"
     if near and len(known) > LISTED:
         there = f"there are {len(known)} (rockpulse inspect --{dimension}s)"
@@ -52,7 +53,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
-    """The place of a restitution of the blocks, by its number from 1, to select it with."""
+    """Return the selector of a restitution of the blocks, by its number from 1."""
     count = summary.sizes.get("case", 1)
     if not 1 <= case <= count:
         raise ResultsError(f"case: expected the number of a restitution from 1 to {count}, got {case}")
@@ -60,13 +61,13 @@ def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
 
 
 def settings_of(tree: xr.DataTree, section: type[_Section]) -> _Section:
-    """A section of the configuration that the results were made with, its defaults where they do not hold it."""
+    """Return a section of the stored configuration, or its defaults."""
     sections = stored_sections(str(tree.attrs.get("configuration", "")))
     return section(**sections.get(section.heading.strip("[]"), {}))
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
-    """A block of the node /summary of the results as the models take it, with a restitution by its number from 1."""
+    """Return a block of /summary for the models, with a restitution by its number from 1."""
     own = summary.sel(block=block).isel(chosen_case(summary, case))
     names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
     return Block.restored(
@@ -80,7 +81,7 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
 
 
 def plain_bodies(summary: xr.Dataset) -> list[str]:
-    """The bodies that a spectrum of the records stands for: free, symmetric, on the ground, without a direction."""
+    """Return the bodies covered by a spectrum of the records: free, symmetric, on the ground, without a direction."""
     like = (summary["one_sided"].values == 0) & (summary["alpha_2"].values == summary["alpha_c"].values)
     like &= np.isnan(summary["body_azimuth"].values)
     like &= (summary["restraints"].values == "") & (summary["floors"].values == "")
@@ -88,7 +89,7 @@ def plain_bodies(summary: xr.Dataset) -> list[str]:
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
-    """The name of a block, with its restitution where it has several, by the number from 1."""
+    """Return the name of a block, with its restitution (by number from 1) if it has several."""
     if "case" not in summary.dims:
         return block
     c = summary["restitution"].sel(block=block).isel(chosen_case(summary, case))
@@ -96,7 +97,7 @@ def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
 
 
 def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> dict[str, xr.Variable] | None:
-    """Variables of /records of one record, whose number of values `sizes` holds; None where they were not stored."""
+    """Return variables of /records for one record, with the counts in `sizes`; None if they are not stored."""
     if "records" not in tree.children or any(name not in tree["records"] for name in (sizes, *names)):
         return None
     stored = tree["records"].to_dataset()
@@ -108,7 +109,7 @@ def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> 
 def table_of_pair(
     tree: xr.DataTree, group: str, record: str, block: str, model: str, case: int = 1
 ) -> dict[str, np.ndarray]:
-    """Rows of /half_cycles or /overturning_intervals of one answer, with one restitution by the number from 1."""
+    """Return rows of /half_cycles or /overturning_intervals of one result, with one restitution by number from 1."""
     summary, table = tree["summary"].to_dataset(), tree[group].to_dataset()
     rows = table["case_index"].values == case - 1
     for dimension, name in (("record", record), ("block", block), ("model", model)):
@@ -117,12 +118,12 @@ def table_of_pair(
 
 
 def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
-    """The impulse sequence of a record [m/s, s], with the spacing that its half-cycles were computed with.
+    """Return the impulse sequence of a record [m/s, s], with the spacing used for its half-cycles.
 
     Raises
     ------
     ResultsError
-        Where the record gave no sequence.
+        If the record gave no sequence.
     """
     own = tree["summary"].to_dataset().sel(record=record)
     names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")

@@ -1,4 +1,4 @@
-"""The parameters of the impulse sequences of a site and its design sequence, and its overturning spectrum over p."""
+"""Pictures of a site: parameters of the impulse sequences with the design sequence, or overturning spectrum over p."""
 
 import textwrap
 from typing import Any
@@ -17,28 +17,28 @@ from rockpulse.views.shared.formatting import six_digits, three_digits
 from rockpulse.views.shared.words import say, translated
 from rockpulse.views.text.site import site_warnings
 
-#: Largest ratio to the range of the records up to which the axis follows the design; the longest warning [characters].
+#: Largest ratio to the range of the records up to which the axis includes the design; longest warning [characters].
 _NEAR, _WARNING = 3.0, 230
-#: Letters of the parameters that have one.
+#: Symbols of parameters.
 _SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
-    """The design of a site among its records: their overturning spectra, or the parameters of their sequences.
+    """Draw the design of a site with its records: their overturning spectra, or the parameters of their sequences.
 
     Parameters
     ----------
     tree : xarray.DataTree
-        As :func:`rockpulse.calibrate` returns it.
+        Result of :func:`rockpulse.calibrate`.
     axes : array_like of six matplotlib Axes, optional
-        Where to draw; by default on a figure of their own. A site by the spectrum takes the first one.
+        Axes to draw on; by default a new figure. A site with a spectrum uses the first one.
 
     Returns
     -------
     (6,) ndarray of Axes
-        Main impulse, I_s/I, interval, number of main impulses, duration; the last one holds the legend. Each step of a
-        distribution is a record, as high as its weight; where a record's own calibration gave an interval it is a
-        horizontal line. (1,) for a site by the spectrum.
+        Main impulse, I_s/I, interval, number of main impulses, duration; the last one has the legend. Each step of a
+        distribution is a record, with its weight as height; an interval from a record's own calibration is a horizontal
+        line. (1,) for a site with a spectrum.
     """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
@@ -88,7 +88,7 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
     ax.set_xlim(_range(ordered, design))
     style.plain_ticks(ax.xaxis, 100.0)
     low, high = ax.get_xlim()
-    if high / low < 6.0:  # within less than a decade the usual round numbers
+    if high / low < 6.0:  # round numbers for less than a decade
         ax.xaxis.set_major_locator(MaxNLocator(5, integer=name == "main_count"))
         ax.xaxis.set_minor_locator(NullLocator())
     missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
@@ -97,7 +97,7 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
 
 
 def _range(values: np.ndarray, design: float) -> tuple[float, float]:
-    """Limits of the axis: the range of the records, extended to the design if it lies near."""
+    """Return limits of the axis: the range of the records, extended to a design near it."""
     low, high = float(values[0]), float(values[-1])
     if low / _NEAR <= design <= high * _NEAR:
         low, high = min(low, design), max(high, design)
@@ -121,7 +121,7 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
 
 
 def _warnings(site: xr.Dataset) -> list[str]:
-    """The design, and the gravest warning, which comes first."""
+    """Return the design and the first warning, which is the most serious."""
     words = [say("plot.site.quantile", quantile=six_digits(float(site["quantile"])))]
     warnings = _sentences(site)
     for one in warnings[:1]:
@@ -135,7 +135,7 @@ def _sentences(site: xr.Dataset) -> list[str]:
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
-    """Median and 84 % spectrum of a site at the median C of its bodies, and the design of each body by its point."""
+    """Draw median and 84 % spectrum of a site at the median C of its bodies, and the design of each body as a point."""
     ax = style.one_axes(ax, height=4.4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     restitution = float(np.median(site["restitution"])) if site.sizes["block"] else 0.9

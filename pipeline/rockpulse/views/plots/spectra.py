@@ -1,4 +1,4 @@
-"""Rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p, with the bodies on them."""
+"""Rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p, with bodies as points."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -21,11 +21,11 @@ from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, PALE, R
 from rockpulse.views.shared.formatting import restitution, shortened, six_digits
 from rockpulse.views.shared.words import counted_words, say
 
-#: Sizes whose p is marked along the top [m].
+#: Radii R that are marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
-#: Blocks that overturn.
+#: Style of blocks that overturn.
 _FALLEN: dict[str, Any] = {"fc": RED, "ec": BLACK, "hatch": "/////", "hatch_linewidth": 0.25}
-#: Bodies that are named one by one.
+#: Largest number of bodies that are named.
 _NAMED = 12
 
 
@@ -35,27 +35,27 @@ def rocking_spectrum(
     bodies: Mapping[str, tuple[float, float]] | None = None,
     note: str = "",
 ) -> Axes:
-    """Largest rotation over p and alpha_c: the darker, the further; red and hatched where blocks overturn.
+    """Draw the largest rotation over p and alpha_c, darker for larger rotations; red and hatched for overturning.
 
     Parameters
     ----------
     spectrum : xarray.Dataset
-        As :func:`rockpulse.rocking_spectrum` returns it.
+        Result of :func:`rockpulse.rocking_spectrum`.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own.
+        Axes to draw on; by default a new figure.
     bodies : mapping of str to (float, float), optional
-        p [1/s] and alpha_c [rad] of bodies, by their names.
+        p [1/s] and alpha_c [rad] of bodies, by name.
     note : str
-        Further words for the small print.
+        Further text for the small print.
     """
     ax = style.one_axes(ax, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
     peak = spectrum["peak_rotation_ratio"].transpose("alpha_c", "p").values
-    # Darker is worse, in grey as well, and rest is white. What overturns is hatched, in a colour of no rotation.
+    # Darker means larger, also in grey, and rest is white. Overturning is hatched, in a colour not used for rotations.
     colours = colormaps["cividis_r"].with_extremes(over=_FALLEN["fc"], bad="white")
     levels = np.linspace(0.0, 1.0, 11)
     fallen = outcome == Outcome.OVERTURNS
-    # A rotation of alpha_c and beyond that does not overturn has the darkest colour.
+    # Rotations of at least alpha_c without overturning have the darkest colour.
     rotation = np.minimum(peak, np.nextafter(1.0, 0.0))
     shown = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
     p, alpha = spectrum["p"].values, spectrum["alpha_c"].values
@@ -113,7 +113,7 @@ def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
 
 
 def _edges(values: np.ndarray) -> tuple[float, float]:
-    """The outer edges of the cells around the first and the last value."""
+    """Return the outer edges of the cells around the first and the last value."""
     steps = np.diff(values) if values.size > 1 else 0.1 * values
     return float(values[0] - 0.5 * steps[0]), float(values[-1] + 0.5 * steps[-1])
 
@@ -136,9 +136,9 @@ def size_scale(ax: Axes, gravity: float) -> None:
     top.set_xlabel(say("plot.spectra.radius"), fontsize=FONT)
 
 
-#: Spectra of single records that are drawn, and the share of the lowest body down to which they are.
+#: Largest number of spectra of single records, and lowest level drawn as a share of the lowest body.
 _DRAWN, _DEEPEST = 200, 0.1
-#: Frequency parameters that are written along p [1/s], and the room beside what is drawn, as a ratio of p.
+#: Labelled frequency parameters [1/s], and the margin of the axis as a ratio of p.
 _TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
 
 
@@ -151,7 +151,7 @@ def overturning_spectra(
     demands: Mapping[str, np.ndarray] | None = None,
     gravity: float = 9.80665,
 ) -> Axes:
-    """Overturning spectra S(p) at one restitution; a body overturns where S lies above its point.
+    """Draw overturning spectra S(p) at one restitution; a body overturns if S is above its point.
 
     Parameters
     ----------
@@ -159,24 +159,24 @@ def overturning_spectra(
         `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution), /spectra of a results file, or
         over (p, restitution) as :func:`rockpulse.overturning_spectrum` returns it.
     ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own.
+        Axes to draw on; by default a new figure.
     restitution : float, optional
-        C of the blocks [-]; the nearest one of the spectra is drawn. Without, the largest one.
+        C of the blocks [-]; the nearest value of the spectra is drawn, by default the largest.
     bodies : mapping of str to (float, float), optional
-        p [1/s] and alpha_c [rad] of bodies, by their names.
+        p [1/s] and alpha_c [rad] of bodies, by name.
     events : sequence of str, optional
-        The earthquake of each record; earthquakes weigh alike in the quantiles. Without, the records do.
+        The earthquake of each record, for equal weights of earthquakes in the quantiles; by default those of records.
     demands : mapping of str to (records,) ndarray, optional
-        Factors on the records that bring each to a demand, by its name: the median spectrum there is drawn as well.
+        Factors that scale each record to a demand, by its name; the median spectrum at each demand is also drawn.
     gravity : float
-        At the bodies [m/s2].
+        Acceleration of gravity at the bodies [m/s2].
     """
     ax = style.one_axes(ax, height=4.4)
     several = spectra if "record" in spectra.dims else spectra.expand_dims("record")
     grid = several["restitution"].values
     chosen = int(np.argmin(np.abs(grid - (grid[-1] if restitution is None else restitution))))
     at = several.isel(restitution=chosen).transpose("record", "p", ...)
-    # Stored spectra may have numbers next to the bodies alone.
+    # Stored spectra may have values only next to the bodies.
     at = at.isel(p=np.flatnonzero(np.isfinite(at["spectrum"].values).any(axis=0)))
     p, curves = at["p"].values, at["spectrum"].values
     known = np.flatnonzero(np.all(np.isfinite(curves), axis=1) & (p.size > 0))
@@ -214,11 +214,11 @@ def overturning_spectra(
 
 
 def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
-    """Draw spectra of an assessment with its bodies, earthquakes, demands; by default at the median C of the bodies."""
+    """Draw spectra of an assessment with bodies, earthquakes, demands; by default at the median C of the bodies."""
     summary = tree["summary"].to_dataset()
     own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
     plain = summary.sel(block=names)
-    # A factor that differs from body to body moves no spectrum as a whole.
+    # A factor that depends on the body cannot shift a whole spectrum.
     records, every = own["record"].values.tolist(), names or [str(name) for name in summary["block"].values]
     shared = [factors_to_demands(summary, records, name, np.inf) for name in every]
     needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
@@ -233,13 +233,13 @@ def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: floa
 
 
 def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
-    """Draw the spectra of single records (records, a) [m/s] over p (a,) thinly, with one entry in the legend."""
+    """Draw the spectra of single records (records, a) [m/s] over p (a,) as thin lines with one legend entry."""
     for place, curve in enumerate(curves[:_DRAWN]):
         ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else counted_words(len(curves), "record"))
 
 
 def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:
-    """How many curves (records, a) lie below the Axes of :func:`spectrum_axes`, in a sentence; none where none does."""
+    """Say how many curves (records, a) are below the Axes of :func:`spectrum_axes`; empty for none."""
     below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
     return [say("plot.spectra.below", count=below, total=len(curves))] if below else []
 
@@ -247,7 +247,7 @@ def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:
 def spectrum_axes(
     ax: Axes, p: xr.DataArray, points: Mapping[str, tuple[float, float]], gravity: float, columns: int
 ) -> int:
-    """Dress Axes over p, mark bodies at p and g tan(alpha)/p, and return the rows of the legend that is put above."""
+    """Set up Axes over p, mark bodies at p and g tan(alpha)/p, and return the number of rows of the legend above."""
     handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, dict(points))]
     ax.set_xscale("log")
     ax.set_yscale("log")

@@ -1,4 +1,4 @@
-"""One look for all pictures, set on each artist: sizes for A4, colours for colour-blind eyes and grey, texts."""
+"""The common style of all pictures: sizes for A4, colours for colour-blind readers and grey, texts."""
 
 import re
 import textwrap
@@ -20,9 +20,9 @@ from rockpulse.views.plots.picture import NotebookFigure
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import counted_words, in_numerals, language, say, translated
 
-#: Width of a picture [in], that of the text on a page of A4 with margins of 25 mm; sizes of text at that width [pt].
+#: Width of a picture [in], the text width of an A4 page with margins of 25 mm, and font sizes at that width [pt].
 WIDTH, FONT, SMALL = 6.3, 8.5, 7.5
-#: Colours of Okabe & Ito (2008), told apart by colour-blind eyes, and a grey.
+#: Colours of Okabe & Ito (2008), which colour-blind readers can distinguish, and a grey.
 PALETTE = {
     "black": "#000000",
     "blue": "#0072B2",
@@ -35,16 +35,16 @@ PALETTE = {
 }
 BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE, GREY = PALETTE.values()
 PALE = "#DDDDDD"
-#: Dashes: of a line to compare with, and dots.
+#: Dashes of a reference line, and dots.
 DASHED, DOTTED = (0, (6, 3)), (0, (1.2, 1.2))
-#: Label of the figures that are made here; columns by which a long history is drawn: more cannot be told apart.
+#: Label of our own figures; number of columns to which a long history is thinned.
 _OURS, INSTANTS = "rockpulse", 700
-#: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
+#: Axes given for a picture of several panels: one, several, or those of ``plt.subplots``.
 Panels: TypeAlias = Axes | Sequence[Axes] | np.ndarray
 
 
 class Look(NamedTuple):
-    """The look of one of a few things side by side: never its colour alone."""
+    """The style of one of a few items: colour with line and marker, never colour alone."""
 
     label: str
     color: str
@@ -52,7 +52,7 @@ class Look(NamedTuple):
     marker: str
 
 
-#: For things that are no models, as limit states.
+#: Styles for items other than models, such as limit states.
 _CYCLE = [
     (BLUE, "-", "o"),
     (RED, (0, (5, 1.3)), "s"),
@@ -66,7 +66,7 @@ _CYCLE = [
 
 
 def look(name: str) -> Look:
-    """The look of a model, by its name in the results."""
+    """Return the style of a model, by its name in the results."""
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
     color, line, marker = MODELS[name].look
@@ -74,21 +74,21 @@ def look(name: str) -> Look:
 
 
 def looks(names: Sequence[str]) -> list[Look]:
-    """The looks of named things, in order; a colour that is used again has another line and marker."""
+    """Return styles of named items in order; a repeated colour has another line and marker."""
     turns = [divmod(place, len(_CYCLE)) for place in range(len(names))]
     other = [_CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at] for turn, at in turns]
     return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
-    """A figure of some size [in] that belongs to no window and no global list."""
+    """Make a figure of a size [in] without a window or a global reference."""
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
     figure.set_label(_OURS)
     return figure
 
 
 def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
-    """The figure of Axes, or of the first of several; a figure is its own."""
+    """Return the figure of Axes, or of the first of several, or the given figure."""
     if isinstance(what, Figure):
         return what
     figure: Figure = np.ravel(np.array(what, dtype=object))[0].get_figure(root=True)
@@ -96,17 +96,17 @@ def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
 
 
 def _ours(ax: Axes) -> bool:
-    """Whether the figure of some Axes was made here, so that its margins are free."""
+    """Whether the figure of Axes was made here, so that its margins may be changed."""
     return whole_figure(ax).get_label() == _OURS
 
 
 def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
-    """The given Axes, or new ones on a figure of their own of some height [in], in this look."""
+    """Return the given Axes, or new ones on a new figure of a height [in], in the common style."""
     return dressed(figure_of(height=height).subplots() if ax is None else ax)
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """As :func:`one_axes` for rows x columns of panels, with options of `Figure.subplots`."""
+    """Return rows x columns of Axes as :func:`one_axes` does, with options of `Figure.subplots`."""
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
     else:
@@ -120,15 +120,15 @@ def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float
 
 
 class TickNumerals(ScalarFormatter):
-    """The usual numbers at ticks, in the form of the language that is written."""
+    """Tick formatter that writes numbers in the form of the current language."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        """The text of a tick."""
+        """Return the text of a tick."""
         return in_numerals(super().__call__(x, pos))
 
 
 def dressed(ax: Axes) -> Axes:
-    """Axes with the sizes of this look."""
+    """Set the sizes of the common style on Axes and return them."""
     ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines[["left", "bottom"]].set_linewidth(0.6)
@@ -143,7 +143,7 @@ def dressed(ax: Axes) -> Axes:
 
 
 def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
-    """Draw the scale of colours of a map beside it."""
+    """Draw the colour scale of a map beside it."""
     options = {"format": TickNumerals(), **options}
     bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
@@ -151,13 +151,13 @@ def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **option
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """The legend of labelled artists, if there are any, with options of :meth:`matplotlib.axes.Axes.legend`."""
+    """Draw the legend of labelled artists, if any, with options of :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
         ax.legend(**{"fontsize": SMALL, "frameon": True, "framealpha": 0.85, "edgecolor": "none", **options})
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """The legend in rows of `ncols` above the Axes, `lift` [pt] further up, or `across` from the edge of our figure."""
+    """Draw the legend in rows of `ncols` above the Axes, `lift` [pt] higher, or `across` from our figure's edge."""
     figure, beside = whole_figure(ax), across and _ours(ax)
     above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
     place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
@@ -167,7 +167,7 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
-    """The title of a figure of our own, else of its uppermost Axes over `rows` of a legend; names are :func:`plain`."""
+    """Set the title of our own figure, else of its uppermost Axes above `rows` of a legend; names are :func:`plain`."""
     if words and _ours(ax):
         whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
@@ -175,37 +175,37 @@ def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
 
 
 def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
-    """The line above one of several panels, over `rows` rows of a legend; `width` is the longest line."""
+    """Set the title of one of several panels above `rows` rows of a legend; `width` is the longest line."""
     ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
 
 
 def caption(ax: Axes, words: str, width: int = 106) -> None:
-    """Small print below the label of the horizontal axis of the lowest Axes."""
+    """Write small print below the label of the horizontal axis of the lowest Axes."""
     options: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
     if words and _ours(ax):
         whole_figure(ax).supxlabel(wrapped(words, width), x=0.01, ha="left", **options)
-    elif words:  # somebody else's figure: its own labels stay, and there may be other pictures on it
+    elif words:  # a figure of the caller: its labels are kept, and it may contain other pictures
         options |= {"va": "top", "in_layout": False}
         below = ("axes fraction", ax.xaxis.label)
         ax.annotate(wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
 
 
 def notes(**held: bool) -> list[str]:
-    """The sentences of the small print that hold, by their keys in the section [plot.note]."""
+    """Return the sentences of the small print whose condition is true, by keys of the section [plot.note]."""
     return [say(f"plot.note.{key}") for key, holds in held.items() if holds]
 
 
 def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
-    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten; only these on a `wide` one."""
+    """Label the ticks of a logarithmic axis with plain numbers; on a `wide` axis only powers of ten."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
-#: CF units of the results as an engineer writes them.
+#: Printed forms of the CF units of results.
 _UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
-#: Symbols of the long names as mathematics; of those that begin alike the longer one first.
+#: Symbols of the long names as formulas; longer ones first if they start alike.
 _SYMBOLS = {
     "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
     "theta/alpha_c": r"$\theta/\alpha_c$",
@@ -218,35 +218,35 @@ _SYMBOLS = {
     "dT": r"$\Delta T$",
 }
 _SYMBOL = re.compile(rf"\b({'|'.join(map(re.escape, _SYMBOLS))})\b")
-#: Mathematics of matplotlib: between dollars that are not escaped. The first of the letters that no text has.
+#: Pattern of matplotlib formulas, between dollars that are not escaped; first of the private characters.
 _MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 
 
 def unit(units: str) -> str:
-    """The printed form of a unit in the results (attribute `units`, CF)."""
+    """Return the printed form of a unit in the results (attribute `units`, CF)."""
     return _UNITS.get(units, units)
 
 
 def readable_name(long_name: str) -> str:
-    """A long name with its symbols as mathematics, without the warnings that follow a semicolon."""
+    """Return a long name with its symbols as formulas, without the text after a semicolon."""
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 
 def label(variable: xr.DataArray, symbol: str = "") -> str:
-    """Text of an axis: the long name of a variable of results, the letter of the quantity, and the unit."""
+    """Return the label of an axis: long name of a variable, symbol and unit."""
     name = readable_name(translated(f"variables.{variable.name}", str(variable.attrs["long_name"])))
     return f"{name} {symbol}".rstrip() + f" [{unit(str(variable.attrs['units']))}]"
 
 
 def plain(name: object) -> str:
-    """A name given by the user (record, block, title), escaped so that it cannot start mathematics."""
+    """Escape a name given by the user (record, block, title), so that it cannot start a formula."""
     return escaped(str(name)).replace("$", r"\$")
 
 
 def wrapped(words: str, width: int) -> str:
-    """Text in lines of `width` characters: mathematics counts as drawn and is not broken, longer words are cut."""
+    """Wrap text to lines of `width` characters; formulas count as drawn and are not broken, longer words are cut."""
     pieces = _MATHEMATICS.findall(words)
-    # Each piece is replaced by as many letters of its own as it shows.
+    # Each formula is replaced by as many private characters as it shows.
     for place, piece in enumerate(pieces):
         shown = re.sub(r"\\[A-Za-z]+", "x", piece[1:-1])
         words = words.replace(piece, chr(_PRIVATE + place) * max(len(re.sub(r"[{}_^ ]", "", shown)), 1), 1)
@@ -258,5 +258,5 @@ def wrapped(words: str, width: int) -> str:
 
 
 def record_counts(records: int, events: int) -> str:
-    """The numbers of records and of their earthquakes."""
+    """Return the numbers of records and of their earthquakes as text."""
     return say("records_of", records=counted_words(records, "record"), earthquakes=counted_words(events, "earthquake"))

@@ -1,1 +1,1 @@
-"""The report: what a results file says, as one HTML page to hand over."""
+"""The report of a results file, as one HTML page or PDF."""

@@ -1,4 +1,4 @@
-"""The answers of every model for every record and body, as cells; how often each body overturns; what they mean."""
+"""Tables of the results of every model for every record and body, and of the number of overturning records."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_st
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table
 from rockpulse.views.shared.words import numerals, say
 
-#: The grade of the cell with the answer for a body under a record.
+#: Grade of the cell with the result for a body under a record.
 _GRADES = {
     Standing.STANDS: "fair",
     Standing.UNKNOWN: "unknown",
@@ -26,12 +26,12 @@ _GRADES = {
 
 
 def model_heading(model: str) -> Heading:
-    """The heading of a column of a model."""
+    """Return the heading of the column of a model."""
     return Heading(say(f"models.{model}"), note=say("upper_bound") if is_upper_bound(model) else "")
 
 
 class AnswerCells:
-    """Cells of every record and body, whose marks the notes of the page explain; ``names`` are the marked ids."""
+    """Makes table cells of every record and body, with marks explained in the notes; ``names`` are the marked ids."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
@@ -48,20 +48,20 @@ class AnswerCells:
 
     @property
     def marks(self) -> set[CellMark]:
-        """The marks of the answers of all models, and of the factors of the one that is counted."""
+        """Marks of the results of all models, and of the factors of the model of the verdict."""
         return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
 
     def record(self, record: int) -> Cell:
-        """The id of a record, which leads to its part of the page."""
+        """Return the id of a record with a link to its section."""
         return col.unexplained(self.names[record])._replace(link=f"record-{record}")
 
     def body(self, lane: int) -> Cell:
-        """The name of a body, which leads to its part of the page."""
+        """Return the name of a body with a link to its section."""
         body = self.answers.bodies[lane]
         return Cell(body.block, link=f"body-{body.place}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """The probability of overturning under a record, else the answer in words, sorted from best to worst."""
+        """Return the probability of overturning under a record, or the result as text, sortable from best to worst."""
         if self.answers.probable:
             (cell,) = self.cells(col.columns("overturning_probability"), [record], [lane])[0]
             return cell
@@ -72,28 +72,28 @@ class AnswerCells:
         return Cell(told + why, float(kind), grade=_GRADES[kind])
 
     def worst(self, record: int) -> int:
-        """The place of the body for which a record is worst."""
+        """Return the index of the body for which a record is worst."""
         table = self.answers["overturning_probability"] if self.answers.probable else self.standing
         return int(np.argmax(np.nan_to_num(table[record])))
 
     def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
-        """The cells of some columns for bodies under records."""
+        """Return the cells of columns (`of`) for bodies under records."""
         places = (np.array(one, dtype=int) for one in (records, lanes))
         return col.filled(of, col.AnswerRows(self.answers, *places))
 
     @property
     def short(self) -> tuple[Heading, ...]:
-        """The headings of :meth:`of`."""
+        """Headings of :meth:`of`."""
         return (*col.headed(col.columns("uplift_ratio")), self._peak, *self.decisive)
 
     def of(self, record: int, lane: int) -> tuple[Cell, ...]:
-        """A body under a record in short: demand, peak, answer and factor."""
+        """Return short cells of a body under a record: demand, peak, result and factor."""
         (demand,) = self.cells(col.columns("uplift_ratio"), [record], [lane])[0]
         return demand, self.answer(record, lane), self.verdict(record, lane), self.factor(record, lane)
 
     @property
     def decisive(self) -> tuple[Heading, Heading]:
-        """The headings of :meth:`verdict` and :meth:`factor`."""
+        """Headings of :meth:`verdict` and :meth:`factor`."""
         probable, factor = self.answers.probable, self.answers.factor
         (last,) = col.headed(col.columns(factor))
         if probable:
@@ -102,17 +102,17 @@ class AnswerCells:
         return first, last._replace(note=factor_name(factor))
 
     def factor(self, record: int, lane: int) -> Cell:
-        """The factor, marked where it is a lower bound."""
+        """Return the factor, marked if it is a lower bound."""
         return col.unexplained(self._factors[record * len(self.answers.bodies) + lane])
 
     def answer(self, record: int, lane: int, model: str = "") -> Cell:
-        """The answer of a model, the counted one unless named: the largest rotation over alpha_c, or a word."""
+        """Return the result of a model, by default that of the verdict: largest rotation over alpha_c, or a word."""
         own = self.of_models[model or self.answers.model]
         return col.unexplained(own[record * len(self.answers.bodies) + lane])._replace(grade="")
 
 
 def answer_table(cells: AnswerCells) -> Table:
-    """Every record, body and model in one table."""
+    """Return one table of every record, body and model."""
     answers = cells.answers
     first, last = col.columns("restitution"), col.columns("uplift_ratio", "velocity_ratio", "impulse_ratio")
     headings = (
@@ -137,7 +137,7 @@ def answer_table(cells: AnswerCells) -> Table:
 
 
 def count_table(answers: Answers) -> Table:
-    """Numbers of motions that overturn every body, by every model, as they are, in one of their directions."""
+    """Return a table of the number of unscaled motions that overturn each body in any direction, by each model."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
     rows = []
@@ -154,7 +154,7 @@ def _count(fallen: int, total: int, silent: int) -> Cell:
 
 
 def record_table(cells: AnswerCells, record: int) -> Table:
-    """Every body under one record, a row of /summary, by the model that is counted."""
+    """Return a table of every body under one record (a row of /summary), by the model of the verdict."""
     lanes, c = range(len(cells.answers.bodies)), col.columns("restitution")
     own = cells.cells(c, [record] * len(lanes), lanes)
     rows = tuple((cells.body(lane), *own[lane], *cells.of(record, lane)) for lane in lanes)
@@ -163,7 +163,7 @@ def record_table(cells: AnswerCells, record: int) -> Table:
 
 
 def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: UncertaintySettings) -> list[str]:
-    """A line for everything in the tables that does not speak for itself."""
+    """Return the notes that explain columns, marks and words of the tables."""
     answers = cells.answers
     notes = [say("note.figures"), *([say("note.beyond_critical")] if beyond_critical(answers) else [])]
     notes += [*_of_factors(answers, uncertainty), *col.doubt_notes(cells.names)]
@@ -179,7 +179,7 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
 
 
 def _of_factors(answers: Answers, uncertainty: UncertaintySettings) -> list[str]:
-    """The meaning of the columns that tell how near to overturning a body is; nothing where that is not known."""
+    """Explain the columns of the scale factors; empty if they are unknown."""
     if not answers.told:
         return []
     if answers.probable:

@@ -1,4 +1,4 @@
-"""The parts of a report on a site calibration and on fragility curves, and whether these belong to the results."""
+"""Sections of a report on a site calibration and on fragility curves, and checks that these match the results."""
 
 import re
 from dataclasses import dataclass
@@ -23,37 +23,37 @@ from rockpulse.views.shared.words import counted_words, listed, say
 from rockpulse.views.text import fragility as curves_text
 from rockpulse.views.text.site import about_records, coverage, design, site_tables, site_warnings
 
-#: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
+#: Relative tolerance of sizes that count as equal.
 TOLERANCE = 1e-6
-#: What each kind of file is called, and the command that makes it again.
+#: Name of each kind of file, and the command that makes it.
 _MADE_BY = {FRAGILITY: ("fragility file", "rockpulse fragility"), SITE_KIND: ("site file", "rockpulse calibrate")}
-#: How a body with several restitutions is called there.
+#: Pattern of the name of a body with several restitutions in these files.
 _WITH_RESTITUTION = re.compile(r"(?P<block>.+) C [0-9.e+-]+")
-#: Settings by which the same channel is another motion.
+#: Settings that change the ground motion of a channel.
 _OF_THE_MOTION = {
     "records": ("components", "azimuth", "azimuth_step", "units", "dt", "response", "include_vertical"),
     "conditioning": None,
 }
 
 _ASSESS_AGAIN = "run 'rockpulse assess --sequence' with this site file, or give the one that it was run with"
-#: Names that are given one by one in a sentence.
+#: Largest number of names in a sentence.
 NAMED = 6
 
 
 @dataclass(frozen=True, eq=False)
 class Paired:
-    """Another file beside the results, of fragility curves the common bodies alone, and what both have in common."""
+    """A second file shown with the results (of fragility curves only the common bodies), and the comparison of both."""
 
     tree: xr.DataTree
-    missing: tuple[str, ...]  # bodies of the results only
-    foreign: tuple[str, ...]  # bodies of the other file only
-    same: int  # records of both: of one id and one PGA, or of one id where the file does not hold the PGA
-    unchecked: int  # records of these that are the same by their id alone
-    changed: tuple[str, ...]  # records of one id whose PGA differs
-    settings: tuple[str, ...]  # settings of the motions that differ: "[conditioning] order = 2, here 4"
+    missing: tuple[str, ...]  # bodies only in the results
+    foreign: tuple[str, ...]  # bodies only in the other file
+    same: int  # records of both: with equal id and PGA, or equal id if the file has no PGA
+    unchecked: int  # number of these compared only by id
+    changed: tuple[str, ...]  # records with equal id and different PGA
+    settings: tuple[str, ...]  # different settings of the motions: "[conditioning] order = 2, here 4"
 
     def other_motions(self, subject: str, assessed: int) -> list[str]:
-        """Sentences on motions that are not in common, with those of site or curves; none for a design sequence."""
+        """Describe motions that are not common to results and site or curves; empty for a design sequence."""
         if not assessed:
             return []
         told = {
@@ -67,7 +67,7 @@ class Paired:
 
 
 def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
-    """Compare a file with the results beside it; a ResultsError if bodies of one name or the designs are not alike."""
+    """Compare a second file with the results; ResultsError if bodies of equal name or the designs differ."""
     summary = results["summary"].to_dataset()
     site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
     kept, missing, foreign = _bodies(summary, site, kind, name)
@@ -96,7 +96,7 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
 def _bodies(
     summary: xr.Dataset, other: xr.Dataset, kind: str, name: str
 ) -> tuple[list[int], tuple[str, ...], tuple[str, ...]]:
-    """Places along `block` of the bodies of both files, and the names of the others: of the results, of the file."""
+    """Return indices along `block` of the common bodies, and the names of bodies in only one of the files."""
     bodies = bodies_of(summary)
     found: dict[Body, int] = {}
     foreign = []
@@ -118,14 +118,14 @@ def _bodies(
                 f"it has {' or '.join(map(_told, every.values()))}; run '{verb}' again with the configuration of these "
                 "results, or give the other body another name"
             )
-        elif label not in foreign:  # also a body of the results, in words, with another restitution
+        elif label not in foreign:  # also in the results, but with another restitution
             foreign.append(label)
     missing = tuple(body.name for body in bodies if body not in found)
     return sorted(found.values()), missing, tuple(foreign)
 
 
 def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Records of a fragility file, and their PGA; NaN where that was none of the measures."""
+    """Return the records of a fragility file and their PGA; NaN if PGA is not among the measures."""
     ids = capacities["record"].values
     if PGA not in capacities["measure"].values or not capacities.sizes["block"]:
         return ids, np.full(ids.size, np.nan)
@@ -133,7 +133,7 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Whether the sequence that was assessed is the design of a site; its limits are inf and -1, or NaN in the site."""
+    """Check that the assessed sequence is the design of a site; "no limit" is inf and -1, or NaN in the site."""
     if site.attrs["method"] == "spectrum":
         return _check_factors(summary, site, name)
     value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
@@ -152,7 +152,7 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
 
 
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Whether the bodies have the factors that the design spectrum of a site gives them."""
+    """Check that the factors of the bodies are those of the design spectrum of a site."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
     model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
     factors = summary["safety_factor"].isel(record=0).sel(model=model)
@@ -181,7 +181,7 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
 
 
 def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Whether numbers are the same; what is not known on one side speaks against nothing."""
+    """Whether numbers are equal; NaN on either side counts as equal."""
     known = ~np.isnan(np.add(one, other))
     return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
 
@@ -201,7 +201,7 @@ def _set(value: Any) -> str:
 
 @dataclass(frozen=True)
 class BesideSection:
-    """A section of the report: loud warnings, sentences, tables; the bodies with curves, and whether one has a band."""
+    """A section of the report: warnings, sentences, tables; the bodies with curves, and whether one has a band."""
 
     warnings: tuple[str, ...]
     statements: tuple[str, ...]
@@ -211,7 +211,7 @@ class BesideSection:
 
 
 def describe_site(of: Paired, assessed: int) -> BesideSection:
-    """The section on the site; no record is assessed where its design sequence stands for them."""
+    """Make the section on the site; `assessed` says whether records, and not its design, were assessed."""
     site = of.tree["site"].to_dataset()
     said, tables = [coverage(site)], site_tables(site)
     if site.attrs["method"] != "spectrum":
@@ -225,7 +225,7 @@ def describe_site(of: Paired, assessed: int) -> BesideSection:
 
 
 def _not_used(of: Paired) -> list[str]:
-    """A sentence on the files that were not used for the site or the curves; none where all were."""
+    """Describe the files that were not used for the site or the curves; empty if all were used."""
     files = files_used(of.tree)
     return [f"{files.counted or say('warning.files.none')}: {files.reasons}."] if files.line else []
 
@@ -258,7 +258,7 @@ def _every_record(site: xr.Dataset) -> Table:
 
 
 def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
-    """The section on fragility beside a verdict by a model; no record is assessed where a sequence stands for them."""
+    """Make the section on fragility, next to a verdict by a model; `assessed` as in :func:`describe_site`."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=curves_text.shown_measure(curves))
@@ -278,7 +278,7 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
 
 
 def _warning_table(own: xr.Dataset) -> Table:
-    """Every warning on the curves of a body, with the limit states that it is on."""
+    """Return a table of the warnings on the curves of a body with their limit states."""
     rows = []
     for block in own["block"].values.tolist():
         found: dict[str, list[str]] = {}

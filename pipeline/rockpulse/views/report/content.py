@@ -1,4 +1,4 @@
-"""Everything that the page shows, gathered from the results as plain data; the templates only lay it out."""
+"""Collects the content of the page from the results as plain data, which the templates lay out."""
 
 import base64
 import math
@@ -41,14 +41,14 @@ REFERENCE = (
     "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190"
 )
 
-#: Records that are listed under a body.
+#: Largest number of records listed under a body.
 GOVERNING = 10
 _ASSUMPTIONS = ("body", "impact", "motion", "uplift", "strength")
 _NOT_COVERED = ("sliding", "flexible", "walls", "floors", "space", "soil", "hazard")
 
 
 def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> SimpleNamespace:
-    """The page in data; ``found`` are the verdicts on all bodies, ``counted_by`` explains its words."""
+    """Collect the data of the page; ``found`` are the verdicts on all bodies, ``counted_by`` explains their words."""
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
     found = verdicts(answers)
@@ -87,7 +87,7 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
         site=None if site is None else describe_site(site, assessed),
         fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
         bodies=body_pages(cells, found),
-        more=max(len(answers.blocks) - MOST, 0),  # blocks without a card on the first page
+        more=max(len(answers.blocks) - MOST, 0),  # number of blocks without a card on the first page
         records=record_pages(cells),
         reference=f"{REFERENCE} ({say('method.corrected')})",
         models=tuple(_model(name, name == model) for name in answers.models),
@@ -106,14 +106,14 @@ def _fact(key: str) -> Fact:
 
 
 def _model(name: str, judging: bool) -> Fact:
-    """A model with what it is; the verdict counts the one that is judging."""
+    """Describe a model; `judging` is the model of the verdict."""
     shown = say(f"models.{name}")
     words = translated(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
     return Fact(say("method.judging", model=shown) if judging else shown, (words,))
 
 
 def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[Fact, ...]:
-    """The assumptions behind the numbers, those on vertical acceleration and filters as the results tell them."""
+    """Return the assumptions, with vertical acceleration and filters as stated in the results."""
     facts = [_fact(f"assumption.{name}") for name in _ASSUMPTIONS]
     acted = int((summary["vertical_channel"] != "").sum())
     vertical = say("assumption.vertical.none")
@@ -128,14 +128,14 @@ def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[
 
 
 def parties(tree: xr.DataTree, config: Config | None = None) -> tuple[Fact, ...]:
-    """Project, client and author, those that are given: by a configuration, else by the one in the results."""
+    """Return the given ones of project, client and author, from a configuration or the stored one."""
     chosen = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else config
     given = {name: str(chosen.report[name]) for name in ("project", "client", "author")}
     return tuple(Fact(say(f"page.{name}"), (told,)) for name, told in given.items() if told)
 
 
 def logo(tree: xr.DataTree, config: Config | None = None) -> str:
-    """The PNG of the logo in base64, of a configuration or of the results; empty where there is none."""
+    """Return the PNG of the logo in base64, from a configuration or from the results; empty for none."""
     if config is not None:
         return base64.b64encode(logo_bytes(config.report, config.folder)).decode("ascii")
     stored = str(tree.attrs.get("report_logo", ""))
@@ -149,7 +149,7 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
 
 
 def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNamespace]:
-    """A page for every block: a verdict for each restitution, facts, the records nearest to overturning it."""
+    """Make a page for every block: verdict for each restitution, facts, and the records closest to overturning it."""
     answers = cells.answers
     pages = []
     for place, block in enumerate(answers.blocks):
@@ -168,7 +168,7 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNames
 
 
 def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
-    """A page for every record: its facts, the worst answer, and every body under it."""
+    """Make a page for every record: facts, worst result, and every body under it."""
     answers = cells.answers
     pages = []
     for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -210,7 +210,7 @@ def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[
 
 
 def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
-    """The records that overturn the body at the smallest factors, then those without one that are worst."""
+    """Return the records with the smallest factors for a body, then the worst ones without a factor."""
     answers = cells.answers
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
@@ -224,7 +224,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
 
 
 def _by_name(cells: AnswerCells, record: int) -> Cell:
-    """A record by its earthquake, station and direction, else by its id."""
+    """Describe a record by earthquake, station and direction, or by its id."""
     known, cell = Known(cells.answers.summary, record=cells.answers.records[record]), cells.record(record)
     return cell._replace(text=records.record_named(known, cell.text))
 
@@ -256,7 +256,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
 
 
 def _sequence(one: Known) -> str:
-    """The impulse sequence of a record in a line."""
+    """Describe the impulse sequence of a record in a line."""
     if math.isnan(one.value("main_impulse")):
         return say("fact.no_sequence")
     return say(

@@ -1,4 +1,4 @@
-"""The part of the page to explore: bodies that rock in time under a few records, at five factors on each."""
+"""The interactive part of the page: animations of bodies under a few records at five factors each."""
 
 import base64
 import json
@@ -24,34 +24,34 @@ from rockpulse.views.report.record_tables import record_words
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.words import say, section
 
-#: Factors on each record.
+#: Number of factors on each record.
 STEPS = 5
-#: Factors beside those that have a meaning, and how near to each other two may be.
+#: Factors that fill up the list of meaningful ones, and smallest distance between two of them.
 OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
-#: Probabilities whose factors the results hold, by the variables that hold them.
+#: Probabilities whose factors are stored, by variable.
 SHARES = {0.1: "factor_10", 0.5: "factor_50"}
-#: The smallest and the largest factor that is shown.
+#: Smallest and largest factor that is shown.
 SHOWN = (0.05, 20.0)
-#: Columns of a stretch of time, more than a screen shows.
+#: Number of columns of a time window, more than a screen shows.
 COLUMNS = 1500
-#: The largest 16-bit number, and the one that stands for no value.
+#: Largest 16-bit number, and the number for a missing value.
 LARGEST, NONE = 32767, -32768
-#: Bodies with motions on the page, those of the smallest factors first.
+#: Largest number of bodies with motions on the page; the smallest factors come first.
 MOST_BODIES = 20
-#: Time before and after the motion that is shown [s]; a rotation below this share of alpha_c counts as none.
+#: Time shown before and after the motion [s]; rotations below this share of alpha_c count as rest.
 BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 
 
 @dataclass(frozen=True)
 class TimeColumns:
-    """A stretch of time from `start` to `end` [s], divided into `count` columns of one width."""
+    """A time window from `start` to `end` [s], divided into `count` columns of equal width."""
 
     start: float
     end: float
     count: int
 
     def extremes(self, time: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """(2, count) smallest and largest value of each column, without a sample the value before it; NaN outside."""
+        """Smallest and largest value of each column (2, count), or without samples the value before; NaN outside."""
         edges = np.linspace(self.start, self.end, self.count + 1)
         first = np.searchsorted(time, edges - 1e-9 * self.end)
         inside = values[: max(int(first[-1]), 1)]
@@ -62,14 +62,14 @@ class TimeColumns:
 
 
 class Explorer(NamedTuple):
-    """The JSON that the script of the page reads, empty where nothing in the results moves, and the model in words."""
+    """JSON for the script of the page, empty if no body moves, and the description of the model."""
 
     data: str
     model: str
 
 
 def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
-    """The motions to explore; None under a design sequence, without a record, by a model without motions in time."""
+    """Return the motions of the interactive part; None for a design sequence or a model without histories."""
     answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
@@ -100,7 +100,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
 
 
 class _Scenes:
-    """The scenes of the bodies of one file: a body under a record, in time, at each factor."""
+    """The scenes of one file, each a body under a record over time at each factor."""
 
     def __init__(self, tree: xr.DataTree, answers: Answers, told: Mapping[str, str]) -> None:
         self._tree, self._answers, self._words = tree, answers, told
@@ -108,7 +108,7 @@ class _Scenes:
         self._spectra = tree["spectra"].to_dataset() if "spectra" in tree.children else None
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
-        """A scene for each record that is chosen, or the reason why there is none."""
+        """Return a scene for each chosen record, or the reason for its absence."""
         found = []
         for row, why in shown_records(self._answers, lane).items():
             told = [self._words[one] for one in why]
@@ -133,7 +133,7 @@ class _Scenes:
         except ResultsError as reason:
             why_not = str(reason)
         if block.side:
-            # The sense of the record that acts turns the body away from its wall.
+            # The sense of the record is chosen such that the body turns away from its wall.
             motions = {at: one._replace(rotation=np.abs(one.rotation)) for at, one in motions.items()}
         try:
             ground = stored_record(self._tree, record)
@@ -164,7 +164,7 @@ class _Scenes:
         }
 
     def _curve(self, row: int, lane: int, block: Block) -> tuple[np.ndarray, np.ndarray] | None:
-        """Factors on a record and the probability at each, where the stored spectrum stands for the body."""
+        """Return factors on a record and the probability at each, if the stored spectrum covers the body."""
         read, body = self._answers.source[row, lane] == "spectrum", self._answers.bodies[lane]
         if self._spectra is None or not read or body.several or body.block not in self._plain:
             return None
@@ -176,7 +176,7 @@ class _Scenes:
 
 
 def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
-    """The stretch of a record in which the body moves at one of the factors, with some time around it."""
+    """Return the time window in which the body moves at any of the factors, with a margin."""
     moving = [one.time[np.abs(one.rotation) > NO_MOTION] for one in motions if one.time.size]
     instants = np.concatenate([*moving, np.zeros(0)])
     start, end = 0.0, float(time[-1])
@@ -187,7 +187,7 @@ def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
 
 
 def _told(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
-    """How a motion ends, its largest rotation and the time of overturning, and the rotation where the body moves."""
+    """Return outcome, largest rotation, time of overturning and the rotation in the window of a motion."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
     if ends == "rocks":
@@ -200,7 +200,7 @@ def _told(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
 
 
 def _outline(block: Block) -> dict[str, Any]:
-    """The outline of a body [m], the centre of mass above x = 0, and the angles of its corners [rad]."""
+    """Return the outline of a body [m], with the centre of mass at x = 0, and the angles of its corners [rad]."""
     body = Outline.of(block)
     return {
         "outline": [[round(x, 4), round(y, 4)] for x, y in body.corners],
@@ -212,7 +212,7 @@ def _outline(block: Block) -> dict[str, Any]:
 
 
 def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
-    """Rows of the records shown of a body, and why: the worst (else the strongest), f_50 nearest to 1, the median."""
+    """Rows of the records shown for a body, with the reason: worst (or strongest), f_50 nearest to 1, median."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))
     half = answers["factor_50" if answers.probable else "safety_factor"][:, lane]
@@ -225,7 +225,7 @@ def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
 
 
 def steps_on(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
-    """The factors on a record in their order, with what those that have a meaning stand for."""
+    """Return the factors on a record in order, with the meaning of the meaningful ones."""
     meaning = tuple(SHARES.values()) if answers.probable else ("safety_factor",)
     named = [(1.0, words["as_recorded"])]
     named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
@@ -243,12 +243,12 @@ def steps_on(answers: Answers, row: int, lane: int, words: Mapping[str, str]) ->
 
 
 def _distance(factor: float, others: Mapping[float, str]) -> float:
-    """How far a factor is from the nearest of others, as a logarithm."""
+    """Return the distance of a factor from the nearest of others, in the logarithm."""
     return min((abs(math.log(factor / one)) for one in others), default=math.inf)
 
 
 def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
-    """Factors on a record and probabilities of overturning there, as far as the results hold them one by one."""
+    """Return factors on a record whose probabilities of overturning are stored, with these probabilities."""
     if not answers.probable:
         return []
     found = [(float(answers[name][row, lane]), share) for share, name in SHARES.items()]
@@ -262,9 +262,9 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
 def laid_through(
     factors: np.ndarray, probability: np.ndarray, stored: Mapping[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A curve of the probability with its factors moved, linearly in the logarithm, onto stored ones of some shares.
+    """Shift the factors of a probability curve, linearly in the logarithm, to pass through the stored ones.
 
-    What is read between the numbers of a stored spectrum differs by some percent from what the body was given there.
+    Interpolation in a stored spectrum differs by some percent from the stored factors of the body.
     """
     pairs = [(float(factor_at(share, factors, probability)), factor) for share, factor in stored.items()]
     logs = np.log([pair for pair in pairs if all(map(math.isfinite, pair))]).reshape(-1, 2)
@@ -278,7 +278,7 @@ def laid_through(
 def probability_at(
     factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
 ) -> float | None:
-    """The probability at a factor: where the results hold that factor itself, else from the curve."""
+    """Return the probability at a factor, stored if available, else from the curve."""
     for at, probability in points:
         if math.isclose(at, factor, rel_tol=0.005):
             return probability
@@ -286,12 +286,12 @@ def probability_at(
 
 
 def known(factor: np.ndarray) -> np.ndarray:
-    """Factors, inf where one is not known."""
+    """Return factors, with inf for unknown ones."""
     return np.where(np.isnan(factor), np.inf, factor)
 
 
 def packed(extremes: np.ndarray) -> dict[str, float | str]:
-    """Extremes as JSON: base64 of int16, all minima before all maxima, and the value of one unit."""
+    """Pack extremes for JSON: base64 of int16, all minima before all maxima, and the value of one unit."""
     largest = float(np.nanmax(np.abs(extremes), initial=0.0))
     scale = largest / LARGEST or 1.0
     whole = np.where(np.isnan(extremes), NONE, np.rint(extremes / scale))

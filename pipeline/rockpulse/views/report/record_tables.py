@@ -1,4 +1,4 @@
-"""The records by earthquake, station and direction, the files they came from, what was left out and why, warnings."""
+"""Tables of records by earthquake and station, of input files, of skipped files with reasons, and of warnings."""
 
 import math
 from collections import Counter
@@ -20,43 +20,43 @@ from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
 from rockpulse.views.shared.words import counted_words, listed, say
 from rockpulse.views.text.left_out import apart, by_kind
 
-#: Rows of the table of records, directions that are named in a row, and reasons of one kind.
+#: Largest number of rows of the table of records, of directions in a row, and of reasons of one kind.
 ROWS, DIRECTIONS, REASONS = 10, 3, 2
-#: Letters of a reason; the annex has all of them.
+#: Largest number of characters of a reason; the annex has the full text.
 LONGEST = 90
-#: Kinds whose reasons are told; those of the others are one for the kind.
+#: Kinds whose reasons are listed; other kinds have a common reason.
 _TOLD = ("failed", "skipped")
 
 
 def event_name(event: str) -> str:
-    """The name of the earthquake that a record is counted to."""
+    """Return the name of the earthquake to which a record is assigned."""
     return say("unknown_event.name") if event == UNKNOWN else event
 
 
 def record_label(record: str) -> str:
-    """The id of a record, or what stands in its place for a design sequence."""
+    """Return the id of a record, or the label of a design sequence."""
     return say("motions.design") if record == NAME else record
 
 
 def earthquake_words(known: Known) -> str:
-    """The earthquake by its name, else by its date; empty where nothing is known of it."""
+    """Return the earthquake by name, else by date; empty if unknown."""
     return known.title or (say("earthquake_of", date=known.date) if known.date else "")
 
 
 def record_words(known: Known) -> str:
-    """Earthquake, code of the station and direction of a record; empty where the earthquake is not known."""
+    """Return earthquake, station code and direction of a record; empty if the earthquake is unknown."""
     event, station = earthquake_words(known), known.value("station") or known.place
     return ", ".join(filter(None, (event, station, known.direction))) if event else ""
 
 
 def record_named(known: Known, name: str) -> str:
-    """The words of a record with its id where no station is known, or the id alone; the id may bear marks."""
+    """Describe a record, with its id if the station is unknown, or by its id, which may have marks."""
     told = record_words(known)
     return told if told and known.place else ", ".join(filter(None, (told, name)))
 
 
 def used_table(answers: Answers) -> Table:
-    """A row for the records of one station and earthquake; of many the strongest ones, as the caption says."""
+    """Return a table with a row for the records of one station and earthquake, limited to the strongest."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -89,7 +89,7 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
 
 
 def _worst(answers: Answers, rows: list[int]) -> Cell:
-    """The body with the largest probability under some records as they are, else that of the smallest factor."""
+    """Return the body with the largest probability under unscaled records, else with the smallest factor."""
     if not answers.bodies:
         return Cell("")
     table = answers["overturning_probability"][rows] if answers.probable else -answers[answers.factor][rows]
@@ -101,7 +101,7 @@ def _worst(answers: Answers, rows: list[int]) -> Cell:
 
 
 def earthquake_table(answers: Answers) -> Table:
-    """The earthquakes, with what the files state of each, and the motions that are counted to it."""
+    """Return a table of the earthquakes with data from the files and their number of motions."""
     motions = answers.motions
     of_event: dict[str, list[int]] = {}
     for place, event in enumerate(motions.events):
@@ -119,7 +119,7 @@ def earthquake_table(answers: Answers) -> Table:
 
 
 def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
-    """Date, magnitude, and nearest and farthest epicentral distance of some records; empty where none states it."""
+    """Return date, magnitude, and smallest and largest epicentral distance of records; empty if not stated."""
     dates = sorted({date for one in known if (date := one.date)})
     magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
@@ -131,7 +131,7 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
 
 
 def left_out_table(tree: xr.DataTree) -> Table:
-    """The files and channels that are no part of the verdict: a row for each kind, with reasons in readers' words."""
+    """Return a table of skipped files and channels, one row per kind, with the reasons of the readers."""
     found, beside = apart(failure_rows(tree))
     rows = []
     for kind, every in found.items():
@@ -145,7 +145,7 @@ def left_out_table(tree: xr.DataTree) -> Table:
 
 
 def input_table(summary: xr.Dataset) -> Table:
-    """The files that the records came from."""
+    """Return a table of the input files."""
     columns = [
         summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
         for name in ("source", "source_sha256", "format")
@@ -164,7 +164,7 @@ def input_table(summary: xr.Dataset) -> Table:
 
 
 def left_out_files(tree: xr.DataTree) -> Table:
-    """Files and channels that were not assessed, and why, those of one reason together; those that failed first."""
+    """Return a table of files and channels that were not assessed, grouped by reason, failed ones first."""
     rows = tuple(
         (
             Cell(say(f"left_out.{kind}"), grade="bad" if kind == "failed" else ""),
@@ -179,7 +179,7 @@ def left_out_files(tree: xr.DataTree) -> Table:
 
 
 def warning_table(summary: xr.Dataset) -> Table:
-    """Every warning of a record or a body."""
+    """Return a table of all warnings on records and bodies."""
     rows = []
     for kind, name in (("block", "block_warnings"), ("record", "warnings")):
         if name not in summary:
@@ -191,7 +191,7 @@ def warning_table(summary: xr.Dataset) -> Table:
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:
-    """The packages that computed the results."""
+    """Return the versions of the packages that computed the results."""
     found = {str(name): str(value) for name, value in tree.attrs.items() if name != "schema_version"}
     end = "_version"
     return tuple(Fact(name.removesuffix(end), (version,)) for name, version in found.items() if name.endswith(end))

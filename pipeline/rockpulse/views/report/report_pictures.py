@@ -1,4 +1,4 @@
-"""The pictures of the page: drawn when the template asks for them, each with ids of its own."""
+"""The pictures of the page, drawn on demand of the template, each with its own ids."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,22 +19,22 @@ from rockpulse.views.report.drawings import strip
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
-#: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
+#: Largest number of records drawn with half-waves and impulses; of more, only those that govern a body.
 IN_FULL = 20
-#: Records in the map of a body: those of the smallest factors.
+#: Largest number of records in the map of a body, those with the smallest factors.
 IN_A_MAP = 20
 
 
 @dataclass(frozen=True)
 class PageElement:
-    """An element `<svg>` with its caption; where there is no picture, an empty one and the reason."""
+    """An `<svg>` element with its caption; without a picture, an empty one with the reason."""
 
     svg: Markup
     words: str
 
 
 class Pictures:
-    """The pictures of one report, by row of /summary and place of the block."""
+    """The pictures of one report, by row of /summary and index of the block."""
 
     def __init__(
         self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, found: list[BodyVerdict]
@@ -52,7 +52,7 @@ class Pictures:
         self._in_full = set(range(len(self._records))) if few else set(sorted(governing)[:IN_FULL])
 
     def strip(self, record: int) -> PageElement:
-        """The accelerogram of a record, small."""
+        """Return the small accelerogram of a record."""
         acceleration = self._acceleration(record)
         if acceleration.size < 2:
             return PageElement(Markup(""), say("picture.not_stored"))
@@ -61,14 +61,14 @@ class Pictures:
         return PageElement(Markup(strip(acceleration, float(one["dt"]), phase)), say("picture.strip"))
 
     def _acceleration(self, record: int) -> np.ndarray:
-        """The stored samples of a record; none where they are not stored."""
+        """Return the stored samples of a record, or None."""
         if self._stored is None:
             return np.zeros(0)
         last = int(self._stored["row_size"].values[: record + 1].sum())
         return np.asarray(self._stored["acceleration"].values)[last - int(self._stored["row_size"][record]) : last]
 
     def in_full(self, record: int) -> PageElement | None:
-        """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
+        """Return the accelerogram with half-waves and impulses; None for a record shown as a strip."""
         if self._stored is None or record not in self._in_full:
             return None
         from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
@@ -77,7 +77,7 @@ class Pictures:
         return self._drawn(lambda: _bare(accelerogram(motion())[0]), f"record{record}", say("picture.in_full"))
 
     def body(self, block: int, name: str = "body") -> PageElement:
-        """Factors on the records at which a body overturns, and the windows between them."""
+        """Return the picture of the factors on records at which a body overturns."""
         from rockpulse.views.plots.critical_factors import overturning_map
 
         if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
@@ -86,7 +86,7 @@ class Pictures:
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> PageElement | None:
-        """The rotation of a body, by the model of the verdict, under its worst record; None where it is unknown."""
+        """Return the rotation of a body under its worst record, by the model of the verdict; None if unknown."""
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 
@@ -109,7 +109,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[PageElement]:
-        """The spectra with bodies as points, factors of the worst body without a spectrum; of a sequence its site."""
+        """Return the main picture: spectra with bodies, else factors of the worst body; for a sequence its site."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         found, plain = [], []
@@ -127,7 +127,7 @@ class Pictures:
         return found
 
     def site(self) -> PageElement:
-        """The records of the site, and its design; only asked for with a site."""
+        """Return the picture of the records of the site and its design; only used with a site."""
         from rockpulse.views.plots.site import calibration
 
         tree = self._site
@@ -136,7 +136,7 @@ class Pictures:
         return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say(f"picture.site_{kind}"))
 
     def fragility(self, block: str) -> PageElement:
-        """The curves of a body; only asked for with a fragility file."""
+        """Return the fragility curves of a body; only used with a fragility file."""
         from rockpulse.views.plots.fragility_curves import fragility_panels
 
         tree = self._fragility
@@ -145,7 +145,7 @@ class Pictures:
         return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
-        """A picture of rockpulse.views.plots; what it refuses to draw is said in its place."""
+        """Draw a picture of rockpulse.views.plots, or return its error message in place of it."""
         from rockpulse.views.plots.picture import svg
 
         try:
@@ -157,7 +157,7 @@ class Pictures:
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
-    """The stored spectra at the C of most bodies; straight between the bodies where only these were marched."""
+    """Return the stored spectra at the C of most bodies, interpolated linearly over gaps between bodies."""
     from rockpulse.views.plots.spectra import spectra_of_results
 
     ax = spectra_of_results(tree, spectra)
@@ -167,7 +167,7 @@ def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
 
 
 def _bare(ax: Axes) -> Axes:
-    """Axes on a figure without title and small print: the page has words of its own around it."""
+    """Return Axes on a figure without title and small print, which the page contains itself."""
     three_digits = ax.get_figure(root=True)
     assert three_digits is not None
     three_digits.suptitle("")

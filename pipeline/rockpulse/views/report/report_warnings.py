@@ -1,4 +1,4 @@
-"""The warnings of a report, to be known before its numbers are used: what decides, what limits, what only explains."""
+"""The warnings of a report, by grade: decisive ones, limitations, explanations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ from rockpulse.views.shared.words import counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
 
-#: From the gravest: what may turn a verdict over, what bounds it, what only explains it.
+#: Grades of warnings: may change a verdict, limits it, only explains it.
 GRADES = ("decides", "limits", "notes")
 
 
 @dataclass(frozen=True)
 class Limit:
-    """Something to be known before the numbers are used: in a few words, and in a sentence or two."""
+    """A warning on the use of the numbers, as a heading and a sentence or two."""
 
     grade: Literal["decides", "limits", "notes"]
     head: str
@@ -41,7 +41,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """The warnings on the verdicts, the gravest first, with the node /site of a site file and [records] components."""
+    """Return the warnings on the verdicts, most serious first, given /site of a site file and [records] components."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -65,7 +65,7 @@ def warnings(
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions) -> list[str]:
-    """What limits the verdict, in three lines at most: what decides, how few the earthquakes are, what is left out."""
+    """Return the limits of the verdict in at most three lines: decisive warnings, few earthquakes, skipped files."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
@@ -84,7 +84,7 @@ def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: obj
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """The warning on a model that is not the full equation of motion."""
+    """Warn of a model that is not the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -95,7 +95,7 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """The warnings on demands to which too few earthquakes can be brought."""
+    """Warn of demands to which the records of too few earthquakes can be scaled."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
@@ -124,7 +124,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """The warnings on bodies that stand under the design of their site."""
+    """Warn of uncertainty for bodies that survive the design of their site."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
@@ -138,7 +138,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Bodies that overturn within the interval of the main impulse, and those that records of the site overturn."""
+    """Find surviving bodies that overturn within the interval of the main impulse or under records of the site."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [one for one in standing if one.margin.smallest <= factor]
     within = [f"{one.body.name} ({factor_heading('safety_factor')} {ratio(one.margin.smallest)})" for one in near]
@@ -149,7 +149,7 @@ def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[li
 
 
 def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """The same of a design spectrum, the fallen by their share of the weight."""
+    """Find them for a design spectrum, with the weighted share of records that overturn each."""
     names = [str(name) for name in site["block"].values]
     of = {name: site.isel(block=place) for place, name in enumerate(names)}
     own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
@@ -159,7 +159,7 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warnings on bodies that stand on a pedestal, and on those whose friction does not hold them."""
+    """Warn of bodies on a pedestal, and of bodies that may slide."""
     said = []
     for alone, worst in worse_screens(answers, found):
         value = ratio(worst.decides.value)
@@ -172,7 +172,7 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """The warning that motions are left out of the probability."""
+    """Warn of records that are left out of the probability."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
@@ -192,7 +192,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
 
 
 def _doubtful(summary: xr.Dataset) -> Limit | None:
-    """Records whose peak may be that of a wrong unit, or cut off."""
+    """Return records whose peak may be in a wrong unit or clipped."""
     named = [cell for cell in record_cells(summary) if cell.marks]
     if not named:
         return None

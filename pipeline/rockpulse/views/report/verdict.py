@@ -1,4 +1,4 @@
-"""The verdict: in a sentence for every body beside its drawing, in the table of the bodies, and what its words mean."""
+"""The verdict in the report: sentence and drawing of every body, table of the bodies, and explanations."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -29,14 +29,14 @@ from rockpulse.views.shared.shown_columns import COLUMNS, GRADES, grade_cell, ma
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
 from rockpulse.views.shared.words import counted_words, in_numerals, say
 
-#: Between the ends of an interval, where no line breaks.
+#: Separator of the ends of an interval, without a line break.
 TO = "\N{WORD JOINER}–\N{WORD JOINER}"
-#: Rows of a table that need no filter, and bodies that have a card on the first page.
+#: Largest number of rows of a table without a filter, and of bodies with a card on the first page.
 FEW, MOST = 8, 6
 
 
 class Drawing(NamedTuple):
-    """An element `<svg>` of a body, and what holds it in words."""
+    """An `<svg>` element of a body, and the description of its restraints."""
 
     svg: Markup
     held: str
@@ -44,7 +44,7 @@ class Drawing(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """One block by its worst restitution: what holds it, the verdict and its sentence; ``key`` is its part below."""
+    """One block by its worst restitution: restraints, verdict and sentence; ``key`` is the id of its section."""
 
     key: str
     name: str
@@ -55,7 +55,7 @@ class Card:
 
 
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
-    """The cards of the blocks whose verdict is worst, from worst to best."""
+    """Return the cards of the blocks with the worst verdicts, from worst to best."""
     worst: dict[int, BodyVerdict] = {}
     for one in sorted(found, key=_gravest):
         worst.setdefault(one.body.place, one)
@@ -66,16 +66,16 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
 
 
 def _gravest(one: BodyVerdict) -> tuple[float, float, float]:
-    """Sorts the worst verdict first, then the largest probability, then the smallest factor."""
+    """Sort key: worst verdict first, then largest probability, then smallest factor."""
     factor, value = one.margin.smallest, one.decides.value
     likely = 0.0 if math.isnan(value) else value
     return -float(one.overall), -likely, math.inf if math.isnan(factor) else factor
 
 
 def drawings(tree: xr.DataTree) -> list[Drawing]:
-    """The drawing of every block of the results, on its pedestals."""
+    """Return the drawing of every block of the results on its pedestals."""
     summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
-    blocks = config_from_text(configuration).blocks if configuration else ()
+    blocks = config_from_text(configuration).bodies if configuration else ()
     below = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
     names = [str(name) for name in summary["block"].values]
     alone = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else [""] * len(names)
@@ -83,7 +83,7 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
     for place, (name, part) in enumerate(zip(names, alone, strict=True)):
         if part and part not in names:
             raise ResultsError(f"variable /summary/pedestal_of: expected the name of a body, found {part!r}")
-        # A body with its first pedestal comes first, then that with the first two.
+        # First the body with its first pedestal, then with the first two.
         joined = alone[: place + 1].count(part) if part else 0
         body = Outline.of(block_of(summary, part or name))
         floor = "floors" in summary and bool(summary["floors"].sel(block=part or name).item())
@@ -97,7 +97,7 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
 
 
 def sentence(answers: Answers, one: BodyVerdict) -> str:
-    """The verdict on one body, named before it, in a sentence: probability, at which demand, how many earthquakes."""
+    """Return the verdict on a body as a sentence: probability, demand and number of earthquakes."""
     if answers.motions.kind == "sequence":
         factor = margin_cells(one.margin)[0].marked
         margin = say("verdict.factor", factor=factor) if not math.isnan(one.margin.smallest) else ""
@@ -120,7 +120,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
 
 
 def basis(answers: Answers, unused: str) -> str:
-    """The model, the motions that the verdicts rest on, the files that are not used, and how strong each demand is."""
+    """Describe the basis of the verdicts: model, motions, unused files, and the strength of each demand."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
     said = [say("basis", files=f" ({unused})" if unused else "", **fields)]
     for name, demand in answers.demands.items():
@@ -130,7 +130,7 @@ def basis(answers: Answers, unused: str) -> str:
 
 
 def motions_words(motions: Motions) -> str:
-    """The number of motions with that of their earthquakes."""
+    """Return the number of motions and of their earthquakes as text."""
     if motions.kind == "sequence":
         return say("motions.sequence")
     key = f"motions.{motions.kind}{'_mean' if motions.kind == 'pair' and motions.any_azimuth else ''}"
@@ -139,7 +139,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def figures_legend(answers: Answers) -> str:
-    """The meaning of the figures of the table of bodies, in a line."""
+    """Explain the numbers of the table of bodies in a line."""
     if answers.motions.kind == "sequence":
         return say("legend.sequence")
     what = say("legend.probability" if answers.probable else "legend.share")
@@ -147,7 +147,7 @@ def figures_legend(answers: Answers) -> str:
 
 
 def counted_by(answers: Answers) -> str:
-    """Sentences on what the words of the verdict mean."""
+    """Explain the words of the verdict."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
@@ -159,12 +159,12 @@ def counted_by(answers: Answers) -> str:
 
 
 def _levels() -> dict[str, str]:
-    """The probabilities from which on the verdict is another one."""
+    """Return the probabilities at the limits between verdicts."""
     return {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
 
 
 def of_unknown_event(motions: Motions) -> str:
-    """A sentence on the motions whose earthquake is unknown; empty where all are known."""
+    """Describe motions with unknown earthquake; empty if all are known."""
     count = motions.events.count(UNKNOWN)
     if not count:
         return ""
@@ -173,21 +173,21 @@ def of_unknown_event(motions: Motions) -> str:
 
 
 def model_words(model: str) -> str:
-    """A model by its name, an upper bound with what it is."""
+    """Return the name of a model, marked if it is an upper bound."""
     return say("model.upper_bound" if is_upper_bound(model) else "model.name", name=say(f"models.{model}"))
 
 
 def acceleration_in_words(value: float) -> str:
-    """An acceleration [m/s2] in m/s² and g."""
+    """Format an acceleration [m/s2] in m/s² and g."""
     return f"{three_digits(value, 'm/s²')} ({three_digits(value / STANDARD_GRAVITY, 'g')})"
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """One row per body: verdict, probability at each demand and as it is, factor, the record that it rests on."""
+    """Return a table of bodies: verdict, probability at each demand and without scaling, factor, governing record."""
     motions, factor = answers.motions, factor_heading(answers.factor)
     c = COLUMNS["restitution"]
     of = say("head.probability" if answers.probable else "head.share")
-    by_sequence = motions.kind == "sequence"  # of which there is one
+    by_sequence = motions.kind == "sequence"  # there is only one
     of_motions = "" if by_sequence else say("head.of", motions=counted_words(len(motions.names), motions.kind))
     columns: list[tuple[Heading, Callable[[BodyVerdict], Cell]]] = [
         (Heading(say("head.body")), lambda one: Cell(one.body.block, link=f"body-{one.body.place}")),
@@ -220,7 +220,7 @@ def _at_demand(place: int, one: BodyVerdict) -> Cell:
 
 
 def _governing(answers: Answers, one: BodyVerdict) -> Cell:
-    """The record that the smallest factor is of."""
+    """Return the record with the smallest factor."""
     if one.governing < 0 or math.isinf(one.margin.smallest):
         return Cell(ABSENT)
     name = record_cells(answers.summary)[one.governing]

@@ -1,4 +1,4 @@
-"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it."""
+"""Writing of the report: one HTML page without external resources, or a PDF printed by a browser."""
 
 import base64
 import hashlib
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
@@ -30,34 +30,34 @@ from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import say, writing
 
-#: What the head of every report holds; a file without it is never replaced.
+#: Mark in the head of every report; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
-#: The last line of every PDF of ours, which readers of PDF pass over; the same holds for it.
+#: Mark in the last line of every PDF of a report, which PDF readers ignore; a file without it is never replaced.
 PDF_MARK = b"\n% rockpulse report\n"
-#: Bytes at the head of a page that are searched for its mark.
+#: Number of bytes at the head of a page that are searched for the mark.
 HEAD = 4096
-#: The kinds of files, by which words name them.
+#: Names of the kinds of files.
 _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
-#: The parts of the annex, by their ids; one that the results have nothing for is left out.
+#: Ids of the parts of the annex; empty parts are left out.
 ANNEXES = ("warnings", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
-#: The letters and powers of a page for words of the terminal.
+#: Replacements of terminal spellings by Greek letters and powers.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
-#: Names of these browsers on PATH.
+#: Names of usable browsers on PATH.
 BROWSERS = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
     *("microsoft-edge", "msedge"),
 )
 
-#: Their places on Windows, below the folders of programs, and on macOS, among the applications.
+#: Their locations on Windows, below the program folders, and on macOS, among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
 WINDOWS = tuple(
     f"{name}.exe"
     for name in ("Google/Chrome/Application/chrome", "Chromium/Application/chrome", "Microsoft/Edge/Application/msedge")
 )
 MACOS = tuple(f"{name}.app/Contents/MacOS/{name}" for name in ("Google Chrome", "Chromium", "Microsoft Edge"))
-#: Seconds that printing may take; a report of 200 records and 20 bodies takes some ten.
+#: Time limit of printing [s]; a report of 200 records and 20 bodies takes about ten.
 LONGEST = 180.0
-#: What to do without it.
+#: Advice if no browser is found.
 INSTEAD = "write the report as .html and print it from a browser"
 PRINTING = (
     *("--headless", "--disable-gpu", "--no-first-run", "--disable-extensions"),
@@ -67,32 +67,31 @@ PRINTING = (
 
 def report(
     results: xr.DataTree | str | Path,
-    path: str | Path,
+    output: str | Path = "report.html",
     site: xr.DataTree | str | Path | None = None,
     fragility: xr.DataTree | str | Path | None = None,
     overwrite: bool = False,
     language: str = "en",
-    config: Config | None = None,
+    config: Config | str | Path | None = None,
 ) -> Path:
-    """Write the results of an assessment as one file to hand over: HTML, which asks nothing of a network, or PDF.
+    """Write the report of an assessment as one file: HTML without external resources, or PDF.
 
     Parameters
     ----------
     results : xarray.DataTree or path
-        As :func:`rockpulse.assess` or :func:`rockpulse.assess_sequence` returns them, or a file of
-        ``rockpulse assess``.
-    path : str or Path
+        Results of :func:`rockpulse.assess` or :func:`rockpulse.assess_sequence`, or a file of ``rockpulse assess``.
+    output : str or Path
         File to write, `.html` or `.pdf`; a PDF is printed by the Chrome, Chromium or Edge of this machine.
     site : xarray.DataTree or path, optional
-        A site calibration to show beside them (:func:`rockpulse.calibrate`).
+        A site calibration to include (:func:`rockpulse.calibrate`).
     fragility : xarray.DataTree or path, optional
-        Fragility curves to show beside them (:func:`rockpulse.fragility`).
+        Fragility curves to include (:func:`rockpulse.fragility`).
     overwrite : bool
-        Whether a report that exists may be replaced; no other file ever is.
+        Whether an existing report may be replaced; other files are never replaced.
     language : str
-        Of the words and numbers of the report: "en" or "it". Readers' warnings and reasons stay English.
-    config : Config, optional
-        Its author, client, project and logo ([report]) take the place of those in the results.
+        Language of texts and numbers: "en" or "it". Warnings and reasons of readers stay English.
+    config : Config or path, optional
+        Configuration whose author, client, project and logo ([report]) replace those in the results.
 
     Returns
     -------
@@ -103,25 +102,25 @@ def report(
     ------
     ResultsError
         For results of another kind, a site or fragility file with another body of the same name
-        (:func:`rockpulse.views.report.beside.paired`), a target that exists and may not be replaced, or a PDF without
-        a browser that prints it.
+        (:func:`rockpulse.views.report.beside.paired`), an existing target that may not be replaced, or a PDF without a
+        browser to print it.
     OSError
-        Where a file cannot be read or written.
+        If a file cannot be read or written.
     """
-    target = check_report_target(path, overwrite)
+    target = check_report_target(output, overwrite)
     as_pdf = target.suffix.lower() == ".pdf"
     if as_pdf:
-        browser()  # asked for before any work is done
-    page = report_page(results, site, fragility, language, config)
+        browser()  # checked before any work
+    page = report_page(results, site, fragility, language, None if config is None else given_config(config))
     with FileSet() as parts:
         parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
-        check_report_target(path, overwrite)  # somebody else may have written it in the meantime
+        check_report_target(output, overwrite)  # another process may have written it in the meantime
         parts.commit()
     return target
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """The path, if a report can be written there; ResultsError if not. Asked before any work is done."""
+    """Return the path of a report; raise ResultsError if it cannot be written. Called before any work."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -151,7 +150,7 @@ def report_page(
     language: str = "en",
     config: Config | None = None,
 ) -> str:
-    """The page of :func:`report` as a text."""
+    """Return the page of :func:`report` as text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -196,13 +195,13 @@ def report_page(
 
 
 def typeset(words: str) -> str:
-    """Words of the terminal with the Greek letters and the powers that a page can show."""
+    """Replace terminal spellings by Greek letters and powers."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 
 def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     tree = load(source) if isinstance(source, str | Path) else source
-    groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # a tree that was never saved may lack the attribute
+    groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # an unsaved tree may lack the attribute
     by_group = next((groups[name] for name in groups if name in tree.children), "tree of another kind")
     if (found := str(tree.attrs.get("kind", by_group))) != kind:
         raise ResultsError(
@@ -227,7 +226,7 @@ def _text(name: str) -> str:
 
 
 def browser() -> str:
-    """The program that prints; a ResultsError that says what to do where there is none."""
+    """Return the browser that prints PDF; raise ResultsError with advice if there is none."""
     for name in BROWSERS:
         if found := shutil.which(name):
             return found
@@ -246,15 +245,15 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """The PDF of a page of HTML; a ResultsError where there is no browser, or it does not print within the time."""
+    """Return the PDF of an HTML page; raise ResultsError without a browser or after the time limit."""
     program = browser()
-    # A profile of its own: a browser that is open would take the page over, and print nothing.
+    # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:
         source, target = Path(folder, "report.html"), Path(folder, "report.pdf")
         source.write_text(page, encoding="utf-8", errors="replace")
         command = [program, *PRINTING, f"--user-data-dir={Path(folder, 'profile')}", f"--print-to-pdf={target}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
-            command.append("--no-sandbox")  # without which it refuses to run as root
+            command.append("--no-sandbox")  # needed to run as root
         try:
             done = subprocess.run(
                 [*command, source.as_uri()], capture_output=True, timeout=LONGEST, check=False, stdin=subprocess.DEVNULL

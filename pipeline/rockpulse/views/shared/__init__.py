@@ -1,1 +1,1 @@
-"""Parts that several views need: tables, marks and the notes that explain them."""
+"""Parts of several views: tables, marks and explanatory notes."""

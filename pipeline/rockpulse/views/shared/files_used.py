@@ -1,7 +1,7 @@
-"""The number of the given files that are in the results, and why the others are not: one count for every view.
+"""The number of input files used in results, and the reasons for the others, counted once for all views.
 
-A file is used if one of its channels is assessed, or left out as vertical, on a structure or a duplicate. It is not
-used if it failed and nothing of it is in the results. Skipped files (texts, pictures, spectra) do not count.
+A file is used if one of its channels is assessed, or skipped as vertical, structural or duplicate. It is not used if it
+failed and no part of it is in the results. Skipped files (texts, pictures, spectra) do not count.
 """
 
 from collections.abc import Iterable
@@ -13,35 +13,35 @@ from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
 from rockpulse.views.shared.words import counted_words, say
 
-#: Kinds of rows of channels that were read, and are in the results or stand for a motion that is.
+#: Kinds of rows of channels that were read, and are in the results or duplicate a motion in them.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
-#: Steps that leave out the one file of a row as it was named; the rows of later ones have the files of a record.
+#: Steps whose rows name a single file; rows of later steps have all files of a record.
 _OF_FILES = frozenset({"find", "read"})
-#: The steps whose rows of what failed are about a table or a pattern of the user, no file of records.
+#: Steps whose failed rows concern a table or a pattern of the user, not a file of records.
 _OF_OPTIONS = frozenset({"events", "select"})
-#: Groups with a row for each record of the results, by the kind of file; the first that is there counts.
+#: Groups with a row for each record of the results; the first existing one is used.
 _GROUPS = ("summary", "site", "capacities")
-#: Reasons in a sentence, files named with each, and characters of each.
+#: Largest number of reasons in a sentence, of files per reason, and of characters per reason.
 _REASONS, _NAMED, _LONGEST = 3, 2, 120
 
 
 @dataclass(frozen=True)
 class FilesUsed:
-    """The number of files that were used, and the rows of failures."""
+    """The number of used files, and the rows of failures."""
 
-    used: int | None  # None where records do not tell their files
-    unused: tuple[Failure, ...] = ()  # the first row of each file that failed
-    beside: tuple[Failure, ...] = ()  # others: channels of used files, tables of earthquakes, patterns without a record
+    used: int | None  # None if records do not state their files
+    unused: tuple[Failure, ...] = ()  # first row of each failed file
+    beside: tuple[Failure, ...] = ()  # channels of used files, tables of earthquakes, patterns without a record
 
     @property
     def counted(self) -> str:
-        """How many files were used and how many not, and how many channels of those used failed; empty for none."""
+        """Numbers of used and unused files, and of failed channels of used files, as text; empty if unknown."""
         failed = say("files.channels", channels=counted_words(self.channels, "channel")) if self.channels else ""
         return ", ".join(filter(None, (self._files, failed)))
 
     @property
     def channels(self) -> int:
-        """The number of channels of files that are used which failed."""
+        """Number of failed channels of used files."""
         return sum(row.stage not in _OF_OPTIONS for row in self.beside)
 
     @property
@@ -55,23 +55,23 @@ class FilesUsed:
 
     @property
     def sentence(self) -> str:
-        """The numbers and the reasons; empty where all files were used."""
+        """Numbers and reasons as text; empty if all files were used."""
         return f"{self._files}: {_reasons(self.unused)}." if self.unused else ""
 
     @property
     def reasons(self) -> str:
-        """Why something failed: files that are not used, then channels of files that are."""
+        """Reasons of failures: unused files, then channels of used files."""
         return "; ".join(_reasons(rows) for rows in (self.unused, self.beside) if rows)
 
     @property
     def line(self) -> str:
-        """Everything that failed in one line; empty where nothing did."""
+        """All failures in one line; empty for none."""
         channels = f"also failed: {_reasons(self.beside)}." if self.beside else ""
         return " ".join(filter(None, (self.sentence, channels if self.unused else channels.removeprefix("also "))))
 
 
 def files_used(tree: xr.DataTree) -> FilesUsed:
-    """The count of a file of results, or of its groups with the records and /failures."""
+    """Count the files of results, from the groups with the records and /failures."""
     group = next((name for name in _GROUPS if name in tree.children), None)
     if group is None:
         return count_files((), failure_rows(tree))
@@ -84,10 +84,10 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
 
 
 def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
-    """The count of a run, from the files that its records were read from and the rows of what was left out."""
+    """Count the files of a run, from the files of its records and the rows of skipped ones."""
     rows = list(rows)
     failed = {row.file for row in rows if row.kind == "failed"}
-    # The vertical channel alone, beside horizontal ones that failed, or failed itself, makes no file used.
+    # A vertical channel does not make a file used if the horizontal ones or itself failed.
     read = [row for row in rows if row.kind in _READ and not (row.kind == "vertical" and row.file in failed)]
     names = {*used, *(name for row in read for name in _named(row))}
     unused: dict[str, Failure] = {}
@@ -100,12 +100,12 @@ def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
             beside.append(row)
         for name in missing:
             unused.setdefault(name, replace(row, file=name))
-    # A record that was made by hand has no file.
+    # A record made in Python has no file.
     return FilesUsed(None if "" in names else len(names), tuple(unused.values()), tuple(beside))
 
 
 def failure_rows(tree: xr.DataTree) -> list[Failure]:
-    """The rows of /failures, in their order; none where there is no such group."""
+    """Return the rows of /failures in order; empty without this group."""
     if "failures" not in tree.children:
         return []
     failures = tree["failures"].to_dataset()
@@ -118,7 +118,7 @@ def _named(row: Failure) -> list[str]:
 
 
 def _apart(source: str) -> list[str]:
-    """The files of a record by name alone; one name where only some parts have a folder or an ending."""
+    """Split the files of a record by name; a single name if only some parts have a folder or a suffix."""
     names = source.split(BETWEEN)
     inside = {any(sign in name for sign in "/\\!") for name in names}
     ending = {"." in last_part(name) for name in names}
@@ -126,7 +126,7 @@ def _apart(source: str) -> list[str]:
 
 
 def _files_of(source: str, checksums: str) -> list[str]:
-    """The files of a record: one for each SHA-256, for the name of a file may hold the sign between them."""
+    """Return the files of a record, one per SHA-256, as a file name may contain the separator."""
     names = source.split(BETWEEN)
     return names if len(names) == len(checksums.split(BETWEEN)) else [source]
 
@@ -137,13 +137,13 @@ def _reasons(rows: Iterable[Failure]) -> str:
 
 
 def reasons_of(rows: Iterable[Failure], most: int = _REASONS, longest: int = _LONGEST) -> tuple[list[str], int]:
-    """The most frequent reasons, each with some of its files, and how many rows have other ones."""
+    """Return the most frequent reasons, each with some files, and the number of rows with other reasons."""
     groups = sorted(alike(rows), key=len, reverse=True)
     return [_reason(group, longest) for group in groups[:most]], sum(map(len, groups[most:]))
 
 
 def _reason(group: list[Failure], longest: int) -> str:
-    """The first part of a reason, which says what was found; what to do stands in the list of failures."""
+    """Return the first part of a reason, without the advice, which the list of failures contains."""
     words = " ".join(group[0].bare.split()).partition("; ")[0]
     if len(words) > longest:
         words = f"{words[:longest].rpartition(' ')[0]} ..."

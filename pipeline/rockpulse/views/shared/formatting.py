@@ -1,4 +1,4 @@
-"""Plain text for the terminal: wrapped paragraphs and numbers with as many digits as they deserve."""
+"""Plain text for the terminal: wrapped paragraphs and numbers with an adequate number of digits."""
 
 import math
 import textwrap
@@ -7,14 +7,14 @@ from typing import Any
 
 from rockpulse.views.shared.words import numerals, say
 
-#: Stands for what is absent or not computed.
+#: Placeholder of a missing value.
 ABSENT = "-"
-#: Columns of running text.
+#: Width of running text [columns].
 WIDTH = 110
 
 
 def ratio(value: float) -> str:
-    """A ratio around one with two or three digits."""
+    """Format a ratio around one with two or three digits."""
     if math.isnan(value):
         return ABSENT
     if value == 0.0 or math.isinf(value):
@@ -25,48 +25,48 @@ def ratio(value: float) -> str:
 
 
 def lower_bound(value: float) -> str:
-    """A ratio that may be larger: the digits of :func:`ratio` behind a mark, rounded down."""
+    """Format a lower bound of a ratio: a mark and the digits of :func:`ratio`, rounded down."""
     places = 3 if value < 0.1 else 2 if value < 10.0 else 1
     down = math.floor(value * 10**places) / 10**places
     return numerals(f">{down:.{places}f}") if down > 0.0 else ">0"
 
 
 def restitution(value: float) -> str:
-    """A velocity ratio of impacts with three decimals: its distance from one decides how long a block rocks."""
+    """Format a restitution with three decimals, as its distance from one determines the duration of rocking."""
     return numerals(f"{value:.3f}")
 
 
 def three_digits(value: float, unit: str = "") -> str:
-    """A number with three digits and its unit."""
+    """Format a number with three digits and its unit."""
     if math.isnan(value):
         return ABSENT
     return f"{numerals(f'{value:.3g}')} {unit}".rstrip()
 
 
 def six_digits(value: float) -> str:
-    """A number with the digits that it has, six at most."""
+    """Format a number with at most six digits."""
     return numerals(f"{value:g}")
 
 
 def fixed(value: float, places: int = 2) -> str:
-    """A number with so many decimals; a dash where it is not known."""
+    """Format a number with `places` decimals; a dash if unknown."""
     return ABSENT if math.isnan(value) else numerals(f"{value:.{places}f}")
 
 
 def between(low: float, high: float, show: Callable[[float], str] = three_digits) -> str:
-    """An interval; a dash where neither end is known."""
+    """Format an interval; a dash if both ends are unknown."""
     if math.isnan(low) and math.isnan(high):
         return ABSENT
     return say("between", low=show(low), high=say("no_limit") if math.isinf(high) else show(high))
 
 
 def share(value: float) -> str:
-    """A share in whole percent; a dash where it is not known."""
+    """Format a share in whole percent; a dash if unknown."""
     return ABSENT if math.isnan(value) else f"{100.0 * value:.0f} %"
 
 
 def several(count: int, noun: str) -> str:
-    """A number and what is counted, the noun in the singular."""
+    """Format a number with a noun, which is given in the singular."""
     if count == 1:
         return f"1 {noun}"
     head, of, tail = noun.partition(" of ")
@@ -75,7 +75,7 @@ def several(count: int, noun: str) -> str:
 
 
 def shortened(words: str, width: int) -> str:
-    """Text in one line, cut in the middle to a width, so that both its ends can be recognised."""
+    """Shorten text to one line of a width by cutting its middle, so that both ends stay visible."""
     words = " ".join(words.splitlines())
     if len(words) <= width:
         return words
@@ -84,6 +84,6 @@ def shortened(words: str, width: int) -> str:
 
 
 def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
-    """Running text, wrapped."""
+    """Wrap running text."""
     options: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
     return textwrap.fill(words, WIDTH, initial_indent=indent if first is None else first, **options)

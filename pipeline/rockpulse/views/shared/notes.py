@@ -1,4 +1,4 @@
-"""The meaning of the figures and marks in tables of verdicts, only of those that are shown, and words for motions."""
+"""Notes that explain the numbers and marks shown in tables of verdicts, and texts on motions."""
 
 import math
 from collections.abc import Collection, Iterable, Sequence
@@ -16,22 +16,22 @@ from rockpulse.views.shared.words import say
 
 
 def factor_heading(factor: str) -> str:
-    """The heading of a factor, by its variable."""
+    """Return the heading of a factor by its variable."""
     return say(f"column.{factor}.head")
 
 
 def factor_name(factor: str) -> str:
-    """The name of a factor in a sentence, by its variable."""
+    """Return the name of a factor in a sentence by its variable."""
     return say(f"factor.{factor}")
 
 
 def stored_uncertainty(answers: Answers) -> str:
-    """The uncertainty that the probability of overturning is stated under, as the results tell it."""
+    """Describe the uncertainty of the probability of overturning, as stored in the results."""
     return str(answers.summary["overturning_probability"].attrs.get("comment", "nonlinear model"))
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """The meaning of the columns of :func:`factor_columns`; in the table of a sweep the smallest over direction."""
+    """Explain the columns of :func:`factor_columns`; in the table of a sweep, the smallest over direction."""
     if not answers.told:
         return []
     factor = answers[answers.factor]
@@ -64,7 +64,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
 
 
 def none_found(answers: Answers) -> str:
-    """A sentence behind others on where no factor was found; empty where one was found everywhere."""
+    """Return a sentence on results without a factor; empty if all have one."""
     factor = answers[answers.factor]
     if not np.isinf(factor).any():
         return ""
@@ -72,12 +72,12 @@ def none_found(answers: Answers) -> str:
 
 
 def missed_step(answers: Answers) -> float:
-    """Width of the bands of factors that the search may miss; 0 in closed form."""
+    """Return the width of intervals of factors that the search may miss; 0 in closed form."""
     return max(float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0, 0.0)
 
 
 def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[CellMark]) -> list[str]:
-    """Notes to a table of the verdicts of all models, whose figures have some marks; those on SF come second."""
+    """Return the notes on a table of the results of all models with `marks`; those on SF come second."""
     notes = [
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
         "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
@@ -100,7 +100,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Cel
 
 
 def beyond_critical(answers: Answers) -> bool:
-    """Whether a rotation beyond the critical angle did not end in overturning."""
+    """Whether any rotation beyond the critical angle did not end in overturning."""
     return any(
         bool(((one["outcome"] == Outcome.ROCKS) & (one["peak_rotation_ratio"] > 1.0)).any())
         for one in answers.of_models.values()
@@ -108,7 +108,7 @@ def beyond_critical(answers: Answers) -> bool:
 
 
 def counted_motions(motions: Motions) -> str:
-    """The number of motions in words: "7 records of 2 earthquakes"."""
+    """Return the number of motions as text: "7 records of 2 earthquakes"."""
     if motions.kind == "sequence":
         return say("motions.sequence")
     each = f", each in {motions.index.shape[1]} directions" if motions.kind == "pair" else ""
@@ -117,7 +117,7 @@ def counted_motions(motions: Motions) -> str:
 
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
-    """A sentence on every body that stands on a pedestal, and on every one whose friction does not hold it."""
+    """Return a sentence on every body on a pedestal, and on every body that may slide."""
     notes = [
         f"{alone}: of its screens, alone and with its pedestal as one body, that of {worst.body.name} is the worse "
         f"({worst.word}, {ratio(worst.decides.value)}) and counts; motions of both parts at once are not modelled."
@@ -132,6 +132,6 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
 
 
 def cautions(names: Iterable[str]) -> list[str]:
-    """A sentence on each of the models whose input is an upper bound."""
+    """Return a sentence on each model whose input is an upper bound."""
     bounds = [MODELS[name] for name in names if is_upper_bound(name)]
     return [f"{model.name}: an {UPPER_BOUND} ({model.upper_bound}), not a prediction." for model in bounds]

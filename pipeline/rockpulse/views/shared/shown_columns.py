@@ -1,4 +1,4 @@
-"""The columns of all tables, each declared once: its heading (section [column] of the words), variables and cells."""
+"""Columns of all tables, each declared once with heading (section [column] of the texts), variables and cells."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -19,79 +19,79 @@ from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_
 from rockpulse.views.shared.words import say
 from rockpulse.warning_text import has_warning
 
-#: Longest id of a record and name of a block in a table.
+#: Largest width of the id of a record and of the name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29
-#: Marks at a peak, at a factor or a capacity, and beside the name of a record whose peak may not be what it seems.
+#: Marks of a peak, of a factor or a capacity, and of the name of a record with a doubtful peak.
 OUTSIDE, NO_ANSWER = CellMark("outside", "*"), CellMark("no_answer", "!")
 NONE_UP_TO, AT_MOST = CellMark("none_up_to", ">", before=True), CellMark("at_most", "≤", before=True)
 DRIFT = CellMark("drift", "~", before=True)
 PEAK, CLIPPED = CellMark("peak"), CellMark("clipped")
-#: Larger than any rotation: overturned sorts above it, unresolved at the end.
+#: Sort value larger than any rotation: overturned is above it, unresolved last.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
 
 class Rows(Protocol):
-    """The rows of a table: the values of a variable, row by row, by its name."""
+    """The rows of a table: maps the name of a variable to its values by row."""
 
     def __getitem__(self, name: str, /) -> Sequence[Any]: ...
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column: the variables that it shows, and the function that makes a cell of their values."""
+    """A column: its variables, and the function that makes a cell from their values."""
 
     name: str
     of: tuple[str, ...]
     cell: Callable[..., Cell]
     unit: str = ""
-    width: int | None = None  # longer cells are cut on the terminal
-    title: str | None = None  # in place of that of the words: a name, as of a model
+    width: int | None = None  # longer cells are shortened on the terminal
+    title: str | None = None  # title instead of the declared one, such as the name of a model
     note: str = ""
 
     @property
     def heading(self) -> Heading:
-        """The heading with its small print."""
+        """Heading with its small print."""
         title = say(f"column.{self.name}.head") if self.title is None else self.title
         note = say(f"column.{self.name}.note") if self.name in _NOTED else self.note
         return Heading(title, self.unit, note, self.width)
 
 
 def titled(title: str, cell: Callable[..., Cell], *of: str, **options: Any) -> Column:
-    """A column of one table alone, under a title of its own."""
+    """Make a column of a single table with its own title."""
     return Column(title, of, cell, title=title, **options)
 
 
 def tabulated(
     key: str, caption: str, selected: Sequence[Column], dataset: xr.Dataset, notes: tuple[str, ...] = ()
 ) -> Table:
-    """The table of some columns with a row for every place along the dimension of a dataset."""
+    """Make a table of columns with one row per element of the dimension of a dataset."""
     rows = {name: dataset[name].values.tolist() for column in selected for name in column.of}
     return Table(key, caption, headed(selected), tuple(filled(selected, rows)), notes)
 
 
-#: Columns with small print below their heading.
+#: Columns with small print below the heading.
 _NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "standing"})
 
 
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
-    """Marks of one record, by its PGA [m/s2], which is NaN of a sequence, and the codes of its warnings."""
+    """Return the marks of a record from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or has_warning(codes, "header_peak")
     return ((PEAK,) if peak else ()) + ((CLIPPED,) if has_warning(codes, "clipped", "full_scale") else ())
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:
-    """The id of a record with its marks."""
+    """Return the id of a record with its marks."""
     return Cell(str(name), marks=doubt(pga, str(codes)))
 
 
 def record_cells(summary: xr.Dataset) -> list[Cell]:
-    """The id of every record of /summary, or of a part of it, with its marks."""
+    """Return the id of every record of /summary, or of a part of it, with its marks."""
     return [record_cell(*one) for one in zip(*(summary[name].values.tolist() for name in _RECORD), strict=True)]
 
 
 def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
-    """The answer of a model: the largest rotation over alpha_c, or a word, with its mark."""
+    """Return the result of a model: largest rotation over alpha_c or a word, with marks."""
     marks = (OUTSIDE,) if applicable == 0 else ()
     if outcome in _SORTED:
         kind = Outcome(outcome)
@@ -101,7 +101,7 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
-    """A factor (none up to `limit`) with its marks: of a lower bound, and the number of intervals above one."""
+    """Return a factor (or none up to `limit`) with marks for a lower bound and for several intervals."""
     marks = ([NO_ANSWER] if bound else []) + ([CellMark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
         return Cell(ABSENT, factor)
@@ -114,7 +114,7 @@ def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, int
 
 
 def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
-    """The smallest and the median of a margin."""
+    """Return the cells of the smallest and the median of a margin."""
     values = zip((margin.smallest, margin.median), margin.bounds, strict=True)
     smallest, median = (factor_cell(value, margin.limit, bound) for value, bound in values)
     if margin.open and math.isfinite(margin.smallest):
@@ -123,7 +123,7 @@ def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
 
 
 def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
-    """The smallest factor and what it is of; where none was found and not all are known it is not known."""
+    """Return the smallest factor and its motion; unknown if none was found and not all are known."""
     if math.isinf(margin.smallest) and (margin.unknown or margin.partial):
         return [factor_cell(math.nan), Cell("")]
     named = shortened(names[margin.place], width) if math.isfinite(margin.smallest) else ""
@@ -131,22 +131,22 @@ def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
 
 
 def unexplained(cell: Cell) -> Cell:
-    """The cell with marks whose meaning is told elsewhere than below its table."""
+    """Return the cell with marks that are explained elsewhere than below its table."""
     return cell._replace(marks=tuple(CellMark("", mark.shown, mark.before) for mark in cell.marks))
 
 
 def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
-    """The marks that some cells bear."""
+    """Return the marks of cells."""
     return {mark for cell in cells for mark in cell.marks}
 
 
 def doubt_notes(cells: Iterable[Cell]) -> list[str]:
-    """The meanings of the marks of doubt that some cells bear."""
+    """Return the meanings of the marks of doubt in cells."""
     found = marks_of(cells)
     return [mark.note for mark in (PEAK, CLIPPED) if mark in found]
 
 
-#: The grade of the cell of a verdict.
+#: Grade of the cell of a verdict.
 GRADES = {
     Grade.STAYS: "good",
     Grade.ROCKS: "good",
@@ -157,16 +157,16 @@ GRADES = {
 
 
 def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
-    """The verdict on a body in a word or two behind others, sorted from best to worst."""
+    """Return the verdict on a body as a cell after the text `before`, sortable from best to worst."""
     few = one.deciding is not None and one.deciding.few
-    # What nothing here overturns, but half of such earthquakes might, is not to be taken for good at a glance.
+    # No record overturns it, but half of such earthquakes might: not graded as good.
     unsure = one.overall == Grade.ROCKS and one.decides.high >= OVERTURNS
     told = say(f"grade.{'no_verdict' if few else one.overall.name.lower()}")
     return Cell(before + told, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
 
 
 def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
-    """The cell of a number in units of a scale."""
+    """Return a function that makes the cell of a number over a scale."""
     return lambda value: number_cell(value if scale == 1.0 else value / scale, show)
 
 
@@ -183,7 +183,7 @@ def _capacity(capacity: float, limit: float, pga: float) -> Cell:
 
 
 def count_of(count: int, total: int) -> Cell:
-    """A number of all."""
+    """Return a cell of a number out of a total."""
     return Cell(say("count_of", count=count, total=total), count)
 
 
@@ -197,7 +197,7 @@ def _restitutions(values: Sequence[float]) -> Cell:
 
 
 def _of_measure(row: Measure) -> Column:
-    """The column of an intensity measure that results have of every record, or of every record and body."""
+    """Make the column of an intensity measure of each record, or of each record and body."""
     title, unit, scale = row.column
     of = (row.name, f"{row.name}_drift") if row.drifts else (row.name,)
 
@@ -210,11 +210,11 @@ def _of_measure(row: Measure) -> Column:
 _RECORD = ("record", PGA, "warning_codes")
 _SEARCHED = ("safety_factor", "safe_up_to", "factor_resolved")
 _PROBABILITY = tuple(f"overturning_probability{end}" for end in ("", "_low", "_high"))
-#: Every column by its name; that of one variable has the name of the variable.
+#: Every column by name; a column of one variable has its name.
 COLUMNS = {
     column.name: column
     for column in (
-        # an answer: a body under a record
+        # a result: a body under a record
         Column("record", _RECORD, lambda *one: record_cell(shortened(one[0], ID_WIDTH), *one[1:])),
         Column("block", ("block",), Cell, width=NAME_WIDTH),
         Column("model", ("model",), lambda name: Cell(say(f"models.{name}"))),
@@ -246,7 +246,7 @@ COLUMNS = {
         Column("critical_impulse", ("critical_impulse",), shown(ratio), "m/s"),
         Column("restitutions", ("restitutions",), _restitutions),
         Column("overturned_by", ("fallen", "total"), count_of),
-        # the verdict on a body over all motions, and the worst for a motion
+        # the verdict on a body over all records, and the worst body of a record
         Column("verdict", ("found",), grade_cell),
         Column("up_to", ("high",), shown(ratio)),
         Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
@@ -261,30 +261,30 @@ COLUMNS = {
 
 
 def columns(*names: str, **titles: str) -> tuple[Column, ...]:
-    """A selection of columns, some under another title."""
+    """Select columns by name, some with another title."""
     return tuple(replace(COLUMNS[name], title=titles.get(name) or COLUMNS[name].title) for name in names)
 
 
 def headed(selected: Iterable[Column]) -> tuple[Heading, ...]:
-    """The headings of some columns."""
+    """Return the headings of columns."""
     return tuple(column.heading for column in selected)
 
 
 def filled(selected: Iterable[Column], rows: Rows) -> list[tuple[Cell, ...]]:
-    """The cells of some columns, row by row."""
+    """Return the cells of columns, row by row."""
     made = [[column.cell(*one) for one in zip(*(rows[name] for name in column.of), strict=True)] for column in selected]
     return list(zip(*made, strict=True))
 
 
 class AnswerRows:
-    """Answers of a model as the rows of a table: bodies under records, by their places."""
+    """Results of a model as rows of a table: bodies under records, by index."""
 
     def __init__(self, answers: Answers, records: np.ndarray, lanes: np.ndarray) -> None:
         self.answers, self.records, self.lanes = answers, records, lanes
 
     @classmethod
     def every(cls, answers: Answers) -> Self:
-        """All bodies under the first record, then under the next."""
+        """Rows for all bodies under the first record, then under the next."""
         records, lanes = np.indices((len(answers.records), len(answers.bodies)))
         return cls(answers, records.ravel(), lanes.ravel())
 
@@ -302,13 +302,13 @@ class AnswerRows:
 
 
 def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
-    """The answers of every model, in all rows of the answers, by the model."""
+    """Return columns with the results of every model, for all rows."""
     own, models = [COLUMNS["answer"]], answers.of_models.items()
     return {name: [row[0] for row in filled(own, AnswerRows.every(one))] for name, one in models}
 
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
-    """The columns of the probability and the factor of overturning; none where these are not known."""
+    """Return the columns of the probability and the factors of overturning; empty if unknown."""
     if not answers.told:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

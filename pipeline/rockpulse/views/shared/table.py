@@ -1,4 +1,4 @@
-"""Tables as data: built once, and laid out for the terminal here and for HTML by the templates of the report."""
+"""Tables as data, with layout for the terminal here and for HTML in the templates of the report."""
 
 import math
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from rockpulse.views.shared.words import say
 
 
 class CellMark(NamedTuple):
-    """A sign behind or before the text of a cell, and the key of its note and of a sign that is a word."""
+    """A mark after or before the text of a cell, with the key of its note and of a mark that is a word."""
 
     key: str = ""
     sign: str = ""
@@ -19,42 +19,42 @@ class CellMark(NamedTuple):
 
     @property
     def shown(self) -> str:
-        """The sign."""
+        """The mark as text."""
         return self.sign or say(f"mark.{self.key}.sign")
 
     @property
     def note(self) -> str:
-        """The meaning of the sign; empty where another place explains it."""
+        """Meaning of the mark; empty if it is explained elsewhere."""
         return say(f"mark.{self.key}.note") if self.key else ""
 
 
 class Cell(NamedTuple):
     """A cell of a table."""
 
-    text: str  # without its marks
-    value: float | None = None  # by which it is sorted, NaN last
+    text: str  # text without marks
+    value: float | None = None  # sort value, NaN last
     marks: tuple[CellMark, ...] = ()
-    grade: str = ""  # "", "good", "fair", "unknown" or "bad", which is in capitals on the terminal
-    link: str = ""  # id of the part of the report that it leads to
+    grade: str = ""  # "", "good", "fair", "unknown" or "bad" (in capitals on the terminal)
+    link: str = ""  # id of the linked part of the report
 
     @property
     def before(self) -> str:
-        """The signs before the text."""
+        """Marks before the text."""
         return "".join(mark.shown for mark in self.marks if mark.before)
 
     @property
     def after(self) -> str:
-        """The signs behind the text."""
+        """Marks after the text."""
         return "".join(mark.shown for mark in self.marks if not mark.before)
 
     @property
     def marked(self) -> str:
-        """The text with its signs."""
+        """Text with its marks."""
         return f"{self.before}{self.text}{self.after}"
 
 
 class Heading(NamedTuple):
-    """The heading of a column: small print below it in the report, longest text of its cells on the terminal."""
+    """The heading of a column, with small print for the report and the largest width of its cells on the terminal."""
 
     title: str
     unit: str = ""
@@ -69,7 +69,7 @@ class Heading(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, rows and notes; ``key`` is its id in the report, where more than ``searched`` rows have a filter."""
+    """Headings, rows and notes; ``key`` is the id in the report; more than ``searched`` rows get a filter."""
 
     key: str
     caption: str
@@ -85,25 +85,25 @@ class Table:
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """True for the columns that are sorted by the values of their cells."""
+        """Mask of the columns that are sorted by the values of their cells."""
         return tuple(any(row[place].value is not None for row in self.rows) for place in range(len(self.headings)))
 
     @cached_property
     def flush_right(self) -> tuple[bool, ...]:
-        """True for columns of numbers in the report; a column with grades is read as words, also where it is sorted."""
+        """Mask of the columns of numbers in the report; columns with grades count as text."""
         graded = (any(row[place].grade for row in self.rows) for place in range(len(self.headings)))
         return tuple(numeric and not words for numeric, words in zip(self.numeric, graded, strict=True))
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """The footnotes of the table, then what the marks mean that occur in it, in the order of their appearance."""
+        """The footnotes of the table, then the meanings of its marks in the order of appearance."""
         notes = dict.fromkeys(mark.note for row in self.rows for cell in row for mark in cell.marks if mark.note)
         return *self.footnotes, *notes
 
 
 @dataclass(frozen=True)
 class Fact:
-    """A name and what is known under it, one line or several."""
+    """A name with one or several lines of text."""
 
     name: str
     lines: tuple[str, ...]
@@ -112,13 +112,13 @@ class Fact:
 def number_cell(
     value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()
 ) -> Cell:
-    """A cell of a number, with the marks only where the number is known."""
+    """Make the cell of a number, with marks only if the number is known."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)
 
 
 def lines(table: Table) -> list[str]:
-    """The headings and the rows with aligned columns: numbers flush right, their marks hanging; words flush left."""
+    """Return headings and rows with aligned columns: numbers flush right with hanging marks, words flush left."""
     columns = []
     for place, heading in enumerate(table.headings):
         numeric = table.numeric[place]
@@ -132,7 +132,7 @@ def lines(table: Table) -> list[str]:
 
 
 def table_text(table: Table) -> str:
-    """The table for the terminal: caption where there is one, indented rows, notes."""
+    """Return the table for the terminal: optional caption, indented rows, notes."""
     caption = [paragraph(table.caption)] if table.caption else []
     rows = ["  " + line for line in lines(table)]
     return "\n".join([*caption, *rows, *(paragraph(note, "  ") for note in table.notes)])

@@ -1,4 +1,4 @@
-"""The texts of a language by their keys (English, or that of :func:`writing`), and the form of its numbers."""
+"""Texts of the current language by key (English, or that of :func:`writing`), and the form of its numbers."""
 
 import re
 import tomllib
@@ -15,16 +15,16 @@ from rockpulse.option import hint
 from rockpulse.warning_text import WarningText, restored
 
 _FOLDER = files("rockpulse.views").joinpath("words")
-#: Codes of the languages that there is a file of.
+#: Codes of the available languages.
 LANGUAGES = tuple(sorted(one.name.removesuffix(".toml") for one in _FOLDER.iterdir() if one.name.endswith(".toml")))
 _LANGUAGE = ContextVar("language", default="en")
-#: The point of a number; that of an id or a version stands beside letters or a second point.
+#: Pattern of the decimal point of a number, but not of an id or a version.
 _POINT = re.compile(r"(?<![\w.])([-−+~<>≤]?\d+)\.(\d+)(?![\w.]*\.\d)(?![A-Za-z_]*@)")
 
 
 @contextmanager
 def writing(code: str) -> Iterator[None]:
-    """Write in a language, by its code; a ConfigError for one that there is no file of."""
+    """Context manager that writes in the language of a code; ConfigError if it is not available."""
     table(code)
     before = _LANGUAGE.set(code)
     try:
@@ -34,13 +34,13 @@ def writing(code: str) -> Iterator[None]:
 
 
 def language() -> str:
-    """The code of the language that is written."""
+    """Return the code of the current language."""
     return _LANGUAGE.get()
 
 
 @cache
 def table(code: str) -> Mapping[str, str]:
-    """The texts of a language by their keys, those of nested tables joined with points."""
+    """Return the texts of a language by keys, with nested keys joined by points."""
     if code not in LANGUAGES:
         told = f"there are {', '.join(LANGUAGES)}"
         raise ConfigError(f"language: no words for {code!r}{hint(code, LANGUAGES, told)}")
@@ -56,56 +56,56 @@ def _flat(nested: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, st
 
 
 def raw_text(key: str) -> str:
-    """The text of a key in the language that is written, with its fields as they stand."""
+    """Return the text of a key in the current language with unfilled fields."""
     return table(language())[key]
 
 
 def say(key: str, /, **fields: object) -> str:
-    """The text of a key in the language that is written, its fields filled in."""
+    """Return the text of a key in the current language with its fields filled in."""
     return raw_text(key).format(**fields)
 
 
 def section(name: str) -> dict[str, str]:
-    """The texts whose keys begin with the name of a section, as they stand in the file."""
+    """Return the texts of a section, unfilled."""
     texts = table(language()).items()
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
 
 def translated(key: str, english: str) -> str:
-    """The words for a text declared in English below the views, by its key in the other languages."""
+    """Return the translation of an English text that is declared outside the views, by its key."""
     return english if language() == "en" else table(language()).get(key, english)
 
 
 def counted_words(count: int, noun: str) -> str:
-    """A number and what is counted, by a key of [count] that has a form for one and one for more."""
+    """Return a number with a noun by a key of [count], which has a form for one and one for more."""
     return say(f"count.{noun}.{'one' if count == 1 else 'more'}", count=count)
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """The first of some names, and how many more there are."""
+    """Return the first names and the number of further ones."""
     told = ", ".join(names[:most])
     return told if len(names) <= most else say("and_more", names=told, count=len(names) - most)
 
 
 def numerals(shown: str) -> str:
-    """A number in English form in the form of the language that is written."""
+    """Convert a number from English form to the form of the current language."""
     return shown if language() == "en" else shown.replace(".", say("decimal"))
 
 
 def in_numerals(text: str) -> str:
-    """A text with its numbers in the form of the language that is written."""
+    """Convert all numbers of a text to the form of the current language."""
     return text if language() == "en" else _POINT.sub(rf"\1{say('decimal')}\2", text)
 
 
 class _Numerals(Formatter):
-    """Fills in fields, numbers in the form of the language that is written, warnings in its words."""
+    """Formatter that fills in fields, with numbers and warnings in the current language."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """A value, a warning in the words of the language."""
+        """Return a value; a warning is translated."""
         return _told(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
-        """A value as text."""
+        """Format a value as text."""
         shown = super().format_field(value, format_spec)
         return numerals(shown) if isinstance(value, int | float) else shown
 
@@ -117,11 +117,11 @@ def _told(value: Any) -> Any:
 
 
 def warning_words(warning: WarningText) -> str:
-    """A warning in the language that is written."""
+    """Return a warning in the current language."""
     words = translated(f"warnings.{warning.code.partition('/')[0]}", "")
     return _Numerals().vformat(words, (), warning.values) if words else str(warning)
 
 
 def warnings_of(stored: str) -> list[str]:
-    """Warnings as they are stored by codes and values, in the language that is written."""
+    """Return stored warnings (codes and values) in the current language."""
     return [warning_words(one) for one in restored(stored)]

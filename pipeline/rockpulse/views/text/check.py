@@ -1,4 +1,4 @@
-"""The checks of codes as text and as a table."""
+"""Code checks as text and as a table."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,7 @@ from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several,
 from rockpulse.views.shared.shown_columns import tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
 
-#: Names of the codes.
+#: Printed names of the codes.
 CODE_WORDS = {
     "circolare_2009": "Circolare 617/2009",
     "circolare_2019": "Circolare 7/2019",
@@ -25,7 +25,7 @@ def _word(value: float) -> Cell:
     return Cell("" if math.isnan(value) else "passes" if value >= 1.0 else "FAILS")
 
 
-#: Columns of the codes, and those of the results beside them.
+#: Columns of the code checks, and of the time histories.
 _OF_CODE = (
     titled("", lambda code: Cell(f"  {CODE_WORDS[code]}"), "code"),
     titled("alpha_0", _value, "multiplier"),
@@ -43,7 +43,7 @@ _OF_RESULTS = (titled("P", lambda chance: Cell(ratio(chance)), "probability"), t
 
 
 def check_overview(check: xr.Dataset) -> str:
-    """The dataset of :func:`rockpulse.check` as text."""
+    """Return the dataset of :func:`rockpulse.check` as text."""
     beside = "probability" in check
     names, codes = (check[dim].values.tolist() for dim in ("block", "code"))
     rows = check.stack(row=("block", "code"))

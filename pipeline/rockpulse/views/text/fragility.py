@@ -1,4 +1,4 @@
-"""A fragility file as text: medians, dispersions and bands of every body, and which measure serves best."""
+"""A fragility file as text: medians, dispersions and bands of every body, and the most efficient measure."""
 
 import math
 
@@ -16,16 +16,16 @@ from rockpulse.views.shared.words import counted_words, numerals, say, translate
 from rockpulse.views.text.left_out import unused
 from rockpulse.views.text.site import explained
 
-#: At a median that no record was looked at.
+#: Mark of a median beyond all levels analysed.
 BEYOND = CellMark("beyond", "!")
-#: At the smallest dispersion of a limit state.
+#: Mark of the smallest dispersion of a limit state.
 SMALLEST = CellMark("smallest", "*")
-#: Level of the tests of sufficiency.
+#: Significance level of the tests of sufficiency.
 LEVEL = 0.05
 
 
 def fragility_overview(tree: xr.DataTree) -> str:
-    """The tree of :func:`rockpulse.fragility` as text, on a screen or two."""
+    """Return the tree of :func:`rockpulse.fragility` as text of one or two screens."""
     curves, efficiency = tree["fragility"].to_dataset(), tree["efficiency"].to_dataset()
     bodies = several(curves.sizes["block"], "body")
     parts = [
@@ -40,13 +40,13 @@ def fragility_overview(tree: xr.DataTree) -> str:
 
 
 def shown_measure(curves: xr.Dataset) -> str:
-    """The intensity measure that is shown, of the node /fragility."""
+    """Return the intensity measure to show from the node /fragility."""
     measures = [str(name) for name in curves["measure"].values]
     return REFERENCE if REFERENCE in measures else measures[0]
 
 
 def records_words(tree: xr.DataTree) -> str:
-    """The numbers of records and of earthquakes that the curves rest on."""
+    """Return the numbers of records and earthquakes of the curves as text."""
     event = tree["capacities"].to_dataset()["event"].values
     records, earthquakes = counted_words(event.size, "record"), counted_words(np.unique(event).size, "earthquake")
     known = say("records_of", records=records, earthquakes=earthquakes)
@@ -54,17 +54,17 @@ def records_words(tree: xr.DataTree) -> str:
 
 
 def state_words(name: str) -> str:
-    """The name of a limit state, or the rotation that it is: "uplift", "θ_max/α_c ≥ 0.4"."""
+    """Return the name of a limit state, or its rotation: "uplift", "θ_max/α_c ≥ 0.4"."""
     return say(f"limit_state.{name}") if name.isalpha() else f"θ_max/α_c ≥ {numerals(name)}"
 
 
 def statement(one: xr.Dataset) -> str:
-    """What there is to say of a curve, of a body and limit state in one measure; empty for nothing."""
+    """Return the statement on a curve of a body and limit state in one measure; may be empty."""
     return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 
 def median_table(tree: xr.DataTree) -> Table:
-    """Median and dispersion of every body and limit state in the measure that is shown."""
+    """Return a table of median and dispersion of every body and limit state in the measure shown."""
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=shown_measure(curves))
     level = f"{six_digits(100.0 * float(tree.attrs['confidence']))} %"
@@ -95,7 +95,7 @@ def median_table(tree: xr.DataTree) -> Table:
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Dispersion of all bodies together, the smallest of each limit state marked."""
+    """Return a table of the dispersion of all bodies together, with the smallest of each limit state marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:
@@ -121,7 +121,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """The numbers of cases in which capacity depends on a quality beside the measure, each a column; or no table."""
+    """Return a table of the numbers of cases in which capacity depends on further properties; may be empty."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))
@@ -141,7 +141,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
-    """A sentence for every quality that files of some records state: by how many, and whether they are enough."""
+    """Return a sentence for every property that some files state: number of records, and whether they suffice."""
     total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
@@ -154,7 +154,7 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """A warning of each kind, by the state of curve, band and median, and how many others there are like it."""
+    """Return one statement of each kind, by status of curve, band and median, with the number of similar ones."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):

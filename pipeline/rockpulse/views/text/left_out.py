@@ -1,4 +1,4 @@
-"""Files and channels that were not assessed, and the warnings of the records, as text."""
+"""Files and channels that were not assessed, and the warnings on records, as text."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -11,11 +11,11 @@ from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.formatting import WIDTH, paragraph
 from rockpulse.warning_text import PLAIN
 
-#: Rows of a kind other than "failed" in the overview, those of one reason as one; and in a brief one.
+#: Largest number of rows of a kind other than "failed" in the overview, and in a brief one; equal reasons are grouped.
 LISTED, FEW = 12, 3
-#: Kinds whose rows of one reason are shown once; the reasons of the others name other records.
+#: Kinds whose rows are grouped by reason; the reasons of other kinds name other records.
 _SHOWN_ONCE = frozenset({"failed", "skipped"})
-#: Words of a warning without a code, numbers aside, that tell its kind.
+#: Number of first words of a warning without a code that identify its kind, not counting numbers.
 _TELLING_WORDS = 4
 _KINDS = {
     "failed": "failed",
@@ -28,7 +28,7 @@ _KINDS = {
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """Everything that was read or found but not assessed, by kind, and the warnings; of a brief text a few of each."""
+    """List files and channels that were not assessed, by kind, and warnings; a `brief` text has a few of each."""
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
     found, beside = apart(failure_rows(tree))
@@ -52,7 +52,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
 
 
 def left_out_in_short(tree: xr.DataTree) -> str:
-    """The number of rows of each kind, the reasons of what failed, and a line for a few kinds of warnings."""
+    """Return the number of rows of each kind, the reasons of failures, and a line for some kinds of warnings."""
     found, beside = apart(failure_rows(tree))
     summary = tree["summary"].to_dataset()
     counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
@@ -70,7 +70,7 @@ def left_out_in_short(tree: xr.DataTree) -> str:
 
 
 def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
-    """The first of some groups of rows, and the number of rows in the others."""
+    """Return the first groups of rows, and the number of rows in the others."""
     lines = [paragraph(reasons_in_words(group), "      ", "  ") for group in entries[:most]]
     if more := sum(map(len, entries[most:])):
         lines.append(f"  and {more} more (rockpulse inspect RESULTS --failures shows them)")
@@ -78,12 +78,12 @@ def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
 
 
 def unused(sentence: str) -> str:
-    """The sentence of `rockpulse.views.shared.files_used` as a loud line; empty where all files were used."""
+    """Return the sentence of `rockpulse.views.shared.files_used` as a warning line; empty if all files were used."""
     return paragraph(sentence, "  ", "! ") if sentence else ""
 
 
 def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", listed: int = LISTED) -> str:
-    """The files and channels that were not used, by kind, vertical ones aside; `more_in` says where the others are."""
+    """List files and channels that were not used, by kind, without vertical ones; `more_in` refers to the full list."""
     lines = []
     found, beside = apart(rows)
     for kind, own in found.items():
@@ -97,7 +97,7 @@ def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", 
 
 
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
-    """Everything that was not assessed, of some kinds or all: kind, stage, file and reason; empty for nothing."""
+    """List everything that was not assessed, of some kinds or all: kind, stage, file and reason; may be empty."""
     found = {kind: own for kind, own in by_kind(failure_rows(tree)).items() if kinds is None or kind in kinds}
     return "\n".join(line for kind, own in found.items() for line in _with_kind(kind, [[row] for row in own]))
 
@@ -107,12 +107,12 @@ def _with_kind(kind: str, entries: Sequence[Sequence[Failure]]) -> list[str]:
 
 
 def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:
-    """The rows of a kind, those of one reason together where the kind is shown so."""
+    """Group the rows of a kind by reason, for kinds that are grouped."""
     return alike(rows) if kind in _SHOWN_ONCE else [[row] for row in rows]
 
 
 def apart(rows: Iterable[Failure]) -> tuple[dict[str, list[Failure]], list[str]]:
-    """The files that might have been used, by kind, and the names of the files beside them that are no records."""
+    """Separate files that might have been used, by kind, from the names of files that are not records."""
     found = by_kind(rows)
     beside = {row for row in found.get("skipped", ()) if row.reason == f"{row.file}: {NO_RECORD}"}
     rest = ((kind, [row for row in own if row not in beside]) for kind, own in found.items())
@@ -125,7 +125,7 @@ def _beside(names: Sequence[str]) -> list[str]:
 
 
 def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
-    """Rows of /failures by kind; the failed ones first."""
+    """Group rows of /failures by kind, failed ones first."""
     found: dict[str, list[Failure]] = {kind: [] for kind in _KINDS}
     for row in rows:
         found.setdefault(row.kind, []).append(row)
@@ -133,7 +133,7 @@ def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
 
 
 def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
-    """A record of each kind of warning, its warning, and how many other records have one like it; the most first."""
+    """Return a record for each kind of warning, its warning, and the number of further ones, most frequent first."""
     found: dict[str, list[tuple[str, str]]] = {}
     names = ("record", "warnings", "warning_codes")
     for record, text, codes in zip(*(summary[name].values for name in names), strict=True):
@@ -147,7 +147,7 @@ def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
 
 
 def _kind(warning: str, code: str) -> str:
-    """The common part of warnings that are alike: the code, or the first words of a text without one."""
+    """Return the kind of a warning: its code, or the first words of a text without a code."""
     if not code.endswith(PLAIN):
         return code
     return " ".join(re.sub(r"[-+]?\d[\d.e+-]*", "#", warning).split()[:_TELLING_WORDS])

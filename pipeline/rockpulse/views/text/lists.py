@@ -1,4 +1,4 @@
-"""Lists for the terminal: the cases, records or blocks of an assessment that a selection names, in its order."""
+"""Lists for the terminal: the selected cases, records or blocks of an assessment, in the order of the selection."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,7 +18,7 @@ from rockpulse.views.shared.notes import factor_heading, factor_name
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
 from rockpulse.views.shared.words import say
 
-#: Columns of a list of cases; those of each factor, where it is known, and what they are.
+#: Columns of a list of cases; columns of each known factor, and their notes.
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
 OF_FACTOR = {"factor_10": ("overturning_probability", "factor_10"), "safety_factor": ("safety_factor", "capacity_pga")}
 _MEANING = {
@@ -27,7 +27,7 @@ _MEANING = {
     "safety_factor": "SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
 }
 
-#: Columns of a list of records, among them what their files state, where one of them does; and of a list of blocks.
+#: Columns of a list of records, including facts stated by at least one file; and of a list of blocks.
 STRENGTH = (*(one.name for one in STORED), "main_impulse")
 RECORD = ("record", *STRENGTH, "magnitude", "epicentral_distance", "warnings")
 STATED = frozenset({"magnitude", "epicentral_distance"})
@@ -35,7 +35,7 @@ BLOCK = ("block", "width", "height", "alpha_c", "p", "critical_impulse", "restit
 
 
 class _Points:
-    """The values of variables at some places of /summary, and of others beside them; read when they are asked for."""
+    """Values of variables at selected places of /summary, and further ones, read on demand."""
 
     def __init__(self, summary: xr.Dataset, places: dict[str, np.ndarray], **beside: Sequence[Any]) -> None:
         self._summary, self._places, self._found = summary, places, dict(beside)
@@ -50,14 +50,14 @@ class _Points:
 
 
 def worst_first(answers: Answers, selection: RowSelection) -> RowSelection:
-    """A selection in the order of the factor, or of the rotation where none is known."""
+    """Sort a selection by the factor, or by the rotation if no factor is known."""
     if answers.told:
         return replace(selection, sort=answers.factor, descending=False)
     return replace(selection, sort="peak_rotation_ratio", descending=True)
 
 
 def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """The answers that a selection names, one a line; those of the fullest model where it names none."""
+    """List the selected results, one per line, by default those of the most complete model."""
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
@@ -94,7 +94,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
 
 
 def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """The records that a selection names; a condition on an answer has to hold for one of the blocks."""
+    """List the selected records; a condition on a result must hold for at least one block."""
     answers, selection = _selected(summary, selection)
     summary = answers.summary
     names = [name for name in RECORD if name not in STATED or (name in summary and summary[name].notnull().any())]
@@ -102,12 +102,12 @@ def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
 
 
 def block_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """The blocks that a selection names; a condition on an answer has to hold for one of the records."""
+    """List the selected blocks; a condition on a result must hold for at least one record."""
     return _of_motions(*_selected(summary, selection), "block", BLOCK)
 
 
 def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequence[str]) -> str:
-    """A list of the records or blocks: columns of their own, how many of the others overturn, the smallest factor."""
+    """List records or blocks: their columns, the number of overturning cases, and the smallest factor."""
     summary, of_records = answers.summary, dim == "record"
     places, found = rows(summary, [dim], selection)
     at = places[dim].tolist()
@@ -147,7 +147,7 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
 
 
 def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, RowSelection]:
-    """The answers of the fullest model that the selection names, and the selection with that model alone."""
+    """Return the results of the most complete selected model, and the selection limited to it."""
     part = summary[["model"]]
     if patterns := selection.names.get("model", ()):
         places, _ = rows(part, ["model"], RowSelection({"model": patterns}))
@@ -157,7 +157,7 @@ def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, Ro
 
 
 def _distinct(summary: xr.Dataset) -> np.ndarray:
-    """(block, case) True for the restitutions that are shown: one of a block that has the same in all cases."""
+    """Mask (block, case) of the distinct restitutions of each block."""
     shown = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
     for body in bodies_of(summary):
         shown[body.place, body.case] = True
@@ -167,7 +167,7 @@ def _distinct(summary: xr.Dataset) -> np.ndarray:
 def _of_interest(
     summary: xr.Dataset, selection: RowSelection, shown: Sequence[col.Column], dim: str = ""
 ) -> tuple[col.Column, ...]:
-    """A column for each variable that a selection is about and that has none yet; of records alone, along `dim`."""
+    """Return a column for each variable of a selection that has none yet; along `dim` only."""
     told = {name for column in shown for name in column.of} | {"factor_resolved"}
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
     return tuple(
@@ -178,7 +178,7 @@ def _of_interest(
 
 
 def _plain(variable: xr.Variable) -> Any:
-    """How a value of a variable that has no column of its own is shown."""
+    """Return the cell function of a variable without a declared column."""
     if words := flag_words(variable):
         return lambda code: Cell(words[code])
     return number_cell if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), col.NAME_WIDTH))

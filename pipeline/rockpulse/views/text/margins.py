@@ -1,4 +1,4 @@
-"""Margins as text: capacities against what the site asks for, and a table over direction for every pair of channels."""
+"""Margins as text: capacities over the demands of the site, and a table over direction for every pair of channels."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -16,7 +16,7 @@ from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cel
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Smallest and median capacity of every body, or some blocks, over each demand; empty without a demand."""
+    """Return smallest and median capacity of every body, or of `blocks`, over each demand; empty without demands."""
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
@@ -50,7 +50,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
-    """Lines with the capacity over each demand of every body, named by record or by block as `of` says."""
+    """Return lines with the capacity over each demand of every body, named by record or block according to `of`."""
     if not answers.demands:
         return []
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
@@ -71,7 +71,7 @@ def _capacity(answers: Answers) -> str:
 
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
-    """A table with a column for every demand."""
+    """Return a table with a column for every demand."""
     titles = [Heading(f"{name} ({demand.words})") for name, demand in answers.demands.items()]
     c = col.COLUMNS["restitution"]
     cells = tuple((Cell(name), c.cell(value), *more) for name, value, more in rows)
@@ -79,14 +79,14 @@ def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], widt
 
 
 def _both(margin: Margin) -> Cell:
-    """The smallest and the median in one cell."""
+    """Return a cell with the smallest and the median."""
     if math.isnan(margin.smallest):
         return Cell(ABSENT, math.nan)
     return Cell(", ".join(cell.marked for cell in col.margin_cells(margin)), margin.smallest)
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
-    """Rotations and smallest factor over direction by the fullest model; by every model, how many overturn."""
+    """Return rotations and smallest factor over direction by the main model, and overturnings by every model."""
     answers = swept_answers(summary, directions)
     count, pairs = directions.sizes["direction"], range(directions.sizes["pair"])
     of_factors = factor_notes(answers, swept=True)
@@ -95,7 +95,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         return lanes(directions, name, answers.bodies, model)
 
     median, largest = swept("median_rotation_ratio"), swept("largest_rotation_ratio")
-    # A block that stays at rest in all directions has no azimuth of the largest.
+    # A block at rest in all directions has no azimuth of the largest rotation.
     largest_at = np.where(largest == 0.0, np.nan, swept("largest_azimuth"))
     fallen = [(swept("overturning_share", model), swept("unanswered_count", model)) for model in answers.models]
     titles = [factor_heading(answers.factor), "at"] if of_factors else []
@@ -134,7 +134,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
 
 
 def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) -> tuple[Cell, Cell]:
-    """The smallest factor of a body over the directions of a pair, and its azimuth."""
+    """Return the smallest factor of a body over the directions of a pair, and its azimuth."""
     factor, row_of_factor = (table[pair, lane] for table in answers.least_over_direction)
     index, row = directions["record_index"].values[pair], int(row_of_factor)
     azimuth = float(directions["direction_azimuth"].values[index == row][0]) if row >= 0 else math.nan
@@ -144,7 +144,7 @@ def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) ->
 
 
 def _name(answers: Answers, pair: xr.Dataset) -> Cell:
-    """The name of one pair, marked where the records that it is turned to are doubtful."""
+    """Return the name of a pair, marked if its rotated records are doubtful."""
     index = pair["record_index"].values
     codes = " ".join(map(str, answers["warning_codes"][index[index >= 0]]))
     return Cell(str(pair["pair"].item()), marks=col.doubt(pair["pga_largest"].item(), codes))

@@ -1,4 +1,4 @@
-"""An assessment as text: one screen with the verdict on the bodies, or everything, or one record or block."""
+"""An assessment as text: one screen with the verdicts on the bodies, all results, or one record or block."""
 
 import math
 
@@ -21,18 +21,18 @@ from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
 from rockpulse.views.text.lists import case_list, worst_first
 from rockpulse.views.text.margins import capacities, direction_table, smallest_capacities
 
-#: Bodies and motions that one screen holds.
+#: Largest number of bodies and motions on one screen.
 BODIES, MOTIONS = 12, 10
-#: Most verdicts of a model that are shown one by one.
+#: Largest number of results of a model that are listed.
 WHOLE = 200
-#: Worst cases and blocks that are shown, and worst pairs of channels of a sweep.
+#: Number of worst cases and blocks shown, and of worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
-#: Cases of a record or block that are shown where there are too many for all.
+#: Number of cases of a record or block shown if there are too many.
 CASES = 20
 
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
-    """One screen: verdicts, worst motions, what was left out; `whole`: all answers, or counts and the worst of many."""
+    """Return one screen: verdicts, worst motions, skipped files; with `whole` all results, or counts and the worst."""
     files, answers = files_used(tree).line, answers_of(tree)
     parts = [headline(tree), unused(files)]
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
@@ -43,7 +43,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
     elif is_large(answers):
         parts += [_large(answers, directions), left_out(tree, brief=True), HINTS]
     else:
-        summary = answers.summary.load()  # all of it is shown: read at once, not value by value
+        summary = answers.summary.load()  # all values are shown, so they are read at once
         if directions is None:
             tables = [verdicts.verdict_table(summary), verdicts.body_verdicts(answers)]
             parts[1:] = [*tables, verdicts.overturned(answers, files)]
@@ -54,7 +54,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
 
 
 def headline(tree: xr.DataTree) -> str:
-    """The subject of the results: title, description, how many records, blocks and models."""
+    """Return the heading of results: title, description, numbers of records, blocks and models."""
     node = tree["directions" if "directions" in tree.children else "summary"]
     dims = ("pair", "direction", "block") if "directions" in tree.children else ("record", "block")
     counts = ", ".join(several(node.sizes[dim], dim) for dim in dims)
@@ -65,7 +65,7 @@ def headline(tree: xr.DataTree) -> str:
     return "\n".join(lines)
 
 
-#: The commands that show more of large results.
+#: Commands that show more of large results.
 HINTS = """More of it: rockpulse inspect RESULTS
   --records, --blocks                     all records, all blocks; --sort VARIABLE, --limit N
   --record ID, --block NAME               one in detail
@@ -74,12 +74,12 @@ HINTS = """More of it: rockpulse inspect RESULTS
 
 
 def is_large(answers: Answers) -> bool:
-    """Whether an assessment has too many answers for a table of all."""
+    """Whether an assessment has too many results for a table of all."""
     return len(answers.records) * len(answers.bodies) > WHOLE
 
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
-    """Strength of the records, verdicts by model, the worst blocks, and the worst cases or pairs of a sweep."""
+    """Return strength of the records, verdicts by model, worst blocks, and worst cases or pairs of a sweep."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, worst_first(answers, RowSelection(limit=WORST))))
@@ -93,7 +93,7 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
 
 
 def _record_strength(answers: Answers) -> str:
-    """The strength of the records."""
+    """Return a table of the strength of the records."""
     rows = []
     for title, name, (_, unit, scale) in (
         *((row.title, row.name, row.column) for row in STORED),
@@ -117,7 +117,7 @@ def _record_strength(answers: Answers) -> str:
 
 
 def _verdicts(answers: Answers) -> str:
-    """The number of verdicts of each kind that every model gives."""
+    """Return a table of the number of results of each kind by every model."""
     total = len(answers.records) * len(answers.bodies)
     rows = []
     for model, one in answers.of_models.items():
@@ -136,7 +136,7 @@ def _verdicts(answers: Answers) -> str:
 
 
 def _pairs(answers: Answers, directions: xr.Dataset) -> str:
-    """The pairs of channels of a sweep that are worst in some direction."""
+    """Return a table of the worst pairs of channels of a sweep."""
     key = answers.least_over_direction[0]
     if not answers.told:
         key = -lanes(directions, "largest_rotation_ratio", answers.bodies, answers.model)
@@ -153,7 +153,7 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
-    """All that is known of one record; a ResultsError for an id that is not in the results."""
+    """Return all facts and results of one record; ResultsError for an unknown id."""
     answers = _only(summary, "record", record)
     one = Known(answers.summary, record=record)
     number, words, pga = one.number, one.words, one.value("pga")
@@ -186,7 +186,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
 
 
 def block_details(summary: xr.Dataset, block: str) -> str:
-    """All that is known of one block; a ResultsError for a name that is not in the results."""
+    """Return all facts and results of one block; ResultsError for an unknown name."""
     answers = _only(summary, "block", block)
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]
@@ -208,7 +208,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
 
 
 def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) -> str:
-    """The facts, then the answers: their lines are named by record or by block as `of` says."""
+    """Return the facts, then the results, with lines named by record or block according to `of`."""
     width = max(len(name) for name, _ in rows)
     head = [title, *(paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows), ""]
     if is_large(answers):
@@ -222,7 +222,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:
-    """The answers of one record or block, read."""
+    """Read the results of one record or block."""
     known = [str(item) for item in summary[dimension].values]
     if label not in known:
         raise unknown(label, known, dimension)

@@ -1,4 +1,4 @@
-"""The annual frequency of a limit state as text and as tables to be written, and the warnings that belong to it."""
+"""Annual frequencies of a limit state as text and as tables, with warnings."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -14,11 +14,11 @@ from rockpulse.views.shared.formatting import ABSENT, paragraph, several, three_
 from rockpulse.views.shared.shown_columns import Column, tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
 
-#: Bodies of an inventory that are shown.
+#: Number of bodies of an inventory that are shown.
 SHOWN = 10
-#: Shares of a frequency between which levels are shown.
+#: Quantiles of a frequency between which levels are shown.
 ENDS = (0.05, 0.95)
-#: Where the levels or factors lie that no record covers.
+#: Descriptions of levels or factors outside the range of the records.
 SIDES = ("below", "above", "far")
 
 
@@ -31,7 +31,7 @@ def _chance(value: float) -> str:
 
 
 def _survival(value: float) -> str:
-    """A probability near one with as many decimals as show its distance from one."""
+    """Format a probability near one with enough decimals to show its distance from one."""
     if math.isnan(value):
         return ABSENT
     missing = 1.0 - value
@@ -55,7 +55,7 @@ def _interval(title: str, show: Callable[[float], str], name: str) -> Column:
 
 
 def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: str) -> tuple[Column, ...]:
-    """Columns of every table of frequencies; a frequency is marked where `doubt` of some variables holds."""
+    """Return the columns of all tables of frequencies; `doubt` decides which frequencies are marked."""
     years = f"in {float(risk.attrs['years']):g} years"
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
@@ -67,7 +67,7 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
 
 
 def risk_overview(risk: xr.Dataset) -> str:
-    """The dataset of :func:`rockpulse.risk` as text."""
+    """Return the dataset of :func:`rockpulse.risk` as text."""
     years, measure = float(risk.attrs["years"]), risk.attrs["measure"]
     selected = (
         *_of_frequency(risk, "block", bool, "warning"),
@@ -90,7 +90,7 @@ def risk_overview(risk: xr.Dataset) -> str:
 
 
 def _levels(one: xr.Dataset) -> str:
-    """The levels between which most of the frequency of a body comes about, in the unit of the hazard."""
+    """Return the levels that contribute most of the frequency of a body, in the unit of the hazard."""
     share = one["share"].values
     if np.isnan(share).any():
         return ABSENT
@@ -101,18 +101,18 @@ def _levels(one: xr.Dataset) -> str:
 
 
 def _unit(risk: xr.Dataset) -> float:
-    """The unit of the hazard in SI."""
+    """Return the factor from the unit of the hazard to SI."""
     return float(risk.attrs["unit_in_si"])
 
 
 def risk_warnings(risk: xr.Dataset) -> list[str]:
-    """A sentence for each body whose frequency comes for more than a tenth from levels that no record covers."""
+    """Return a sentence for each body with more than a tenth of its frequency from levels beyond the records."""
     named = zip(risk["block"].values, risk["warning"].values, strict=True)
     return [f"{name}: {words}" for name, words in named if words]
 
 
 def inventory_overview(risk: xr.Dataset) -> str:
-    """The dataset of :func:`rockpulse.inventory_frequency` as text: the bodies that overturn most often, and all."""
+    """Return the dataset of :func:`rockpulse.inventory_frequency` as text: most frequent overturnings, and totals."""
     years, measure = float(risk.attrs["years"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
@@ -148,7 +148,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
-    """A sentence for each way in which frequencies come for more than a tenth from levels that no record covers."""
+    """Return a sentence for each kind of levels beyond the data with more than a tenth of a frequency."""
     where = {}
     for side, end in (("below", "low"), ("above", "high")):
         level = float(risk.attrs[f"covered_{end}"]) / _unit(risk)
@@ -167,7 +167,7 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
 
 
 def standing_overview(standing: xr.Dataset) -> str:
-    """The dataset of :func:`rockpulse.standing_test` as text: of an inventory the bodies that are least likely."""
+    """Return the dataset of :func:`rockpulse.standing_test` as text: for an inventory, the least likely survivors."""
     (dim,) = standing["chance"].dims
     age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
     chance = standing["chance"].values
@@ -198,13 +198,13 @@ def _told(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Seque
 
 
 def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
-    """A row for each body, without the contributions of levels."""
+    """Return a table with a row for each body, without the contributions of levels."""
     names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
     return _table(risk[names], "block", names, standing)
 
 
 def levels_table(risk: xr.Dataset) -> pd.DataFrame:
-    """A row for each body and range of levels, in the unit of the hazard, with its share of the frequency."""
+    """Return a row for each body and range of levels (unit of the hazard) with its share of the frequency."""
     table = risk[["bin_low", "bin_high", "share"]].to_dataframe().reset_index()
     table[["bin_low", "bin_high"]] /= _unit(risk)
     table = table.assign(measure=risk.attrs["measure"], unit=risk.attrs["unit"])
@@ -212,7 +212,7 @@ def levels_table(risk: xr.Dataset) -> pd.DataFrame:
 
 
 def inventory_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
-    """A row for each body of an inventory, the median in the unit of the hazard."""
+    """Return a table with a row for each body of an inventory, and the median in the unit of the hazard."""
     table = _table(risk[[*INVENTORY]], "body", [*INVENTORY], standing)
     return table.assign(median=table["median"] / _unit(risk), unit=risk.attrs["unit"])
 

@@ -1,4 +1,4 @@
-"""A site file as text: by sequences parameters, design and coverage, by the spectrum the design of every body."""
+"""A site file as text: parameters, design and coverage for sequences, or the design of every body for a spectrum."""
 
 import math
 from collections.abc import Callable
@@ -25,15 +25,15 @@ from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cel
 from rockpulse.views.shared.words import counted_words, listed, say, translated, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
-#: Rows of a table of blocks, and names of events, that are listed one by one.
+#: Largest number of listed blocks and events.
 LISTED = 12
-#: Restitution of the blocks of the table of the spectrum, and the step of its rows along p.
+#: Restitution of the blocks in the table of the spectrum, and step of its rows along p.
 SHOWN_RESTITUTION, STEP = 0.9, 3
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
 def site_overview(tree: xr.DataTree) -> str:
-    """The tree of :func:`rockpulse.calibrate` as text for the terminal."""
+    """Return the tree of :func:`rockpulse.calibrate` as text for the terminal."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         own = [explained(table) for table in site_tables(site) or _spectrum_tables(tree["spectra"].to_dataset(), site)]
@@ -53,19 +53,19 @@ def site_overview(tree: xr.DataTree) -> str:
 
 
 def site_warnings(site: xr.Dataset) -> list[str]:
-    """Sentences on the limits of the calibration, the gravest first."""
+    """Return warnings on the calibration, most serious first."""
     return warnings_of(site["site_warning_values"].item())
 
 
 def site_tables(site: xr.Dataset) -> list[Table]:
-    """The tables of a design: of its parameters and of the blocks under it; by the spectrum those that have rows."""
+    """Return the tables of a design: parameters and blocks; for a spectrum those with rows."""
     if site.attrs["method"] == "spectrum":
         return [table for table in (_design_table(site), _sequence_table(site)) if table.rows]
     return [_parameter_table(site), _block_table(site)]
 
 
 def about_records(site: xr.Dataset) -> list[str]:
-    """The records and their events, and how a sequence was made of each."""
+    """Describe the records and their events, and the method of their sequences."""
     method, weights, scaled = (str(site.attrs[name]) for name in ("method", "weights", "scaled_to"))
     each = zip(site["site_event"].values.tolist(), site["event_records"].values.tolist(), strict=True)
     on_records = say(
@@ -82,7 +82,7 @@ def about_records(site: xr.Dataset) -> list[str]:
 
 
 def _parameter_table(site: xr.Dataset) -> Table:
-    """The parameters of the sequences of all records: lognormal, with intervals where they are known."""
+    """Return a table of the parameters of the sequences of all records: lognormal fits, with known intervals."""
     medians = {"median": "median", "median_low": "median_lower", "median_high": "median_upper"}
     spread = {"dispersion": "dispersion", "low": "dispersion_lower", "high": "dispersion_upper"}
     of_logarithm, of_records = say("site.of_logarithm"), say("site.of_records")
@@ -102,7 +102,7 @@ def _parameter(name: str, words: str, unit: str) -> Cell:
 
 
 def design(site: xr.Dataset) -> str:
-    """The design sequence in a sentence."""
+    """Return the design sequence as a sentence."""
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
     count, duration = value["main_count"], value["duration"]
     interval = _range(site.sel(parameter="main"), "design", lambda limit: three_digits(limit, "m/s"))
@@ -121,7 +121,7 @@ def design(site: xr.Dataset) -> str:
 
 
 def coverage(site: xr.Dataset) -> str:
-    """The share of the recorded rotations that the design covers, of events it does not know; or its quantile."""
+    """Describe the share of recorded rotations that the design covers, for events left out; or its quantile."""
     if site.attrs["method"] == "spectrum":
         of = {"records": counted_words(int(site["record_count"]), "record")}
         of |= {"earthquakes": counted_words(int(site["event_count"]), "earthquake")}
@@ -146,7 +146,7 @@ def coverage(site: xr.Dataset) -> str:
 
 
 def _block_table(site: xr.Dataset) -> Table:
-    """The blocks under the design sequence."""
+    """Return a table of the blocks under the design sequence."""
 
     def under(peak: float) -> Cell:
         return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number_cell(peak, ratio)
@@ -169,7 +169,7 @@ def _interval(title: str, name: str) -> Column:
 
 
 def _design_table(site: xr.Dataset) -> Table:
-    """The design of every body that has one, in effective impulses and as a factor."""
+    """Return a table of the design of bodies, as effective impulse and as factor."""
     quantile, confidence = (f"{six_digits(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
 
     def over(factor: float) -> Cell:
@@ -193,7 +193,7 @@ def _design_table(site: xr.Dataset) -> Table:
 
 
 def _sequence_table(site: xr.Dataset) -> Table:
-    """A sequence of the effect of the design on every body, one of many."""
+    """Return a table of a sequence equivalent to the design for every body."""
     interval_of = "site.head.interval_of"
     selected = (
         titled(say("head.body"), Cell, "block", width=34),
@@ -209,13 +209,13 @@ def _sequence_table(site: xr.Dataset) -> Table:
 
 
 def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
-    """The quantiles of the spectrum over p at one restitution; nothing where too few earthquakes make it."""
+    """Return tables of the quantiles of the spectrum over p at one restitution; empty for too few earthquakes."""
     if spectra["spectrum_design"].isnull().any():
         return []
     at = spectra.sel(restitution=SHOWN_RESTITUTION, method="nearest")
     quantile, confidence = (f"{100.0 * float(site[name]):g} %" for name in ("quantile", "confidence"))
     columns = {"spectrum_50": "median", "spectrum_84": "84 %", "spectrum_design": quantile}
-    titles = {title: key for key, title in columns.items()}  # the design in place of the same quantile
+    titles = {title: key for key, title in columns.items()}  # the design replaces the same quantile
     notes = {"spectrum_design": "the design"}
     selected = (
         titled("p", number_cell, "p", unit="1/s"),
@@ -231,7 +231,7 @@ def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
 
 
 def explained(table: Table) -> str:
-    """The table for the terminal; the small print below its headings in the report is a note here."""
+    """Return the table for the terminal, with the small print of its headings as notes."""
     titles: dict[str, list[str]] = {}
     for heading in table.headings:
         if heading.note:
@@ -263,7 +263,7 @@ def _correlation(site: xr.Dataset) -> Table:
 
 
 def _coverage(site: xr.Dataset, blocks: Table) -> str:
-    """Coverage over all blocks, then block by block or, of many, the extremes."""
+    """Describe the coverage over all blocks, then of each block or, for many blocks, the extremes."""
     told = [
         coverage(site),
         f"{share(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "

@@ -1,4 +1,4 @@
-"""The verdicts of all models as text: a line for every record and body, and what overturns."""
+"""The results of all models as text: a line for every record and body, and overturned bodies."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -27,15 +27,15 @@ from rockpulse.views.shared.notes import (
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
 
-#: Columns of every table below a record, and of the probability.
+#: Columns of every table by record, and of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")
-#: Records that govern, and bodies that each of them governs, which are named.
+#: Largest number of governing records, and of bodies named for each.
 NAMED = 3
 
 
 def verdict_table(summary: xr.Dataset) -> str:
-    """The verdict of every model, a line per block under a heading per record, with footnotes."""
+    """Return the result of every model, one line per block under a heading per record, with footnotes."""
     answers = Answers(summary)
     of_models = col.answer_columns(answers)
     marks = col.marks_of(cell for column in of_models.values() for cell in column)
@@ -46,7 +46,7 @@ def verdict_table(summary: xr.Dataset) -> str:
 
 
 def probability_table(answers: Answers) -> str:
-    """The probability of overturning and the factors that it grows with, laid out as the verdicts; empty without."""
+    """Return probabilities of overturning and their factors in the layout of the results; empty if unknown."""
     if not answers.probable:
         return ""
     selected = col.columns(*PROBABILITY)
@@ -62,7 +62,7 @@ def probability_table(answers: Answers) -> str:
 
 
 def factor_table(answers: Answers) -> str:
-    """The smallest factor on the input of each model that was searched, laid out as the verdicts; empty without."""
+    """Return the smallest factors of each searched model in the layout of the results; empty if unknown."""
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
@@ -85,7 +85,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """A line for every body under a heading for every record: what is asked of it, and a row of the table; notes."""
+    """Return a line for every body under a heading for every record, with its demand and a row of the table; notes."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -104,10 +104,10 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """The records that overturn each block, or a weaker copy of which does; counts of every model; `files` first."""
+    """Return the records that, also scaled down, overturn each block, and counts of every model; `files` first."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
-    # A probability already counts what rocks by luck alone.
+    # A probability already includes chance survival.
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
@@ -128,7 +128,7 @@ def overturned(answers: Answers, files: str = "") -> str:
 
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
-    """The verdict on every body over all motions; of more than `most` those that are the most likely to overturn."""
+    """Return the verdict on every body over all motions, limited to the `most` likely to overturn."""
     found, summary = verdicts(answers), answers.summary
     places = np.argsort([-one.decides.value for one in found], kind="stable")[:most]
     lanes = (np.sort(places) if most is None else places).tolist()
@@ -165,7 +165,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
 
 
 def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
-    """The motions that the verdicts rest on: as they are, or brought to the demands of the site."""
+    """Describe the motions of the verdicts: unscaled, or scaled to the demands of the site."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
@@ -180,7 +180,7 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
 
 
 def _legend(answers: Answers) -> list[str]:
-    """The meaning of the words and columns of the verdicts, in three lines at most."""
+    """Explain the words and columns of the verdicts in at most three lines."""
     if answers.motions.kind == "sequence":
         return []
     few = answers.motions.event_count
@@ -195,7 +195,7 @@ def _legend(answers: Answers) -> list[str]:
 
 
 def _middle_factors(answers: Answers) -> list[Cell]:
-    """The median over the motions of the factor of 50 % probability, else of the safety factor, of every body."""
+    """Return for every body the median over motions of the factor at P = 50 %, else of the safety factor."""
     if not answers.probable:
         return [col.margin_cells(margin)[1] for margin in answers.margins()]
     least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
@@ -206,7 +206,7 @@ def _middle_factors(answers: Answers) -> list[Cell]:
 
 
 def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
-    """Of every body the largest displacement of its top [cm] and rotation [degrees] in what does not overturn it."""
+    """Return for every body the largest survived displacement of its top [cm] and rotation [degrees]."""
     stays = np.isin(answers["outcome"], (Outcome.AT_REST, Outcome.ROCKS))
     peak = np.fmax.reduce(np.where(stays, answers["peak_rotation_ratio"], np.nan), axis=0, initial=np.nan)
     places = [body.place for body in answers.bodies]
@@ -215,7 +215,7 @@ def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
 
 
 def worst_motions(answers: Answers, most: int) -> str:
-    """The motions that are the most likely to overturn a body, as they are: the body, its probability and factor."""
+    """Return the unscaled motions most likely to overturn a body, with body, probability and factor."""
     motions, factor = answers.motions, np.fmin.reduce(answers.motions.over(answers[answers.factor], np.nan), axis=1)
     if not motions.names:
         return ""
@@ -253,7 +253,7 @@ def worst_motions(answers: Answers, most: int) -> str:
 
 
 def governing(answers: Answers) -> str:
-    """The records of the smallest factors, or that overturn, in words with their bodies; empty where none is known."""
+    """Describe the records with the smallest factors, or that overturn, with their bodies; empty if unknown."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:

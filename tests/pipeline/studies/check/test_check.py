@@ -14,26 +14,26 @@ from rockpulse.studies.check.check import check
 
 def config(**more):
     wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
-    return rp.Config(blocks=(wall,), check=CheckSettings(spectrum="en_1998_1", ag=0.25, ground="C", **more))
+    return rp.Config(bodies=(wall,), check=CheckSettings(spectrum="en_1998_1", ag=0.25, ground="C", **more))
 
 
 def test_a_dataset_holds_all_codes_with_their_units():
-    found = check(config())
+    found = check(config=config())
     assert found["code"].values.tolist() == list(CODES)
     assert found["activation"].attrs["units"] == "m s-2"
     assert found["activation_ratio"].sel(block="wall", code="circolare_2009").item() == pytest.approx(
         0.1 / 1.35 / 0.14375
     )
     assert "probability" not in found
-    assert check(config(), ["en_1998"]).sizes["code"] == 1
+    assert check(config=config(), code=["en_1998"]).sizes["code"] == 1
 
 
 def test_a_body_that_a_check_cannot_take_is_told_and_the_others_stand():
     held = rp.BlockSettings(
         name="held", width=0.4, height=4.0, mass=1e3, ties=(rp.TieSettings(height=3.0, stiffness=1e6, side="both"),)
     )
-    wall = config().blocks[0]
-    found = check(rp.Config(blocks=(held, wall), check=config().check))
+    wall = config().bodies[0]
+    found = check(config=rp.Config(bodies=(held, wall), check=config().check))
     assert np.isnan(found["multiplier"].values[0])
     assert "tie without yield_force" in found["statement"].values[0, 0]
     assert found["multiplier"].values[1] == pytest.approx(0.1)
@@ -41,11 +41,11 @@ def test_a_body_that_a_check_cannot_take_is_told_and_the_others_stand():
 
 def test_what_cannot_be_checked_at_all_is_an_error():
     with pytest.raises(ConfigError, match="no body to check"):
-        check(rp.Config(check=config().check))
+        check(config=rp.Config(check=config().check))
     with pytest.raises(ConfigError, match="expected the demand of the code"):
-        check(rp.Config(blocks=config().blocks))
+        check(config=rp.Config(bodies=config().bodies))
     with pytest.raises(ConfigError, match="expected some of circolare_2009"):
-        check(config(), ["asce"])
+        check(config=config(), code=["asce"])
 
 
 @pytest.mark.parametrize(
@@ -77,14 +77,14 @@ def test_of_two_senses_the_worse_acceleration_and_the_worse_displacement_count()
     tie = rp.TieSettings(height=3.5, stiffness=1e6, yield_force=5e3, ultimate=0.03)
     body = rp.BlockSettings(name="a", width=0.8, height=4.0, offset=0.12, mass=6000.0, ties=(tie,))
     settings = CheckSettings(spectrum="en_1998_1", ag=0.3, ground="B", confidence_factor=1.0)
-    found = check(rp.Config(blocks=(body,), check=settings))
+    found = check(config=rp.Config(bodies=(body,), check=settings))
     assert found["multiplier"].item() == pytest.approx(0.26)
     assert found["activation_sense"].values.tolist() == [["negative"] * 3]
     assert found["displacement_sense"].values.tolist() == [["positive", "positive", ""]]
     assert found["displacement"].values[0, :2] == pytest.approx([0.112, 0.112])
     assert np.all(found["displacement_ratio"].values[0, :2] < 0.9)
     free = replace(body, ties=(replace(tie, side="negative"),))
-    other = check(rp.Config(blocks=(free,), check=settings))
+    other = check(config=rp.Config(bodies=(free,), check=settings))
     # The tie on the other side leaves theta > 0 at alpha_0 = 0.14, and its displacement as it was.
     assert other["multiplier"].item() == pytest.approx(0.14)
     assert other["displacement"].values[0, :2] == pytest.approx([0.112, 0.112])
@@ -94,7 +94,7 @@ def test_a_table_that_ends_early_costs_only_what_it_does_not_reach(tmp_path):
     (tmp_path / "short.csv").write_text("period [s],Sa [g]\n0,0.3\n0.2,0.7\n1,0.3\n")
     settings = CheckSettings(spectrum="table", file="short.csv", confidence_factor=1.0)
     wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
-    found = check(rp.Config(blocks=(wall,), check=settings, folder=tmp_path))
+    found = check(config=rp.Config(bodies=(wall,), check=settings, folder=tmp_path))
     assert found["activation_ratio"].values[0] == pytest.approx([0.1 / 0.15, 0.1 / 0.15, 0.1 / 0.3])
     assert np.isnan(found["displacement_ratio"].values).all()
     told = found["statement"].values[0].tolist()

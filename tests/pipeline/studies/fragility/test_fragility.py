@@ -100,7 +100,7 @@ def test_a_body_in_a_direction_of_its_own_is_shaken_in_it():
     ]
     own = {"others": {}, "own": {"azimuth": 30.0}}
     blocks = tuple(rp.BlockSettings(name=name, width=0.6, height=3.0, **known) for name, known in own.items())
-    config = replace(options(), blocks=blocks, records=rp.RecordSettings(components="azimuth", azimuth=75.0))
+    config = replace(options(), bodies=blocks, records=rp.RecordSettings(components="azimuth", azimuth=75.0))
     found = rp.fragility(pair, config)["capacities"]["measure_value"].sel(measure="pga").isel(record=0)
     assert found.values.tolist() == pytest.approx([rotate(Pair(*pair), azimuth).pga for azimuth in (75.0, 30.0)])
 
@@ -197,7 +197,7 @@ def test_the_acceleration_that_lifts_a_body_is_told_where_the_ground_does_it_alo
     bodies = tuple(rp.BlockSettings(name=name, width=0.6, height=3.0, floors=own) for name, own in floors.items())
     few = options(limit_states=["uplift"], measures=["pga"])
     for vertical, known in ((False, [True, False]), (True, [False, False])):
-        config = replace(few, blocks=bodies, records=rp.RecordSettings(include_vertical=vertical))
+        config = replace(few, bodies=bodies, records=rp.RecordSettings(include_vertical=vertical))
         found = rp.fragility(records[:2], config)["fragility"]["uplift_acceleration"].values
         assert np.isfinite(found).tolist() == known
 
@@ -348,7 +348,7 @@ def test_limit_states_are_kept_in_the_order_of_severity():
 
 @pytest.mark.slow
 def test_the_lobes_of_the_impulse_on_the_time_scale_of_the_block_are_efficient_on_real_records(records_folder):
-    from rockpulse.config.configuration import ConditioningSettings
+    from rockpulse.config.settings import ConditioningSettings
     from rockpulse.readers.folders import read_all
 
     strong, _ = read_all([str(records_folder / name) for name in ("at2", "csmip_v1", "geonet", "csmip_v2", "renadic")])

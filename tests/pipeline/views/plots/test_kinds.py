@@ -112,7 +112,7 @@ def _seen(figure):
 
 def test_a_picture_is_drawn_in_the_language_that_is_written(assessed):
     with writing("it"):
-        (ax,) = draw(assessed, "critical-scale", block="wall", models=["sequence", "nonlinear"]).axes
+        (ax,) = draw(assessed, "critical-scale", block="wall", model=["sequence", "nonlinear"]).axes
         assert {"0,5", "1", "10"} < {ax.xaxis.get_major_formatter()(value) for value in ax.get_xticks()}
     assert ax.figure.get_suptitle() == "wall: scala critica di ciascuna registrazione"
     assert in_legend(ax) == ["a sequenza", "non lineare"]
@@ -123,7 +123,7 @@ def test_a_picture_is_drawn_in_the_language_that_is_written(assessed):
 def test_the_tables_agree():
     assert DRAWERS.keys() == KINDS.keys()
     assert {option for row in KINDS.values() for option in row.options} == OPTIONS.keys()
-    assert (OPTIONS["record"], OPTIONS["limit_states"]) == ("--record", "--limit-state")
+    assert (OPTIONS["record"], OPTIONS["limit_state"]) == ("--record", "--limit-state")
     words = kind_list()
     assert all(name in words and row.command in words for name, row in KINDS.items())
 
@@ -139,7 +139,7 @@ def test_the_tables_agree():
         ("accelerogram", {"record": "CI.CLC*"}, r"is met by 2 .*, the picture is of one: CI\.CLC.*, CI\.CLC"),
         ("critical-scale", {"block": "xyz"}, "there are: wall"),
         ("critical-scale", {"block": "wall", "case": 2}, "from 1 to 1, got 2"),
-        ("overturning-map", {"block": "wall", "models": ["linear", "nonlinear"]}, "expected one model"),
+        ("overturning-map", {"block": "wall", "model": ["linear", "nonlinear"]}, "expected one model"),
         ("rocking-spectrum", {"record": "*90@*", "restitution": 1.5}, "restitution: expected a number from 0 to 1"),
         ("spectrum", {}, "without the group spectra"),
     ],
@@ -153,7 +153,7 @@ def test_a_pattern_does_that_one_name_meets_and_of_many_the_nearest_are_named(as
     summary = assessed["summary"].to_dataset()
     second = str(summary["record"].values[1])
     assert one_name(summary, "record", f"?{second[1:-7]}*") == second
-    figure = draw(assessed, "critical-scale", block="wal?", models=["nonl*"])
+    figure = draw(assessed, "critical-scale", block="wal?", model=["nonl*"])
     assert in_legend(figure.axes[0]) == ["nonlinear"]
     summary = assessed["summary"].to_dataset()
     many = summary.isel(record=np.zeros(30, dtype=int)).assign_coords(record=[f"record {k}" for k in range(30)])

@@ -145,7 +145,7 @@ def test_a_factor_on_the_record_is_the_motion_of_the_stronger_record(assessed, f
     own = rp.models.recorded_response(body, 0.7 * record.acceleration, record.dt, history=True)
     np.testing.assert_allclose(found.rotation, own.rotation / body.alpha_c, rtol=1e-9, atol=1e-12)
     assert found.peak == pytest.approx(float(own.peak_rotation_ratio))
-    figure = draw(assessed, "rotation-history", record=first, block=COLUMN, models=["nonlinear"], factor=0.7)
+    figure = draw(assessed, "rotation-history", record=first, block=COLUMN, model=["nonlinear"], factor=0.7)
     assert "the record times 0.7" in " ".join(figure.get_suptitle().split())
 
 

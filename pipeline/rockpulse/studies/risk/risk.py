@@ -1,0 +1,120 @@
+"""The annual frequency of a limit state: a fragility, or results and a table of bodies, over the hazard of a site."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import xarray as xr
+
+from rockpulse.config.configuration import Config, config_from_text, given_config
+from rockpulse.config.study_settings import OVERTURNING
+from rockpulse.errors import ConfigError
+from rockpulse.storage.hdf5.results_file import given_results
+from rockpulse.studies.risk.frequency import fragility_frequency
+from rockpulse.studies.risk.hazard import Hazard
+from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
+from rockpulse.studies.risk.inventory import Inventory, inventory_frequency, read_inventory
+
+
+def risk(
+    fragility: xr.DataTree | str | os.PathLike[str],
+    hazard: Hazard | str | os.PathLike[str] | None = None,
+    limit_state: str = OVERTURNING,
+    years: float | None = None,
+    confidence: float | None = None,
+    resamples: int = 500,
+    seed: int = 0,
+    *,
+    config: Config | str | os.PathLike[str] | None = None,
+    site: tuple[float, float] | None = None,
+    soil_factor: float | None = None,
+    bodies: Inventory | str | os.PathLike[str] | None = None,
+) -> xr.Dataset:
+    """Compute the annual frequency at which each body reaches a limit state.
+
+    Parameters
+    ----------
+    fragility : xarray.DataTree or path
+        Of :func:`rockpulse.fragility`, with the measure of the hazard; with `bodies` results of
+        :func:`rockpulse.assess` with ``[uncertainty] spectrum = "all"``.
+    hazard : PowerLawHazard, HazardCurve or path, optional
+        Annual rate of exceedance of that measure at the ground below the bodies, or the file of a hazard curve
+        (:func:`rockpulse.load_hazard`); by default that of [hazard].
+    limit_state : str
+        Of the fragility.
+    years : float, optional
+        Exposure time for `probability` and `survival` [years]; by default that of [hazard].
+    confidence : float, optional
+        Confidence level of the bands; by default that of the fragility.
+    resamples, seed : int
+        Number of bootstrap samples of the earthquakes for the bands, 0 for no band; seed of the random numbers.
+    config : Config or path, optional
+        With a section [hazard]; by default the configuration of the fragility.
+    site : (float, float), optional
+        Longitude and latitude [degrees], for a hazard file of several places.
+    soil_factor : float, optional
+        By which the levels of a hazard file on rock are multiplied [-]; by default that of [hazard].
+    bodies : path or Inventory, optional
+        A table (CSV) of free bodies, for :func:`rockpulse.inventory_frequency`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (block): `frequency` [1/year] with `frequency_low` and `frequency_high`, `probability` in `years` with its
+        limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels beyond
+        those of the records or of the hazard, `events`, `status`, `statement` and `warning`; over (block, bin)
+        `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. The uplift of a body on the
+        ground in PGA needs no fit: it is the rate of exceedance of its uplift PGA. With `bodies` as
+        :func:`rockpulse.inventory_frequency` returns it.
+
+    Raises
+    ------
+    ResultsError
+        For another tree, or one without the limit state or the measure.
+    ConfigError
+        For invalid years, confidence or resamples, no hazard or two of them, or a limit state for `bodies`.
+
+    References
+    ----------
+    Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58(5), 1583-1606.
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> t = np.arange(0.0, 4.0, 0.01)
+    >>> shake = [
+    ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", event=str(f), processed=True)
+    ...     for f in (0.6, 0.8, 1.0, 1.3, 1.7)
+    ... ]
+    >>> config = rp.Config(fragility=rp.FragilitySettings(overturning_model="lognormal"))
+    >>> pier = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
+    >>> tree = rp.fragility(shake, config, pier)
+    >>> found = rp.risk(tree, rp.PowerLawHazard(k0=1e-4, k=2.5), years=100.0)
+    >>> bool(0.0 < found["frequency"].item() < 1e-3), bool(found["survival"].item() > 0.9)
+    (True, True)
+    """
+    tree = given_results(fragility)
+    if hazard is not None and config is not None:
+        raise ConfigError("hazard, config: expected one source of the hazard, found both")
+    asked = config_from_text(str(tree.attrs["configuration"])) if config is None else given_config(config)
+    settings, folder = asked.hazard, asked.folder
+    given = None if isinstance(hazard, str | os.PathLike) else hazard
+    if given is not None and (site is not None or soil_factor is not None):
+        raise ConfigError("site, soil_factor: they go with the file of a hazard; a hazard in Python has its own")
+    if isinstance(hazard, str | os.PathLike):
+        settings = replace(settings, file=os.fspath(hazard), k0=None, k=None, longitude=None, latitude=None)
+        folder = Path()
+    if site is not None:
+        settings = replace(settings, longitude=site[0], latitude=site[1])
+    if soil_factor is not None:
+        settings = replace(settings, soil_factor=soil_factor)
+    years = settings.years if years is None else years
+    if bodies is None:
+        known = given or hazard_of(settings, folder)
+        return fragility_frequency(tree, known, limit_state, years, confidence, resamples, seed)
+    if limit_state != OVERTURNING:
+        raise ConfigError(f"limit_state: the spectra hold the probability of overturning alone, found {limit_state!r}")
+    table = bodies if isinstance(bodies, Inventory) else read_inventory(Path(bodies))
+    count, level = len(table.names), 0.9 if confidence is None else confidence
+    hazards = given or site_hazards_of(settings, table.sites, table.soil_factor, count, folder)
+    return inventory_frequency(tree, table.block, hazards, years, level).assign_coords(body=table.names)
