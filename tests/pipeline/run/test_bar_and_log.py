@@ -7,16 +7,10 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
+from batch_runs import CONFIG
 from record_writers import at2, pulse
 
 import rockpulse as rp
-from rockpulse import BlockSettings, Config, ModelSettings, SearchSettings
-
-CONFIG = Config(
-    models=ModelSettings(use=("resonance",)),
-    search=SearchSettings(models=()),
-    blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
-)
 
 
 def standard_error(monkeypatch):
