@@ -53,9 +53,9 @@ def _address(contact, seconds):
         time.sleep(0.1)
 
 
-def wait_for_workers(crew, count, seconds=300.0):
-    """Until the cluster behind the crew has so many workers; a scheduler is there long before they are."""
+def wait_for_workers(pool, count, seconds=300.0):
+    """Until the cluster behind the pool has so many workers; a scheduler is there long before they are."""
     end = time.monotonic() + seconds
-    while crew.size != count:
-        assert time.monotonic() < end, f"expected {count} workers, found {crew.size}"
+    while pool.size != count:
+        assert time.monotonic() < end, f"expected {count} workers, found {pool.size}"
         time.sleep(0.05)

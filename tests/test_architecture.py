@@ -1,4 +1,4 @@
-"""The shape of the house, read from the source text: rooms in one order, no circle, docstrings, nothing passed over.
+"""Architecture rules checked on the source text: layers in one order, no cycles, docstrings, no ignored errors.
 
 Each rule is one test over all sources, which names every offender.
 """

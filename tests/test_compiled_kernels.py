@@ -1,4 +1,4 @@
-"""The kernels compiled before a long run: each call by one worker, and none again."""
+"""The kernels compiled before a long run: each call is compiled once, by one worker."""
 
 import compiled_kernels
 from compiled_kernels import calls, compile_share

@@ -1,4 +1,4 @@
-"""Strong recorded motions and the bodies that they are tried on: one protocol for the rule and the checks of codes.
+"""Ensemble of strong records and bodies, with one protocol for the rule and the code checks.
 
 .. note:: The protocol: channels whose conditioned peak is above 0.15 g; mean removed, no taper, pads of zeros,
    Butterworth of order 2 from 0.1 to 25 Hz, zero phase (no low-pass where the Nyquist frequency is no higher); 60 s

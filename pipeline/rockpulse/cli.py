@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
 from rockpulse.commands.parser import Parser
-from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, forsake, kernel_messages, tell
+from rockpulse.commands.terminal import WRITTEN, differing_results, discard_output, file_fault, kernel_messages, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
@@ -88,7 +88,7 @@ def _run(argv: Sequence[str] | None) -> int:
     except RockpulseError as error:
         return _ended(str(error), USAGE)
     except OSError as error:
-        if isinstance(error, BrokenPipeError) and _reader_has_left():  # as in `rockpulse ... | head`
+        if isinstance(error, BrokenPipeError) and _output_closed():  # as in `rockpulse ... | head`
             return 0
         return _ended(file_fault(error, args), USAGE)
     except Exception as error:
@@ -104,11 +104,11 @@ def _ended(why: str, code: int) -> int:
     return code
 
 
-def _reader_has_left() -> bool:
+def _output_closed() -> bool:
     """Whether standard output, not a pipe of the run itself, has been closed; unwritten output is dropped."""
     try:
         print(flush=True)  # unwritten output may have been dropped before
     except BrokenPipeError:
-        forsake(sys.stdout)
+        discard_output(sys.stdout)
         return True
     return False

@@ -56,7 +56,7 @@ _LINE = re.compile(r":\d+(?=: )")
 #: Pattern of the id of a record before a reason; an id contains a point and no blank.
 _ID = re.compile(r"\S+\.\S*(?=: )")
 #: Number of files named as examples for a reason that several files share.
-_EXAMPLES = 2
+_EXAMPLES = 10
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ def test_rows_of_one_reason_are_one_group_where_the_first_of_them_stands():
 
 def test_channels_of_one_file_are_counted_as_channels():
     rows = [failed("a.v1", f"a.{number}: too short", "assess") for number in range(3)]
-    assert reasons_in_words(rows) == "3 channels (a.0, a.1 and 1 more): too short"
+    assert reasons_in_words(rows) == "3 channels (a.0, a.1, a.2): too short"
 
 
 def test_a_single_reason_that_does_not_name_its_file_gets_it():

@@ -15,7 +15,6 @@ OPTIONS = {
     "clc_decimal_commas.csv": {"units": "m/s2"},
     "clc_tabs.txt": {"units": "g"},
     "clc_rows.g3": {"units": "g", "dt": 0.01},
-    "clc_end_data.txt": {"units": "g"},
 }
 
 

@@ -91,7 +91,7 @@ def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -
     return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
 
 
-def aloft(scene: Scene, place: FeltMotion, config: Config) -> Scene:
+def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
     """Return the scene on the floor of a place; the vertical motion is that of the ground."""
     if not place.floors:
         return scene
@@ -152,7 +152,7 @@ class Senses:
         rank = -np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor)
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
-    def likelier(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
+    def higher_probability(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
         """Index in ``block`` of each lane's sense with the higher probability, or if equal with the smaller factor."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 

@@ -13,9 +13,9 @@ HEADS |= {"solve_ivp: error": 17, "ns ": 9}
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.studies.selftest.selftest import stored_cases, tried
+    from rockpulse.studies.selftest.selftest import solve_case, stored_cases
 
-    found = [tried(case) for case in stored_cases()]
+    found = [solve_case(case) for case in stored_cases()]
     failed = [one for one in found if not one.passed]
     if not args.quiet:
         tell(_line(list(HEADS)))

@@ -21,10 +21,10 @@ def tell(text: str, file: TextIO | None = None) -> None:
     try:
         print(escaped(text), file=file, flush=True)
     except BrokenPipeError:
-        forsake(file)
+        discard_output(file)
 
 
-def forsake(file: TextIO) -> None:
+def discard_output(file: TextIO) -> None:
     """Discard all further text to standard output or standard error."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, file.fileno())
@@ -68,7 +68,7 @@ def kernel_messages(quiet: bool) -> Iterator[None]:
 
 #: Command that makes a missing file, by the argument that names the file.
 MISSING = {
-    "config": "rockpulse init-config -o FILE writes one to fill in",
+    "config": "rockpulse init-config -o {file} writes one to fill in",
     "sequence": "rockpulse calibrate writes one",
     "site": "rockpulse calibrate writes one",
     "fragility": "rockpulse fragility writes one",
@@ -103,8 +103,9 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
     path = Path(shown).absolute()
     named = [name for name, value in vars(args).items() if isinstance(value, str) and Path(value).absolute() == path]
     option = named[0] if named else ""
+    path_given = getattr(args, option) if option else shown
     if option:
-        shown = getattr(args, option)
+        shown = path_given
         shown = shown if option in BARE else f"--{option.replace('_', '-')} {shown}"
     if error.errno == errno.EISDIR:
         return f"{shown}: expected a file, found a folder"
@@ -115,7 +116,8 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
         return f"{shown}: there is no folder {path.parent}; check the path, or create it first"
     if option in WRITTEN:
         return f"{shown}: cannot be written ({error.strerror}); choose another folder"
-    return f"{shown}: no such file; check the path{f' ({MISSING[option]})' if option in MISSING else ''}"
+    command = f" ({MISSING[option].format(file=path_given)})" if option in MISSING else ""
+    return f"{shown}: no such file; check the path{command}"
 
 
 def differing_results(args: argparse.Namespace) -> str:

@@ -5,11 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
+from rockpulse.readers.arrays import read_tables, text_tables
 from rockpulse.readers.format import FileSettings, Format, ReadOptions
 from rockpulse.readers.formats import FORMATS
 from rockpulse.readers.kit.text import UNITS
-from rockpulse.readers.no_record import advice, may_be_record
-from rockpulse.readers.source import NoRecord, SourceFile, Unrecognised, open_source, open_stream
+from rockpulse.readers.no_record import advice, is_table, may_be_record
+from rockpulse.readers.source import NoRecord, SourceFile, Table, Unrecognised, open_source, open_stream
 from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", "read_source"]
@@ -17,15 +18,23 @@ __all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", 
 
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
     """Read every channel of an opened file, as `read` does for a path."""
+    tables = text_tables(file)
+    if tables is not None:
+        return read_tables(file, tables, lambda table: _read_text(table, options))
+    return _read_text(file, options)
+
+
+def _read_text(file: SourceFile, options: ReadOptions) -> list[Record]:
+    if is_table(file):
+        raise Table(f"{file.name}: a table of results or of parameters, no record")
     for row in FORMATS:
         if row.detect(file.head, file.name):
             options = options.of_file(file.name)
             records = row.read(file, options)
             options.check(records)
             return records
-    tried = ", ".join(row.name for row in FORMATS)
     kind = Unrecognised if may_be_record(file) else NoRecord
-    raise kind(f"{file.name}: no reader recognises the file; {advice(file)} (formats tried: {tried})")
+    raise kind(f"{file.name}: no reader recognises the file; {advice(file)} ('rockpulse formats' lists what is read)")
 
 
 def read(

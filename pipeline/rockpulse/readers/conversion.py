@@ -278,6 +278,8 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
     """The property that comes back wrong: direction, or raw or corrected; with `whole`, also one that is missing."""
+    if orientation_of(record) == "unknown":  # the name of the file may tell more
+        return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
         return f"the orientation comes back as {again.orientation!r} instead of {orientation_of(record)!r}"
     azimuth, back = azimuth_of(record), again.azimuth
@@ -286,6 +288,11 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
     missing = not np.isfinite(back)
     if (missing and known and whole) or not (missing or off <= _AZIMUTH_TOLERANCE):
         return f"the azimuth comes back as {back:g} instead of {azimuth:g}"
+    return _wrong_state(record, again, whole)
+
+
+def _wrong_state(record: Record, again: Record, whole: bool) -> str:
+    """The words for a state of processing that comes back wrong."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed comes back as {again.processed} instead of {record.processed}"
     return ""

@@ -19,7 +19,9 @@ from rockpulse.readers.parts import sample_digest, settled
 from rockpulse.readers.source import (
     NoRecord,
     NotAcceleration,
+    OtherKind,
     SourceFile,
+    Table,
     check_link,
     folder_station_files,
     open_source,
@@ -308,4 +310,5 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
     if isinstance(fault, NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
-    return Failure(name, "read", reason, "skipped" if isinstance(fault, NotAcceleration) and not named else "failed")
+    skipped = isinstance(fault, OtherKind | Table) or (isinstance(fault, NotAcceleration) and not named)
+    return Failure(name, "read", reason, "skipped" if skipped else "failed")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rockpulse.errors import ConfigError, RecordFormatError, UnitError
 from rockpulse.option import KeyType, Section, key, number, text
+from rockpulse.readers.kit.channel import copies_told
 from rockpulse.readers.kit.spacing import same_step
 from rockpulse.readers.kit.text import UNITS, canonical_unit, for_other_files
 from rockpulse.readers.parts import PartRule
@@ -167,7 +168,7 @@ class Format:
         records = [replace(record, format=self.name) for record in self.parse(half or file, options)]
         if self.parts:
             records = self.parts.read(half or file, records)
-        records = distinct_ids(records)
+        records = copies_told(distinct_ids(records))
         if half is None:
             return records
         note = "the second half of the file is a copy of the first: it was read once"

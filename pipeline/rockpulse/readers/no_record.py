@@ -12,7 +12,7 @@ from rockpulse.readers.source import SourceFile
 #: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
 #: First element of XML files of a station or an earthquake; other XML files may hold samples.
-_METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml)\b", re.IGNORECASE)
+_METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml|inventory\b[^>]*(?:geofon|seiscomp))", re.IGNORECASE)
 #: Names of files that agencies put beside their records, in lower letters and without suffix.
 _BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", "citation"})
 #: Beginning of the name of PEER's list of what was found, which holds spectra, and so rows of numbers.
@@ -39,6 +39,22 @@ _OWN_TABLE = re.compile(
     rb"file[,;] *stage)\b",
     re.IGNORECASE,
 )
+#: Headings of flat files, and of lists of stations and files; one of them must stand in the first line.
+_PARAMETER = re.compile(
+    rb"npts|pga|pgv|rrup|rjb|r_?epi|vs_?30|magnitude|mag\b|file_?name|file\b|station|rsn", re.IGNORECASE
+)
+_PARAMETERS = re.compile(
+    r"file|files|file ?name|path|record|record (?:id|name|number)|rsn|id|npts|n ?pts|dt|duration|pga\w*|pgv\w*|pgd\w*|"
+    r"(?:peak|max)(?: ground)?(?: acc\w*| vel\w*| disp\w*)?|ia|arias(?: intensity)?|cav|d5 ?95|d5 ?75|"
+    r"mag(?:nitude)?|mw|ml|ms|m|"
+    r"rrup|rjb|rx|repi|r epi|rhyp|r hyp|epicentral distance|distance|dist|depth|hypocentr\w+ depth|vs ?30|vs ?30 m s|"
+    r"station|station (?:id|name|code)|sta|network|net|event|event (?:id|name)|eq ?id|earthquake(?: name)?|year|date|"
+    r"lat(?:itude)?|lon(?:gitude)?|station latitude|station longitude|mechanism|site class|azimuth|component|channel|"
+    r"orientation|scale factor|tp|pulse period"
+)
+#: Words that head samples: a file with them is a series, whatever else its headings say.
+_SAMPLES_OF = re.compile(r"time|t|acc|accel|acceleration|ax|ay|az|accx|accy|accz")
+_LONGEST_HEADING, _FEWEST_PARAMETERS = 4000, 3
 _SPREADSHEETS = frozenset({".ods", ".xls", ".xlsm", ".xlsx"})
 #: Suffixes that records have; those of texts and tables (.txt, .csv) tell nothing.
 _RECORDS = re.compile(
@@ -84,7 +100,7 @@ def may_be_record(file: SourceFile) -> bool:
     if suffix in _SPREADSHEETS or _BINARY.search(file.head) or _CODED.search(file.head):
         return True
     text = file.head.decode("utf-8", errors="replace")
-    if _OWN_TABLE.match(file.head) or len(_DIGITS.findall(text)) < _FEWEST:
+    if is_table(file) or len(_DIGITS.findall(text)) < _FEWEST:
         return False
     return _is_series([line for line in text.splitlines() if any(map(str.isalnum, line))])
 
@@ -111,6 +127,22 @@ def _words(line: str) -> tuple[str, ...] | None:
     if not _DECIMAL.search(line) and len(_DIGITS.findall(line)) < len(_LETTERS.findall(line)):
         return None
     return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
+
+
+def is_table(file: SourceFile) -> bool:
+    """Whether a file is a table of the program, or a flat file: a line of headings of parameters, one row a record."""
+    if _OWN_TABLE.match(file.head):
+        return True
+    end = file.head.find(b"\n", 0, _LONGEST_HEADING)
+    if end < 0 or not _PARAMETER.search(file.head, 0, end):
+        return False
+    heading = file.head[:end].decode("utf-8", errors="replace").lower()
+    delimiter = max(",;\t", key=heading.count)
+    cells = [cell.strip().strip('"') for cell in heading.split(delimiter)]
+    words = [" ".join(re.split(r"[\W_]+", re.sub(r"[(\[].*", "", cell))).strip() for cell in cells]
+    known = {word for word in words if _PARAMETERS.fullmatch(word)}
+    motion = any(_SAMPLES_OF.fullmatch(word) for cell in cells for word in re.split(r"[\W_\d]+", cell))
+    return len(cells) > 2 and len(known) >= _FEWEST_PARAMETERS and not motion
 
 
 def advice(file: SourceFile) -> str:

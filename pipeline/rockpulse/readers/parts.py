@@ -5,16 +5,19 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from datetime import UTC, datetime
 from itertools import pairwise
 
 import numpy as np
 
-from rockpulse.errors import Failure
+from rockpulse.errors import Failure, last_part
+from rockpulse.readers.integrals import without_integrals
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
 from rockpulse.warning_text import WarningText, code_of, find
 
+_NEVER = datetime.max.replace(tzinfo=UTC)
 _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
 
 
@@ -62,11 +65,16 @@ def sample_digest(record: Record) -> str:
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """Each content once, as `digest` tells, cut records joined, sorted, with the records each is made of; copies."""
-    kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
+    """Each content once, as `digest` tells, cut records joined, sorted, with the records each is made of.
+
+    Second: rows for copies, and for files that are the integral of another.
+    """
+    kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
+    kept, integrals = without_integrals(kept)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
-    named = distinct_ids([record for record, _ in whole])
-    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], duplicates
+    told = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
+    named = distinct_ids(told)
+    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [*duplicates, *integrals]
 
 
 def _place(record: Record) -> tuple[str, str]:
@@ -75,52 +83,68 @@ def _place(record: Record) -> tuple[str, str]:
 
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], str]
-) -> tuple[list[Record], list[Failure]]:
-    """Each content once, and rows for the others; kept is the record that knows its direction, else time and event."""
+) -> tuple[list[Record], list[Failure], dict[int, WarningText]]:
+    """Each content once, and rows for the others; kept is the record that knows its direction, else time and event.
+
+    Third: a remark, by the identity of a record, on those of several files that are kept as other channels of equal
+    samples.
+    """
     alike: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         alike[digest(record)].append(record)
     copies: dict[int, Failure] = {}
+    twins: dict[int, WarningText] = {}
     for group in alike.values():
         kept: list[Record] = []
         group.sort(key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
         for record in group:
             first = next((one for one in kept if _same_motion(one, record)), None)
             if first is None:
+                twin = next((one for one in kept if one.source != record.source), None)
+                if twin is not None and not find(record.warnings, "dead_channel"):
+                    twins.setdefault(id(twin), WarningText("same_samples", other=last_part(record.source), turned=""))
+                    twins[id(record)] = WarningText("same_samples", other=last_part(twin.source), turned="")
                 kept.append(record)
                 continue
             told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
             copies[id(record)] = Failure(record.source, "read", told, "duplicate")
     failures = [copies[id(record)] for record in records if id(record) in copies]
-    return [record for record in records if id(record) not in copies], failures
+    return [record for record in records if id(record) not in copies], failures, twins
 
 
 def _same_motion(one: Record, other: Record) -> bool:
     """Whether two records of equal samples are one motion: channels of one file, and dead ones, need not be."""
+    same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True) and one.orientation == other.orientation
+    if not same and "unknown" not in (one.orientation, other.orientation):
+        return False
     if one.component == other.component:
         return True
     if one.source == other.source or any(find(record.warnings, "dead_channel") for record in (one, other)):
         return False
-    if "unknown" in (one.orientation, other.orientation):
-        return True
-    same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True)
-    return one.orientation == other.orientation and same
+    return same or "unknown" in (one.orientation, other.orientation)
 
 
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
     """Join the parts of records that were cut into files; each record beside those that it is made of, in their order.
 
     Parts 1, 2, ... of one file name and station, which come last, are joined if they hold the same channels and each
-    begins one step behind the one before, by the columns of times or by the clocks. Else they get a warning.
+    begins one step behind the one before, by the columns of times or by the clocks. Else they get a warning. Files of
+    one channel of which each begins one step behind the end of the one before by their clocks, such as those of single
+    days, are joined too.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = []
     groups: dict[tuple[str, str], dict[str, list[Part]]] = {}
+    channels: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in records:
         if isinstance(record, Part):
             files = groups.setdefault((record.whole.lower(), record.station_name), {})
             files.setdefault(record.source, []).append(record)
-        else:
+        elif record.start_time is None or not (record.station or record.station_name):
             result.append((record, (record,)))
+        else:
+            channels[_channel(record)].append(record)
+    for chain in (chain for one in channels.values() for chain in _chains(one)):
+        result.append((chain[0] if len(chain) == 1 else _continued(chain), tuple(chain)))
     for files in groups.values():
         parts = sorted(files.values(), key=lambda part: part[0].part)
         fault = _fault(parts)
@@ -129,6 +153,48 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
         else:
             result += [(piece.with_warning(fault) if fault else piece, (piece,)) for part in parts for piece in part]
     return result
+
+
+def _channel(record: Record) -> tuple[object, ...]:
+    """The properties that all parts of one channel have in common."""
+    codes = (record.network, record.station, record.location, record.channel, record.station_name)
+    facing = (record.component, record.orientation, f"{record.azimuth:g}", f"{record.sensor_depth:g}")
+    return (
+        *codes,
+        *facing,
+        record.format,
+        record.source_unit,
+        record.unit_factor,
+        record.processed,
+        f"{record.dt:.6g}",
+    )
+
+
+def _chains(records: Sequence[Record]) -> list[list[Record]]:
+    """Records of one channel in the order of time, those together of which each begins one step behind the other."""
+    chains: list[list[Record]] = []
+    for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
+        before = chains[-1][-1] if chains else None
+        end = later(before.start_time, before.npts * before.dt) if before else None
+        if end and record.start_time and abs((record.start_time - end).total_seconds()) <= _STEP_SHARE * record.dt:
+            chains[-1].append(record)
+        else:
+            chains.append([record])
+    return chains
+
+
+def _continued(pieces: Sequence[Record]) -> Record:
+    """One channel that goes on from file to file, with the metadata of its first part."""
+    notes = dict.fromkeys(note for piece in pieces for note in piece.warnings)
+    return replace(
+        pieces[0],
+        acceleration=np.concatenate([piece.acceleration for piece in pieces]),
+        source=BETWEEN.join(piece.source for piece in pieces),
+        source_sha256=BETWEEN.join(piece.source_sha256 for piece in pieces),
+        header_peak=float(np.fmax.reduce([piece.header_peak for piece in pieces])),
+        warnings=tuple(notes),
+        processing=(*pieces[0].processing, f"{len(pieces)} files of one channel joined, each begins where one ends"),
+    )
 
 
 def _fault(parts: Sequence[Sequence[Part]]) -> str:

@@ -35,9 +35,11 @@ _ARCHIVES = {
 _TAR_MARK = 257
 #: A word in so many bytes from the start tells a header from the first of the numbers.
 _WORD, _TOP = re.compile(rb"[A-Za-z]{3}"), 1000
-#: First members of office documents, which are zip archives of no records.
-_DOCUMENTS = (b"[Content_Types].xml", b"mimetype")
+#: First members of office documents, which are zip archives of no records, as are the arrays of numpy (.npy).
+_DOCUMENTS = (b"[Content_Types].xml", b"mimetype", b"docProps/", b"_rels/", b"xl/")
 _FIRST_NAME = 30
+#: Suffixes of files of station metadata.
+_STATION_FILES = (".xml", ".dataless", ".dless")
 StationFiles = Callable[[], list[tuple[str, bytes]]]
 Neighbour = Callable[[str], bytes | None]
 
@@ -52,6 +54,14 @@ class NoRecord(Unrecognised):
 
 class NotAcceleration(RecordRefused):
     """A velocity, displacement or spectrum: skipped in a folder, an error where it was named."""
+
+
+class OtherKind(NotAcceleration):
+    """A file whose name says velocity or displacement: skipped also where it was named, as by a pattern of a shell."""
+
+
+class Table(NoRecord):
+    """A table of results or of parameters beside the records: skipped also where it was named."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +129,9 @@ def _plain_text(content: bytes, coding: str) -> bytes:
 
 def archive_kind(head: bytes) -> str:
     """The kind of archive that the first bytes show, "a zip archive" and the like; empty where they show none."""
-    if head.startswith(_DOCUMENTS, _FIRST_NAME):
+    length = int.from_bytes(head[_FIRST_NAME - 4 : _FIRST_NAME - 2], "little")
+    first = head[_FIRST_NAME : _FIRST_NAME + length]
+    if head.startswith(b"PK\x03\x04") and (first.startswith(_DOCUMENTS) or first.endswith(b".npy")):
         return ""
     if head[_TAR_MARK : _TAR_MARK + 5] == b"ustar":
         return "a tar archive"
@@ -157,8 +169,8 @@ def _check_size(name: str, content: bytes) -> bytes:
 
 
 def folder_station_files(folder: Path) -> list[tuple[str, bytes]]:
-    """Name and bytes of each XML file in a folder, sorted by name."""
-    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".xml" and path.is_file())
+    """Name and bytes of each XML or dataless SEED file in a folder, sorted by name."""
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _STATION_FILES and path.is_file())
     return [(str(path), path.read_bytes()) for path in paths if path.stat().st_size <= FILE_LIMIT]
 
 

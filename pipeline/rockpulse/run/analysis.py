@@ -70,7 +70,7 @@ class Analysis(ABC):
 
     @property
     @abstractmethod
-    def nothing(self) -> Part:
+    def empty_part(self) -> Part:
         """Return every array of a part, and the earthquake, with their types and shapes and zero rows."""
 
     @abstractmethod
@@ -106,7 +106,7 @@ class Analysis(ABC):
 
     def fits(self, part: Part) -> bool:
         """Whether arrays have the names, types and shapes of a part of this analysis."""
-        expected = {name: array for name, array in self.nothing.items() if name != self.event_name}
+        expected = {name: array for name, array in self.empty_part.items() if name != self.event_name}
         if part.keys() != expected.keys():
             return False
         lengths: dict[str, set[int]] = defaultdict(set)

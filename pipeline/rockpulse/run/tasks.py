@@ -168,7 +168,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
     parts: list[bytes] = []
     failures: list[Failure] = []
     at, fingerprint = "read", task.fingerprint
-    with _heard() as messages:
+    with _log_lines() as messages:
         try:
             with watch("read"):
                 planned = task.read(read_options(config))
@@ -189,7 +189,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
 
 @contextmanager
-def _heard() -> Iterator[list[Message]]:
+def _log_lines() -> Iterator[list[Message]]:
     """Collect the log lines of this thread, which the parent process writes, without the start of a compilation."""
     messages: list[Message] = []
     thread = get_ident()

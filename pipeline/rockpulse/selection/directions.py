@@ -247,6 +247,6 @@ def _advice(channels: Sequence[Record], configured: bool = True) -> str:
     units = "--units, units under [records] or [[records.file]], or the file" if configured else "--units, or the file"
     confirm = f"{options}, or confirm = [{names}] under [records]" if configured else options
     return (
-        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
+        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning is rejected unless it is confirmed: correct the "
         f"unit ({units}), or, if it is right, give {confirm}"
     )

@@ -57,9 +57,9 @@ def unmatched_patterns(
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
-    reason = f"{option}: no record has an id that fits {', '.join(idle)}; the ids are {some(ids, 3)}"
+    reason = f"{option}: no record id matches {', '.join(idle)}; the ids are {some(ids, 3)}"
     if not unread(failures):
-        raise ConfigError(f"{reason}; correct the pattern or take it out")
+        raise ConfigError(f"{reason}; correct or remove the pattern")
     told = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
     return [Failure(option, "select", told, "failed")]
 
@@ -165,11 +165,11 @@ class _Poll:
 
     def _row(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> Failure:
         deeper = volume.level > elected.level
-        how = "the same motion as" if _one_direction(record, voter) else "held by the pair with"
-        told = f"{record.id}: {how} {voter.id} of {voter.source}, which is assessed in its place: "
+        how = "duplicate of" if _one_direction(record, voter) else "duplicate of the pair with"
+        told = f"{record.id}: {how} {voter.id} in {voter.source}, which is assessed instead: "
         told += self._why(record, volume, voter, elected)
         if (bare := uncovered(voter, record)) > 0.5 * record.duration:
-            told += f"; {bare:.0f} of the {record.duration:.0f} s of this one are not in it"
+            told += f"; {bare:.0f} s of the {record.duration:.0f} s of this record are not in it"
         told += f"; {self.advice}" if self.advice else ""
         return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
 

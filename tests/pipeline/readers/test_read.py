@@ -48,9 +48,8 @@ def test_every_format_has_a_row_with_a_name_of_its_own():
         (b"In the end the answer was\n42\nand nobody asked\nfor a unit\n", "prose.txt"),
     ],
 )
-def test_a_file_that_is_no_record_names_the_formats_tried(tmp_path, content, name):
-    tried = ", ".join(row.name for row in FORMATS)
-    with pytest.raises(Unrecognised, match=rf"{name}: no reader recognises the file; .* \(formats tried: {tried}\)"):
+def test_a_file_that_is_no_record_names_the_command_that_lists_the_formats(tmp_path, content, name):
+    with pytest.raises(Unrecognised, match=rf"{name}: no reader recognises the file; .* \('rockpulse formats' lists"):
         read(write(tmp_path, content, name))
 
 

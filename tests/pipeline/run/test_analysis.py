@@ -33,7 +33,9 @@ class Largest(Analysis):
     kind = "measure"
 
     work = staticmethod(largest)
-    nothing = MappingProxyType({"record": np.zeros(0, dtype=str), "event": np.zeros(0, dtype=str), "pga": np.zeros(0)})
+    empty_part = MappingProxyType(
+        {"record": np.zeros(0, dtype=str), "event": np.zeros(0, dtype=str), "pga": np.zeros(0)}
+    )
 
     def collect(self, parts, planned, failures):
         tree = xr.DataTree()
@@ -103,12 +105,12 @@ def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
     assert (file, stage, kind) == (odd.source, "measure", "failed")
     assert reason == (
         "XX.A..HNE@20230206T011732: peak 62.3 g in the unit g; the values would be 0.0635 g if it were cm/s2 or "
-        "0.00635 g if it were mm/s2. A peak above 5 g after conditioning does not count before it is confirmed: "
+        "0.00635 g if it were mm/s2. A peak above 5 g after conditioning is rejected unless it is confirmed: "
         "correct the unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
         '--confirm XX.A..HNE@20230206T011732, or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
     )
     assert seen([odd], confirm=("XX.A*",)) == ([odd.id], [])
-    with pytest.raises(ConfigError, match=r"confirm: no record has an id that fits XX.A; the ids are XX.A\.\."):
+    with pytest.raises(ConfigError, match=r"confirm: no record id matches XX.A; the ids are XX.A\.\."):
         seen([odd], confirm=("XX.A",))
 
 

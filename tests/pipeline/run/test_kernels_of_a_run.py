@@ -13,7 +13,7 @@ from record_writers import at2, pulse
 import rocking
 import rockpulse
 from rocking.kernel_cache import folder
-from rockpulse.run.crew import Crew
+from rockpulse.run.worker_pool import WorkerPool
 
 #: A line of a kernel that others call, and what it becomes.
 KERNEL = "rocking/march/event.py"
@@ -66,8 +66,8 @@ def peak(top, way):
     job = ["-m", "rockpulse", "assess", "records", "--block", "wall=0.4x3.0", "-o", f"{way}.h5", "--overwrite"]
     if way == "dask":
         with dask_cluster(Path(tempfile.mkdtemp(dir=top))) as (address, *_):
-            with Crew.scheduler(address, timeout=300.0) as crew:
-                wait_for_workers(crew, 2)
+            with WorkerPool.scheduler(address, timeout=300.0) as pool:
+                wait_for_workers(pool, 2)
             done(*job, "--scheduler", address)
     else:
         done(*job, "--workers", "2" if way == "workers" else "1")

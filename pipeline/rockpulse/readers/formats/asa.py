@@ -19,14 +19,19 @@ from rockpulse.readers.format import Format, ReadOptions, begins_with
 _TITLE = re.compile(r"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.ASCII | re.IGNORECASE)
 _VALUES = re.compile(r"\s*DATOS DE ACELERACI", re.IGNORECASE)
 _CHANNELS = re.compile(r"CANAL-?\s*(\d{1,2})", re.ASCII | re.IGNORECASE)
-_LAYOUT = re.compile(r"\(?\s*(\d{1,2})\s*F\s*(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
+_LAYOUT = re.compile(r"\(?\s*(\d{1,2})\s*\(?\s*(?:\dP)?\s*[FEDG]S?\s*(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
 _NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,9}|\.\d{1,9})", re.ASCII)
-_DATE = re.compile(r"(\d{4})[/-]\s*(\d{1,2})[/-]\s*(\d{1,2})", re.ASCII)
+#: Year first, or day first with the month as a number or a word (21/JUL/2000).
+_DATE = re.compile(
+    r"(\d{4})[/-]\s*(\d{1,2})[/-]\s*(\d{1,2})|(\d{1,2})[/ -]\s*(\d{1,2}|[A-Z]{3,10})[/ -]\s*(\d{4})", re.I
+)
+_MONTHS = ["ENE", "FEB", "MAR", "ABR", "MAY", "JUN", "JUL", "AGO", "SEP", "OCT", "NOV", "DIC"]
+_ENGLISH = {"JAN": 1, "APR": 4, "AUG": 8, "SET": 9, "DEC": 12}
 _TIME = re.compile(r"(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:[.,]\d{0,9})?)", re.ASCII)
 _UTC = re.compile(r"GMT|UTC|TMG", re.IGNORECASE)
 _ON_STRUCTURE = re.compile(r"\b(?:azotea|s.{1,2}tano|entrepiso|cortina|corona|piso\s+\d+|nivel\s+\d+)\b", re.IGNORECASE)
 _DOUBTFUL = re.compile(r"incomplet|incorrect|sin tiempo|falla|no\s", re.IGNORECASE)
-_FIELD = 10
+_FIELD, _LOOK_AT = 10, 3  # characters of a field, and rows that show it
 _LONGEST_HEADER = 300  # lines of the header
 
 
@@ -36,6 +41,7 @@ class _Header:
     def __init__(self, name: str, lines: Sequence[str]) -> None:
         self.name, self.lines = name, lines
         parts = ((line.partition(":"), at) for at, line in enumerate(lines, 1))
+        self.ruler = 0  # channels that the line above the values numbers, whether they exist or not
         self.entries = [(key.strip(), value.strip(), at) for (key, colon, value), at in parts if colon]
 
     def entry(self, key: str) -> tuple[str, str, int]:
@@ -99,7 +105,7 @@ def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     unit_words, layout = header.text("UNIDADES DE LOS DATOS").partition("(")[0], header.text("FORMATO DATOS")
     unit = kit.canonical_unit(unit_words, header.where("UNIDADES DE LOS DATOS"))
     fields = _LAYOUT.match(layout)
-    if layout and (not fields or int(fields[1]) != len(numbers)):
+    if layout and (not fields or int(fields[1]) not in (len(numbers), header.ruler)):
         expected = f"the format {len(numbers)}F10.3, one field for each channel"
         raise kit.unexpected(header.where("FORMATO DATOS"), expected, repr(layout))
     width = int(fields[2]) if fields else _FIELD
@@ -166,6 +172,10 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
     header = _Header(name, head[:title])
     numbers = [int(number) for number in _CHANNELS.findall(head[at])]
     words, (_, listed, line) = lines[at + 1][: kit.LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
+    header.ruler = len(numbers)
+    # The line may be a ruler of eight channels, whatever their number is.
+    if header.text("NUMERO DE CANALES").strip() == str(len(words)):
+        numbers = numbers[: len(words)]
     stated = _chosen(header.per_channel("ORIENTACION"), numbers)
     pairs = zip(stated, words, strict=False)
     if len(words) != len(numbers) or any(said and _base(said) != _base(word) for said, word in pairs):
@@ -182,7 +192,10 @@ def _columns(
     rows = len(lines) - first
     kit.check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
     if len(set(counts)) == 1:
-        table = kit.fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)
+        if all(len(line.rstrip()) != width * len(counts) for line in lines[first : first + _LOOK_AT]):
+            table = kit.free_rows(lines[first:], first + 1, len(counts), name).ravel()
+        else:
+            table = kit.fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)
         surplus = rows - counts[0]
         notes = [f"the header states {counts[0]} samples, the file has {rows} rows; all are kept"] if surplus else []
         return list(table.reshape(rows, len(counts)).T), notes
@@ -230,7 +243,10 @@ def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime 
     if not date or not time:
         return None
     clock = (int(time[1]), int(time[2]), float(time[3].replace(",", ".")))
-    return kit.instant([int(part) for part in date.groups()], clock)
+    year, month, day = date.groups()[:3] if date[1] else (date[6], date[5], date[4])
+    short = month[:3].upper()
+    named = _MONTHS.index(short) + 1 if short in _MONTHS else _ENGLISH.get(short, 0)
+    return kit.instant([int(year), int(month) if month.isdecimal() else named, int(day)], clock)
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:

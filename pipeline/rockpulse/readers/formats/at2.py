@@ -14,6 +14,8 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.kit.prose import stated_direction
+from rockpulse.warning_text import WarningText
 
 _HEADER_LIMIT = 10
 # 5,000 is five thousand; 1/200 is no number.
@@ -23,7 +25,9 @@ _NPTS, _DT = r"(?:NPTS|(?:NUMBER|NO\.?) OF POINTS)", r"(?:\bDT|TIME STEP)"
 _BOTH = rf"{_NPTS}\s*[,;&]?\s*{_DT}\b(?:\s*\(\w+\))?"
 #: The spellings of the line with number of points and interval.
 _COUNT_AND_STEP = [
-    re.compile(rf"{_NPTS}\s*[=:]\s*{_COUNT}.*?{_DT}\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII),
+    re.compile(
+        rf"{_NPTS}\s*[=:][\s\",]*{_COUNT}.*?{_DT}\s*(?:\(\w+\))?\s*[=:][\s\",]*{_STEP}", re.IGNORECASE | re.ASCII
+    ),
     re.compile(rf"{_DT}\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}.*?{_NPTS}\s*[=:]\s*{_COUNT}", re.IGNORECASE | re.ASCII),
     re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+(?:SEC\w*[\s,]+)?{_BOTH}", re.IGNORECASE | re.ASCII),
     re.compile(rf"{_BOTH}\s*[=:]?\s*{_COUNT}[\s,]+{_STEP}", re.IGNORECASE | re.ASCII),
@@ -37,16 +41,29 @@ _SERIES = re.compile(r"(?i)\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|V
 #: The unit behind the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; no other words.
 _WITHOUT_WORD = re.compile(
     r"\.?S?(?:\s+(?:TIME|SERIES|HISTORY|DATA|RECORD|VALUES))*[\s,:-]*"
-    r"(?:[(\[]\s*(?P<bracket>%?\s*G|MG|GALS?|(?:MM|CM|M|IN|FT)\s*(?:/|PER\b|S)[^)\]]*)[)\]]"
+    r"(?:[(\[]\s*(?P<bracket>%?\s*G(?:'?S)?|MG|GALS?|(?:MM|CM|M|IN|FT)\s*(?:/|PER\b|S)[^)\]]*)[)\]]"
     r"|IN\s+(?P<named>%?G|MG|GALS?)\b|(?:IN\s+)?(?P<bare>(?:MM|CM|M|IN|FT)/[^\s,;]+))",
     re.IGNORECASE,
 )
 _DATE = re.compile(r"\d+[/-]\d+[/-]\d+.*")
+#: Lines of a record that was rotated: the two that it was made of, and the direction that the file holds.
+_ROTATED = re.compile(r"\s*H\d FOR ROTATION\s*:\s*", re.IGNORECASE)
+_TURNED = re.compile(r"\b(\w{1,12}) COMPONENT\s*,?\s*AZIMUTH\s*[=:]?\s*(\d{1,3}(?:\.\d*)?)", re.IGNORECASE | re.ASCII)
+_SCALE = re.compile(r"\b(?:SCALE FACTOR|SCALED BY)\s*[=:]?\s*(\d*\.?\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII)
+#: The interval and the peak [g] of another line than that of the count (SHAKE2000, NRC).
+_OTHER_STEP = re.compile(rf"\bDT\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII)
+_PEAK = re.compile(
+    r"\b(?:AMAX\s*[=:]|PEAK ACCELERATION\s*\(G\)\s*[=:])[\s\",]*(-?\d*\.\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII
+)
+#: What stands in brackets behind a component, whether the line ends within it or not.
+_BEHIND = re.compile(r"\s*\([^()]*\)?\s*$")
+#: The end of a number that the sign of the next one touches; in exponents a letter stands before the sign.
+_TOUCHING = re.compile(r"(?<=[\d.])(?=[+-])")
 #: First line of the files that rockpulse writes, and of those of PEER, all of them corrected.
 _WRITTEN = re.compile(r"(\w+) RECORD( ON A STRUCTURE)?, WRITTEN BY ROCKPULSE")
 _PEER = re.compile(r"\bPEER\b|\bNGA\b|\bSTRONG[\s-]MOTION DATA(?:BASE)?\b", re.IGNORECASE)
 _VALUE = re.compile(r"\s*[+-]?\.?\d")
-_WIDTHS = (15, 10, 16, 12, 8)
+_WIDTHS = (15, 10, 16, 12, 8, 13, 14, 11, 9)
 _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number", ("", "", "", "")
 
 
@@ -66,6 +83,8 @@ def _names_both(lines: Sequence[str]) -> int | None:
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
     last = lines[end][: kit.LONGEST_LINE]
+    if not re.search(r"(?<![\w.])\.?\d", last):  # the headings of a table
+        return None
     return end if all(word.search(last) for word in _NAMES_BOTH) or _BARE.fullmatch(last) else None
 
 
@@ -80,13 +99,12 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     end = _names_both(lines)
     if end is None:
         raise kit.unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
-    header = [line[: kit.LONGEST_LINE] for line in lines[: end + 1]]
-    title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
-    # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
-    dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]
-    event = dated[0] + 1 if dated else 1
-    station = ", ".join(title[event:-1])
-    unit = _unit(file.name, header, station, options.units)
+    # A few words, such as the Fortran format, may stand before the first row of numbers.
+    rows = range(end + 1, min(len(lines), end + 1 + _HEADER_LIMIT))
+    first = next((index for index in rows if _VALUE.match(lines[index])), end + 1)
+    header = [line[: kit.LONGEST_LINE] for line in lines[:first]]
+    event, station, component, facing = _title(header[: end + 1])
+    unit = _unit(file, header, station, options.units)
     matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
     match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
     if match is None:
@@ -95,12 +113,10 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     count, step = int(match["count"].replace(",", "")), float(re.sub("[dD]", "e", match["step"]))
     if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):
         raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
-    # A few words, such as the Fortran format, may stand before the first row of numbers.
-    rows = range(end + 1, min(len(lines), end + 1 + _HEADER_LIMIT))
-    first = next((index for index in rows if _VALUE.match(lines[index])), end + 1)
     stop, behind = _numbers_stop(file.name, lines, first, count)
     samples, warnings = _samples(file.name, lines[:stop], first, count)
-    component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
+    facing, direction_notes = _facing(file, header, facing)
+    peak = next((match[1] for line in header if (match := _PEAK.search(line))), "")
     written = _WRITTEN.match(header[0])
     # PEER records are corrected, rockpulse writes it into the title, others do not tell.
     processed = True if _PEER.search(header[0]) else None
@@ -116,15 +132,80 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
             processed=processed,
             structural=bool(written and written[2]),
             component=component,
-            # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
-            facing=kit.direction(component.zfill(3)) if component.isdecimal() else None,
+            facing=facing,
+            channel="" if component else facing.label,
             station_name=station or listed_station,
-            event=", ".join(title[:event]) or listed_event,
+            event=event or listed_event,
+            header_peak=kit.printed_number(peak),
+            peak_factor=kit.UNITS["g"] if peak else None,
             magnitude=(magnitude, ""),
             vs30=vs30,
-            warnings=[*warnings, *behind, *notes],
+            warnings=[*warnings, *behind, *notes, *direction_notes, *_told_otherwise(header, end, step)],
         )
     ]
+
+
+def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
+    """Event, name of the station, component and its direction, from the lines up to that of the count.
+
+    The component is the last part of the second line that is a direction, before a network in brackets, cut or not.
+    """
+    line = header[1] if len(header) > 2 else ""
+    if header[0].startswith('"'):  # SHAKE2000: event, station, component
+        named = [part.strip() for part in header[0].replace('"', "").split(",")][:3]
+        component = named[2] if len(named) > 2 else ""
+        return named[0], named[1] if len(named) > 1 else "", component, kit.heading_direction(component)
+    title = [part.strip() for part in _ROTATED.sub("", line).split(",")]
+    # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
+    dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]
+    event = dated[0] + 1 if dated else 1
+    at, component, facing = len(title) - 1, "", kit.Direction()
+    for index in range(len(title) - 1, max(event - 1, len(title) - 4, 0), -1):
+        words = _BEHIND.sub("", title[index])
+        found = _component_direction(words)
+        if found.orientation != "unknown" or (words and not component):
+            at, component, facing = index, words, found
+        if found.orientation != "unknown":
+            break
+    turned = next((match for text in header if (match := _TURNED.search(text))), None)
+    if turned:
+        component, facing = f"{turned[1]} {float(turned[2]):g}", kit.Direction("horizontal", float(turned[2]) % 360.0)
+    elif _ROTATED.match(line):
+        component, facing = "", kit.Direction()
+    return ", ".join(title[:event]), ", ".join(title[event:at]), component, facing
+
+
+def _component_direction(words: str) -> kit.Direction:
+    """The direction of a component; PEER drops leading zeros: 9 is an azimuth here, elsewhere a channel's number."""
+    facing = kit.direction(words.zfill(3) if words.isdecimal() else words)
+    return facing if facing.orientation != "unknown" else kit.heading_direction(words)
+
+
+def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
+    """The direction by the title, else by the file's name; vertical where only one of the two says so, with a note."""
+    if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
+        return titled, []
+    named = kit.name_direction(file)
+    if titled.orientation == "unknown":
+        titled = stated_direction(header)
+    if titled.orientation == "unknown" or named.orientation == "unknown":
+        return (named if titled.orientation == "unknown" else titled), []
+    if named.orientation == titled.orientation:
+        return titled, []
+    upright = named if named.orientation == "vertical" else titled
+    return upright, ["the title and the name of the file differ on whether this is a vertical channel; taken as one"]
+
+
+def _told_otherwise(header: Sequence[str], end: int, step: float) -> list[str]:
+    """Warnings about a scale factor, and an interval in another line than that of the count."""
+    notes: list[str] = []
+    for number, line in enumerate(header, 1):
+        other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
+        if other and number != end + 1 and float(other["step"].lower()) != step:
+            told = f"an interval of {float(other['step'].lower()):g} s, line {end + 1} one of {step:g} s, which is used"
+            notes.append(f"line {number} of the header states {told}")
+        notes += [WarningText("scale_stated", factor=float(scale[1].lower()))] if scale else []
+    return notes
 
 
 def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
@@ -141,7 +222,8 @@ def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tu
     return stop, [f"{found} were left out"] if rows else []
 
 
-def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> str:
+def _unit(file: kit.SourceFile, header: Sequence[str], station: str, given: str | None) -> str:
+    name = file.name
     for index, line in enumerate(header):
         series = _SERIES.search(line)
         unit = _UNIT.search(line)
@@ -156,6 +238,8 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
         behind = _WITHOUT_WORD.match(line, series.end()) if series else None
         if behind:
             return kit.canonical_unit(next(filter(None, behind.groups())), f"{name}:{index + 1}")
+    if kit.kind_of_name(file) not in ("", "acceleration"):
+        raise kit.other_kind(name, kit.kind_of_name(file))
     if given is None:
         raise UnitError(
             f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
@@ -173,6 +257,9 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     except RecordFormatError as error:
         values, fault = np.empty(0), error
     if values.size < count and block:
+        parted = [_TOUCHING.sub(" ", line) for line in block]
+        if sum(len(line.split()) for line in parted) == count:
+            return kit.free_numbers(parted, first + 1, name), []
         touching = _by_width(name, block, first, count)
         if touching is not None:
             return touching, []
@@ -235,7 +322,7 @@ def _rows(content: bytes) -> dict[str, tuple[str, str, str, str]]:
             row = (event, entries.get("station name", ""), entries.get("magnitude", ""), vs30)
             found |= {name.replace("\\", "/").rpartition("/")[2].lower(): row for name in names}
     except csv.Error as fault:
-        raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}; download it again") from fault
+        raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}") from fault
     return found
 
 

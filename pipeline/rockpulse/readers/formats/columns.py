@@ -1,16 +1,21 @@
 """Plain columns of numbers (CSV, TXT), with or without times: statements must agree, and nothing is guessed."""
 
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.direction import BRACKET, heading_direction
+from rockpulse.readers.integrals import of_unstated_kind
+from rockpulse.readers.kit.columns import column_directions, column_units, same_directions, stated_peak
+from rockpulse.readers.kit.direction import BRACKET, is_direction
 from rockpulse.readers.kit.headings import Heading, column_headings
-from rockpulse.readers.kit.spacing import agreed_step, climbs, counts_rows, names_time, time_column_step
+from rockpulse.readers.kit.kinds import means_size
+from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
+from rockpulse.readers.kit.stamps import without_stamps
 from rockpulse.readers.kit.table import (
     Layout,
     Numbered,
@@ -20,6 +25,7 @@ from rockpulse.readers.kit.table import (
     read_table,
     row_width,
 )
+from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # rows of the table that decide whether it is one
 #: Columns beside the time that pass for the components of a station without headings, and one column more.
@@ -29,7 +35,8 @@ _SHOWN, _LISTED = 60, 200
 _INTEGRAL = 0.95  # correlation at which a column is the integral of the one before it, and no other component
 #: What one series in rows needs, as a message asks for it.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
-_NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
+#: Names for the columns of a station, in an example.
+_NAMES = ("acc_NS", "acc_EW", "acc_UD")
 
 
 @dataclass(frozen=True)
@@ -55,7 +62,7 @@ def is_columns(head: bytes, name: str) -> bool:
     """Whether rows of numbers, all with the same number of columns, follow a short header."""
     if b"\x00" in head:
         return False
-    lines = kit.text_lines(head)
+    lines, _ = without_stamps(kit.text_lines(head))
     layout = find_layout(lines)
     if layout is None:
         return False
@@ -70,7 +77,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     A series that is wrapped into rows is read if the header states its number of values, or, with a warning, if unit
     and interval are known and the values run on from row to row. The prose of a header only has to agree.
     """
-    lines = kit.text_lines(file.content)
+    lines, start_time = without_stamps(kit.text_lines(file.content))
     layout = find_layout(lines)
     if layout is None:
         expected = "rows of numbers, all with the same number of columns"
@@ -97,24 +104,37 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     climb = np.diff(columns.table[:, 0])
     if first.kind == "spectrum" and columns.width > 1 and (np.all(climb > 0.0) or np.all(climb < 0.0)):
         raise kit.no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
-    step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
+    step, times = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
             expected = f"{first.kind} in the column {first.name!r}"
-            raise kit.unexpected(where, expected, "that it runs like time", _NAME_THEM)
+            raise kit.unexpected(where, expected, "that it runs like time", _name_them(columns.width, True))
         columns = columns.picked(range(1, columns.width))
+    if times is not None:
+        table, remark = at_even_times(times, columns.table)
+        columns = replace(columns, table=table, warnings=(*columns.warnings, remark))
     wide = step is None and not columns.headings and columns.width > _NO_STATION
     if not lacking and wide and kit.runs_on(columns.table):
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
     _check_apart(where, columns, step is not None, lacking)
-    columns = _accelerations(file.name, columns, prose)
+    columns = _accelerations(file, columns, prose)
     headings = columns.headings or (Heading(""),) * columns.width
-    units = _units(file.name, headings, prose, options)
+    units = column_units(file.name, headings, prose, options)
+    facing = column_directions(file, headings, prose)
     sources = {"time column": step, "first line": numbered.step, **steps}
     sources |= {options.said_by("dt").removeprefix("the "): options.dt}
     dt = agreed_step(file.name, sources, "correct the wrong one" if options.dt is None else options.advice("dt"))
-    notes = (*columns.warnings, *kit.held_units(zip((heading.name for heading in headings), units, strict=True)))
-    return [
+    notes: list[str] = [
+        *columns.warnings,
+        *kit.held_units(zip((heading.name for heading in headings), units, strict=True)),
+    ]
+    notes += [
+        note for said in kit.stated_durations(prose) for note in kit.held_length(said.wording, len(columns.table), dt)
+    ]
+    notes += [WarningText("scale_stated", factor=said.value) for said in kit.stated_scales(prose)]
+    notes += [*kit.reversed_polarity(prose), *same_directions(headings, facing)]
+    peaks = stated_peak(columns.table, units, prose)
+    records = [
         kit.build_record(
             file,
             samples,
@@ -122,13 +142,26 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             unit,
             number=number,
             processed=None,
-            component=heading.name,
-            facing=heading_direction(heading.name),
-            channel=BRACKET.sub("", heading.name).strip() or str(number),
+            component=heading.name or toward.label,
+            facing=toward,
+            channel=BRACKET.sub(_direction_in, heading.name).strip() or toward.label or str(number),
+            station_name=kit.stated_station(prose),
+            start_time=start_time or kit.stated_start(prose),
             warnings=notes,
+            **peaks.get(number, {}),
         )
-        for number, (samples, heading, unit) in enumerate(zip(columns.table.T, headings, units, strict=True), 1)
+        for number, (samples, heading, unit, toward) in enumerate(
+            zip(columns.table.T, headings, units, facing, strict=True), 1
+        )
     ]
+    worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
+    stated = worded or kit.kind_of_name(file)
+    return records if stated else [of_unstated_kind(record) for record in records]
+
+
+def _direction_in(bracket: re.Match[str]) -> str:
+    """What stands in brackets, if it is a direction and no unit."""
+    return bracket[1] if is_direction(bracket[1].strip()) else ""
 
 
 def _columns(
@@ -148,10 +181,11 @@ def _columns(
     filled = [index for index, row in enumerate(rows) if row.strip()]
     last = kit.split_row(rows[filled[-1]], layout.delimiter)
     values = (len(filled) - 1) * layout.width + len(last)
-    said = {round(count.value) for count in kit.stated_counts(prose)}
+    stated = kit.stated_counts(prose)
+    said = {round(count.value) for count in stated}
     counts = {numbered.count, *said}
     warnings = _behind(name, len(lines) + 1, behind, layout, complete=not counts.isdisjoint({values, len(filled)}))
-    is_series = layout.width > 1 and values in counts and len(filled) not in counts
+    is_series = layout.width > 1 and not headings and values in counts and len(filled) not in counts
     is_short = layout.width > len(last) and not headings and layout.width > 2
     if is_series or is_short:
         body = _Columns(read_table(name, rows[: filled[-1]], layout, first), (), warnings)
@@ -174,7 +208,9 @@ def _columns(
             left = len(table) - numbered.count
             warnings += (f"{left} rows beyond the {numbered.count} of the first line were left out",)
         table = table[: numbered.count]
-    elif said and min(said) > len(table):
+    elif said and (
+        min(said) > len(table) or (any(map(kit.surely_counts, stated)) and not counts & {len(table), values})
+    ):
         warnings += (_other_count(said, len(table), "rows"),)
     return _Columns(table, headings, warnings)
 
@@ -211,6 +247,13 @@ def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False)
     return _Columns(series[:, None], (), (*columns.warnings, note) if guessed else columns.warnings)
 
 
+def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
+    """The advice to name the columns, with as many names as the file has columns, times first where they are some."""
+    named = [*names, *(f"acc_{number}" for number in range(len(names) + 1, width + 1))][: width - timed]
+    line = " ".join(["time"] * timed + named)
+    return f"name the columns in the line above the numbers, such as '{line}'"
+
+
 def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> RecordFormatError:
     if width <= _NO_STATION and "last row" not in found:
         series = f"Rows of up to {_NO_STATION} numbers are not taken for one series, for they may be those of a station"
@@ -221,7 +264,7 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> Reco
     return RecordFormatError(
         f"{where}: expected a time column, headings, or one column, found {found}. They may be channels side by side "
         f"or one series in rows of {width}. {series}. Or write one value to a line, state the number of values in the "
-        f"header (NPTS = ...), or {_NAME_THEM}"
+        f"header (NPTS = ...), or {_name_them(width, False)}"
     )
 
 
@@ -236,7 +279,9 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
         return
     if timed and width > _COMPONENTS:
         expected = f"headings, or at most {_COMPONENTS} columns beside the times"
-        raise kit.unexpected(where, expected, f"{width} columns of numbers and no headings", _NAME_THEM)
+        raise kit.unexpected(
+            where, expected, f"{width} columns of numbers and no headings", _name_them(width + 1, True)
+        )
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
@@ -245,14 +290,17 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
             alike = growth.size > 2 and abs(np.corrcoef(growth, rate[1:] + rate[:-1])[0, 1])
         if alike > _INTEGRAL:
             found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
-            raise kit.unexpected(where, "accelerations in all columns", found, _NAME_THEM)
+            advice = _name_them(width + 1, True, ("acc", "vel", "disp"))
+            raise kit.unexpected(where, "accelerations in all columns", found, advice)
 
 
-def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
-    """The columns that are accelerations, by their headings or else by the prose above the table."""
+def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
+    """The columns that are accelerations, by their headings or else by the prose above the table or the file's name."""
+    name, sizes = file.name, _sizes(columns)
     headings = columns.headings or (Heading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
     fits = [one.kind == "acceleration" or (not one.kind and (one.known or not named)) for one in headings]
+    fits = [fit and index not in sizes for index, fit in enumerate(fits)]
     kept = [index for index, fit in enumerate(fits) if fit]
     left = ", ".join(heading.name for heading, fit in zip(headings, fits, strict=True) if not fit)[:_LISTED]
     if not kept:
@@ -265,36 +313,37 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
             found = f"the header speaks of {listed} only; {kit.ACCELERATION_FILE}"
             raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
         expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
-        raise kit.unexpected(where, expected, found, _NAME_THEM)
+        raise kit.unexpected(where, expected, found, _name_them(columns.width, False))
+    by_name = kit.kind_of_name(file)
+    if by_name not in ("", "acceleration"):
+        if not said and not any(headings[index].kind for index in kept):
+            raise kit.other_kind(name, by_name)
+        if not all(headings[index].kind for index in kept):
+            found = f"a header that speaks of acceleration under a name that says {by_name}"
+            raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
+        told = f"the name of the file says {by_name}, the headings acceleration; check which is right"
+        columns = replace(columns, warnings=(*columns.warnings, told))
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 
-def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options: ReadOptions) -> list[str]:
-    """The unit of each column: the one that the caller gives, checked against the header, or the one in the heading."""
-    units = []
-    said = [(kit.canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in kit.stated_units(prose)]
-    asked = None if options.units is None else kit.canonical_unit(options.units, "option units")
-    says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
-    for heading in headings:
-        stated = kit.canonical_unit(heading.unit, f"{name}: column {heading.name!r}") if heading.unit else None
-        if stated is None and asked is None:
-            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
-            raise UnitError(
-                f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
-                f"{', '.join(kit.UNITS)}: --units g on the command line, units = 'g' under [records] of the "
-                "configuration, or read(path, units='g')"
-            )
-        if stated and asked and kit.UNITS[stated] != kit.UNITS[asked]:
-            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")
-        if asked and not stated and said and all(kit.UNITS[unit] != kit.UNITS[asked] for unit, _ in said):
-            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
-        units.append(asked or stated or "")
-    return units
+def _sizes(columns: _Columns) -> list[int]:
+    """Columns that hold the size of the vector of the others: so headed and never negative, or by their numbers."""
+    if columns.width < _COMPONENTS:
+        headed = [means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
+        return [index for index, size in enumerate(headed) if size and np.all(columns.table[:, index] >= 0.0)]
+    squares = columns.table**2
+    found = []
+    for index in np.flatnonzero(np.all(columns.table >= 0.0, axis=0) & np.any(columns.table > 0.0, axis=0)):
+        named = bool(columns.headings) and means_size(columns.headings[index].name)
+        before = np.sum(squares[:, max(index - _COMPONENTS, 0) : index], axis=1)
+        if named or (index > 1 and np.allclose(before, squares[:, index], rtol=0.01, atol=1e-4 * np.max(before))):
+            found.append(int(index))
+    return found
 
 
 COLUMNS = Format(
     name="columns",
-    what="columns of numbers (CSV, TXT), with or without time",
+    what="columns of numbers (CSV, TXT, XLSX, MAT, NPY, NPZ), with or without time",
     recognised="rows of numbers after a short header",
     unit="asked for (units), or in the headings",
     processed="unknown",

@@ -208,7 +208,7 @@ def _unit_and_peak(
             return heading.unit or stated, kit.printed_number(match[1]), kit.UNITS[stated]
     if not heading.unit:
         expected = "expected the unit of acceleration in the heading or behind 'Peak acceleration = N', found none"
-        raise UnitError(f"{where}:{heading.at + 1}: {expected}; repair the header or download the file again")
+        raise UnitError(f"{where}:{heading.at + 1}: {expected}; correct the header")
     return heading.unit, kit.printed_number(""), 1.0
 
 

@@ -102,7 +102,7 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     samples = kit.free_numbers(lines[first : first + declared], first + 1, file.name)
     if samples.size != declared:
         row = next(row for row in range(first, first + declared) if len(lines[row].split()) != 1)
-        found, advice = repr(lines[row][:40]), "the line is damaged: download the file again"
+        found, advice = repr(lines[row][:40]), kit.LINE_DAMAGED
         raise kit.unexpected(f"{file.name}:{row + 1}", "one number on the line", found, advice)
     processed, processing, notes = _processed(header)
     origin = _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")

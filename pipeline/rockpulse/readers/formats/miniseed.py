@@ -1,5 +1,7 @@
 """miniSEED, with the gain from StationXML beside it."""
 
+import re
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -10,18 +12,25 @@ from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit import obspy_bridge as bridge
 from rockpulse.readers.kit.response import from_counts
+from rockpulse.readers.source import NoRecord
 
+_DATA = re.compile(rb"(?<!\d)\d{6}[DRQM][ \0]")  # the beginning of a data record
 _RATE_TOLERANCE = 1e-3  # two statements of the sampling rate may differ by this share
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
-    """Whether the file begins with a data record: six digits, a quality letter, a blank."""
+    """Whether the file begins with a data record, or with the volume header of a full SEED file."""
     numbered = len(head) >= 48 and head[:6].strip(b"0123456789 \x00") == b""
-    return numbered and head[6:7] in b"DRQM" and head[7:8] in b" \0"
+    return numbered and head[6:7] in b"DRQMV" and head[7:8] in b" \0"
 
 
 def read_miniseed(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every acceleration channel; the gain comes from a StationXML file in the same folder."""
+    """Read every acceleration channel; the gain comes from a StationXML file in the same folder, or from full SEED."""
+    if file.head[6:7] == b"V":
+        if not _DATA.search(file.content):
+            raise NoRecord(f"{file.name}: dataless SEED, the metadata of stations without samples")
+        stations = [(file.name, file.content)]
+        file = replace(file, station_files=lambda: stations, chosen=True)
     stream, notes = bridge.obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
     length = min(int(trace.stats.mseed.record_length) for trace in stream)
@@ -75,7 +84,7 @@ def _held_rate(rate: float, channel: Any) -> list[str]:
 
 MINISEED = Format(
     name="miniseed",
-    what="miniSEED with StationXML in the same folder",
+    what="miniSEED with StationXML or ArcLink XML in the same folder, full SEED",
     recognised="record header",
     unit="counts, gain from StationXML",
     example="CI.WCS2..HNE.mseed",

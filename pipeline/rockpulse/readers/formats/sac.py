@@ -42,7 +42,7 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         # obspy brings longitudes into range by turns of 360 degrees, one by one: of absurd ones it never ends.
         value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
         if value != _UNDEFINED and not abs(value) <= 360.0:
-            advice = "the file may be damaged: download it again"
+            advice = "correct the header, or write the file again"
             raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
     (trace,), notes = obspy_stream(file, "SAC")
     stats = trace.stats

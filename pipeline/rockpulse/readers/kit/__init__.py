@@ -19,14 +19,30 @@ from rockpulse.readers.kit.checks import (
     repeated_marker,
     surplus,
 )
-from rockpulse.readers.kit.direction import Direction, direction, on_structure
+from rockpulse.readers.kit.direction import Direction, direction, heading_direction, name_direction, on_structure
 from rockpulse.readers.kit.facts import coordinates, instant, later, magnitudes, near_event, preferred, written
-from rockpulse.readers.kit.headings import stated_counts, stated_kinds, stated_steps, stated_units
+from rockpulse.readers.kit.kinds import kind_of_name
+from rockpulse.readers.kit.prose import (
+    other_units,
+    positive_downwards,
+    reversed_polarity,
+    stated_counts,
+    stated_durations,
+    stated_kinds,
+    stated_peaks,
+    stated_scales,
+    stated_start,
+    stated_station,
+    stated_steps,
+    stated_units,
+    surely_counts,
+)
 from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
 from rockpulse.readers.kit.table import end_of_numbers, runs_on, split_row
 from rockpulse.readers.kit.text import (
     ACCELERATION_FILE,
     FILE_DAMAGED,
+    LINE_DAMAGED,
     LONGEST_LINE,
     OWN_FILE,
     TRUNCATED,
@@ -40,7 +56,9 @@ from rockpulse.readers.kit.text import (
     free_rows,
     matched,
     no_acceleration,
+    other_kind,
     printed_number,
+    spelled_unit,
     text_lines,
     unexpected,
 )

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from datetime import datetime
+from itertools import combinations
 from typing import Unpack
 
 import numpy as np
@@ -30,6 +31,8 @@ CREDIBLE_INTERVAL = 0.1
 _DEEPEST_SENSOR = 10e3
 # From the first of the blanks on only, or a line of blanks would cost the square of its length.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
+#: Samples that two channels are compared by before all are; signs of a copy, and the words for it.
+_FIRST, _SIGNS = 1000, ((1.0, ""), (-1.0, " with the opposite sign"))
 #: Equal samples in a row at the extreme that are taken for the end of a range.
 RUN = 5
 #: The extreme lies this many of the smallest steps from the middle of the trace, or rounding makes equal samples.
@@ -178,6 +181,28 @@ def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[st
 def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Record]:
     """The records of a file, each with further warnings."""
     return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]
+
+
+def copies_told(records: Sequence[Record]) -> list[Record]:
+    """The records of a file, with a warning on each whose samples are those of another, as they are or negative."""
+    notes: dict[int, list[WarningText]] = {}
+    for (at, one), (behind, other) in combinations(enumerate(records), 2):
+        if one.component == other.component or one.npts != other.npts or not one.acceleration.any():
+            continue
+        near = slice(None, _FIRST)
+        if not np.array_equal(abs(one.acceleration[near]), abs(other.acceleration[near])):
+            continue
+        turned = next(
+            (words for sign, words in _SIGNS if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
+        )
+        if turned != "-":
+            notes.setdefault(at, []).append(
+                WarningText("same_samples", other=f"channel {other.channel}", turned=turned)
+            )
+            notes.setdefault(behind, []).append(
+                WarningText("same_samples", other=f"channel {one.channel}", turned=turned)
+            )
+    return [replace(one, warnings=(*one.warnings, *notes.get(at, ()))) for at, one in enumerate(records)]
 
 
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:

@@ -175,7 +175,7 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
         dt = 0.0
     if not dt > 0.0:
         expected, words = "'at N pts/sec' or 'equally spaced at N sec' with N > 0", repr(heading.words.strip())
-        raise unexpected(where, expected, words, "repair the line or download the file again")
+        raise unexpected(where, expected, words, "correct the line")
     found = canonical_unit(unit, where)
     first, count = heading.at + 1, heading.count
     check_count(where, count, count if first < end else 0)

@@ -2,8 +2,11 @@
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from rockpulse.readers.kit.kinds import beside_kinds
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Orientation
 from rockpulse.warning_text import WarningText
 
@@ -11,8 +14,8 @@ from rockpulse.warning_text import WarningText
 BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
 # "CH 12" is a number, "12 deg" an angle.
 _NUMBERED = re.compile(r"(?:^|[\W_])(?:ch|chan|channel|no|nr|sensor|col|column)[\W_]*\d+", re.IGNORECASE)
-# Small u and v stand for displacement and velocity.
-_LETTERS = frozenset("NEZUVnez")
+# Small u and v stand for displacement and velocity, a small s for seconds.
+_LETTERS = frozenset("NEZUVSWnez")
 _ANGLE = re.compile(r"(?<=\d)\s+(?=deg)", re.IGNORECASE)
 # Decimals and quantities are no azimuths, unless degrees.
 _QUANTITY = re.compile(
@@ -21,13 +24,78 @@ _QUANTITY = re.compile(
     re.IGNORECASE,
 )
 _UP = {"UP", "U", "V", "Z", "VERT", "VERTICAL", "VER", "VRT", "UD", "U-D", "UP-DOWN", "UPDOWN"}
-_UP |= {"UPWARD", "UPWARDS"}
+_UP |= {
+    "UPWARD",
+    "UPWARDS",
+    "UP-DN",
+    "UPDN",
+    "U/D",
+    "VERTICALE",
+    "VERTIKAL",
+    "VERTIKALE",
+    "VERTICAAL",
+    "DUSEY",
+    "DÜŞEY",
+}
+_UP |= {"UP/DOWN", "VERTICALA", "D-U"}
 _DOWN = {"DOWN", "DN", "DWN", "DOWNWARD", "DOWNWARDS"}
 _COMPASS = {"N": 0.0, "NS": 0.0, "N-S": 0.0, "NORTH": 0.0, "E": 90.0, "EW": 90.0, "E-W": 90.0, "EAST": 90.0}
 _COMPASS |= {"S": 180.0, "SOUTH": 180.0, "W": 270.0, "WEST": 270.0}
+#: East and west, north and south in French, German, Italian, Portuguese, Spanish and Turkish.
+_COMPASS |= dict.fromkeys(("N/S", "S-N", "NORD", "NORTE", "KUZEY", "K-G", "NORTH-SOUTH", "NORD-SUD", "NORTE-SUR"), 0.0)
+_COMPASS |= dict.fromkeys(
+    ("E/W", "W-E", "WE", "EST", "ESTE", "OST", "LESTE", "DOGU", "DOĞU", "D-B", "E-O", "EAST-WEST"), 90.0
+)
+_COMPASS |= dict.fromkeys(("O-E", "O-W", "EST-OUEST", "EST-OVEST", "ESTE-OESTE", "OST-WEST"), 90.0)
+_COMPASS |= dict.fromkeys(("SUD", "SUR", "SÜD", "SUL", "GUNEY", "GÜNEY"), 180.0)
+_COMPASS |= dict.fromkeys(("OUEST", "OESTE", "OVEST", "BATI"), 270.0)
 _SIDEWAYS = {"H1", "H2", "L", "T", "LONG", "TRAN", "TRANS", "LONGITUDINAL", "TRANSVERSE"}
+_SIDEWAYS |= {"FN", "FP", "H", "HORIZONTAL", "RADIAL", "TRANSVERSAL", "FAULT-NORMAL", "FAULT-PARALLEL"}
 _DEGREES = re.compile(r"(\d{1,3}(?:\.\d*)?)\s*(?:DEG(?:REES)?|°)?", re.ASCII)
 _QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d*)?)\s*([EW])", re.ASCII)
+#: Two ends of an axis, as one word.
+_AXIS = re.compile(
+    r"(?<![A-Za-z])(?:N[-/]S|S-N|E[-/]W|W-E|U[-/]D|D-U|UP-?DN|UP[-/]DOWN|E-O|O-E|O-W|K-G|D-B|NORTH-SOUTH|EAST-WEST|"
+    r"NORD-SUD|NORTE-SUR|EST-OUEST|EST-OVEST|ESTE-OESTE|OST-WEST|FAULT-(?:NORMAL|PARALLEL))(?![A-Za-z])",
+    re.IGNORECASE,
+)
+#: A word for acceleration that ends in its direction.
+_WITH_AXIS = re.compile(
+    r"(?:(?<![a-z])(?:acc|accel|acceleration|acel)|(?<![a-z])(?:a|gf)(?=z))(ns|ew|ud|up|z|e|v|(?-i:N))(?![a-z])",
+    re.IGNORECASE,
+)
+#: Suffixes of files, in lower letters, that are no direction; others may be one (.NS, .00U, .e).
+_TEXT_SUFFIXES = frozenset(
+    [
+        "txt",
+        "csv",
+        "dat",
+        "asc",
+        "ascii",
+        "tsv",
+        "prn",
+        "out",
+        "g3",
+        "th",
+        "acc",
+        "vel",
+        "dis",
+        "at2",
+        "th1",
+        "tcl",
+        "inp",
+    ]
+)
+_LONGEST_SUFFIX = 5
+_SUFFIX = re.compile(r"(\d{1,3})([A-Za-z])", re.ASCII)
+#: Letters that mean a direction at either end of a file's name, and words that may stand behind the direction.
+_NAME_LETTERS = frozenset("NEZUVWneuz")
+_FILLER = re.compile(
+    r"(?i)raw|corr?|corrected|uncorrected|filt(?:ered)?|proc(?:essed)?|bc|bl|txt|csv|[cm]?ms?2|gal|g|\d+"
+)
+#: The end of a name that is a direction without a sign before it: PIC090, PICDWN.
+_GLUED = re.compile(r"(?<=[A-Za-z_-])(\d{3}|DWN|VERT|DOWN)(?=$|[-_. ](?i:acc\w*|raw|corr?)$)", re.ASCII)
+_FULL_TURN, _RIGHT_ANGLE = 360, 90
 # SEED: band (not any letter, or the compass words NNE and WNW would count), instrument, direction.
 _SEED = re.compile(r"[FGDCESHBMLV][HLMGN]([ENZ123])")
 # Names of streets; a pier without a number may be a place on the ground too.
@@ -52,6 +120,13 @@ class Direction:
     azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
     sign: float = 1.0  # -1 for a channel that is positive downwards, else 1
     note: str = ""
+
+    @property
+    def label(self) -> str:
+        """A short name of a direction that no words of the file name: "UP", "090"; empty where it is unknown."""
+        if self.orientation == "vertical":
+            return "UP" if self.sign > 0.0 else "DOWN"
+        return "" if math.isnan(self.azimuth) else f"{self.azimuth:03.0f}"
 
 
 def direction(wording: str) -> Direction:
@@ -96,12 +171,75 @@ def vertical_if_so(facing: Direction, code: str) -> Direction:
 
 
 def heading_direction(name: str) -> Direction:
-    """The one word of a column heading that is a direction; a lone letter counts only if it is one of `_LETTERS`."""
+    """The direction that the words of a column heading name; a lone letter counts only if it is one of `_LETTERS`."""
     wording = _ANGLE.sub("", _NUMBERED.sub(" ", _QUANTITY.sub(" ", BRACKET.sub(" ", name))))
-    words = re.split(r"[\s_\-:=]+|(?<!\d)\.|\.(?!\d)", wording)
-    found = [direction(word) for word in words if len(word) > 1 or word in _LETTERS]
+    found = []
+    for piece in re.split(r"[\s_:=,]+", wording):
+        whole = direction(piece) if _AXIS.fullmatch(piece) else Direction()
+        words = re.split(r"[-/]+|(?<!\d)\.|\.(?!\d)", piece) if whole.orientation == "unknown" else []
+        found += [whole, *(direction(word) for word in words if len(word) > 1 or word in _LETTERS)]
+    if not any(facing.orientation != "unknown" for facing in found):  # acc (N), az, accEW
+        found += [direction(text.strip()) for text in BRACKET.findall(name) if is_direction(text.strip())]
+        found += [direction(match[1]) for match in _WITH_AXIS.finditer(wording)]
+    return _one_of(found)
+
+
+def is_direction(text: str) -> bool:
+    """Whether what stands in brackets is a direction rather than a unit."""
+    return (len(text) > 1 or text in _LETTERS) and direction(text).orientation != "unknown"
+
+
+def _one_of(found: Sequence[Direction]) -> Direction:
+    """The one direction that several words mean, the most precise of them; unknown where they differ."""
     known = [facing for facing in found if facing.orientation != "unknown"]
-    return known[0] if len(known) == 1 else Direction()
+    precise = [facing for facing in known if not math.isnan(facing.azimuth)] or known
+    alike = {(facing.orientation, facing.sign) for facing in known} | {(one.azimuth,) for one in precise}
+    return precise[0] if len(alike) == 2 or len(precise) == len(known) == 1 else Direction()
+
+
+def name_direction(file: SourceFile) -> Direction:
+    """The direction in the name of a file that holds one channel: rec_E, rec-UP, rec.NS, rec.00U, EW.txt, PIC090.
+
+    Digits behind letters (PIC090) are the azimuth of a file beside which one a right angle apart, or a vertical one,
+    lies, or a right angle themselves: they may also be the number of a station. A single letter counts at either end.
+    """
+    path = file.path
+    suffix, stem = path.suffix[1:], path.stem
+    if suffix.lower() in _TEXT_SUFFIXES or len(suffix) > _LONGEST_SUFFIX:
+        suffix = ""
+    numbered = _SUFFIX.fullmatch(suffix)
+    facing = direction(suffix.rstrip("0123456789") if suffix.isalnum() and not suffix.isdecimal() else "")
+    if facing.orientation != "unknown" and suffix.upper() != "V":
+        return facing
+    if numbered:
+        facing = direction(numbered[2])
+        return facing if numbered[1] in ("00", "0") or facing.orientation == "vertical" else Direction("horizontal")
+    axis = _AXIS.search(stem)
+    pieces = [piece for text in re.split(r"[\W_]+", stem) if text for piece in beside_kinds(text)]
+    ends = [piece for piece in pieces if not _FILLER.fullmatch(piece)]
+    words = [word for word in ends if len(word) > 1 and not word.isdecimal()]
+    words += [word for word in {*ends[:1], *ends[-1:]} if word in _NAME_LETTERS]
+    words += [axis[0]] if axis else []
+    found = [direction(re.sub(r"(?<=[A-Za-z])\d$", "", word) if len(word) > 2 else word) for word in words]
+    facing = _one_of(found)
+    glued = _GLUED.search(stem)
+    if facing.orientation != "unknown" or not glued:
+        return facing
+    if not glued[1].isdecimal():
+        return direction(glued[1])
+    return direction(glued[1]) if _has_partner(file, glued) else Direction()
+
+
+def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
+    """Whether three digits at the end of a file's name are an azimuth, by their value or by the files beside it."""
+    azimuth, before, behind = int(glued[1]), glued.string[: glued.start()], file.path.suffix
+    if azimuth > _FULL_TURN:
+        return False
+    if azimuth % _RIGHT_ANGLE == 0:
+        return True
+    angles = [(azimuth + turn) % _FULL_TURN for turn in (_RIGHT_ANGLE, -_RIGHT_ANGLE)]
+    others = [*(f"{angle:03d}" for angle in angles), "-UP", "UP", "DWN", "-DWN", "-V", "-DN"]
+    return any(file.beside(f"{before}{other}{behind}") is not None for other in others)
 
 
 def on_structure(place: str, stated: bool = False) -> bool:

@@ -80,7 +80,7 @@ def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) ->
             stream.merge(-1)
     except Exception as fault:  # the plugins raise anything from TypeError to bare Exception on damaged bytes
         raise RecordFormatError(
-            f"{file.name}: obspy cannot read it as {format}: {fault}; the file may be damaged: download it again"
+            f"{file.name}: obspy cannot read it as {format}: {fault}; it may be damaged or of another format"
         ) from fault
     if len(stream) == 0:
         raise RecordFormatError(f"{file.name}: no waveform in the file; download it again")
@@ -142,15 +142,16 @@ Files = Sequence[tuple[str, bytes]]
 
 @lru_cache(maxsize=4)
 def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
-    """A StationXML file and obspy's warnings; it serves all channels of a station, and a parse costs 10 ms and more."""
+    """Station metadata and obspy's warnings; they serve all channels of a station, and a parse costs 10 ms and more."""
     import obspy
 
     try:
         with obspy_notes() as notes:
-            inventory = obspy.read_inventory(io.BytesIO(content), format="STATIONXML")
+            # StationXML, the inventory of ArcLink, dataless SEED: obspy tells them apart.
+            inventory = obspy.read_inventory(io.BytesIO(content))
         return inventory, notes
     except Exception as fault:  # lxml, ValueError, TypeError: whatever the damaged element leads to
-        raise RecordFormatError(f"{name}: cannot be read as StationXML: {fault}") from fault
+        raise RecordFormatError(f"{name}: cannot be read as StationXML or another inventory: {fault}") from fault
 
 
 def _channels(

@@ -9,8 +9,17 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.kit.checks import surplus
 from rockpulse.readers.kit.headings import Heading
-from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, canonical_unit, check_count, fixed_width, unexpected
+from rockpulse.readers.kit.text import (
+    FILE_DAMAGED,
+    UNITS,
+    canonical_unit,
+    check_count,
+    fixed_width,
+    for_such_files,
+    unexpected,
+)
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.warning_text import WarningText
 
 #: A resampled record may have at most this many times the samples of the file.
 GROWTH_LIMIT = 10
@@ -18,6 +27,10 @@ GROWTH_LIMIT = 10
 ROUNDING_SHARE = 0.2
 #: A step above this many medians is a gap if all others are equal.
 LONG_STEP = 1.5
+#: Of a clock that jitters every step is longer than this share of the usual one; one that differs by more than the
+#: next share is odd, and fewer odd ones than the third share of all are damage.
+_SHORT_STEP, _ODD_STEP, _FEW_ODD = 0.3, 0.001, 0.02
+_SAME_CLOCK = 0.01  # the mean interval of a clock may differ by this share from the one declared
 _SAME_STEP = 1.001  # two statements of one sampling interval differ by no more than this ratio
 #: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
 LATEST = 1e13
@@ -115,7 +128,7 @@ def make_even(
     if np.any(steps <= 0.0):
         at = int(np.argmax(steps <= 0.0)) + 1
         found = f"{times[at]:g} s after {times[at - 1]:g} s (pair {at + 1})"
-        advice = "the file is damaged or holds more than one channel: download it again"
+        advice = "correct the times, or write each channel into a file of its own"
         raise unexpected(f"{name}:{first + at // per_row}", "increasing times", found, advice)
     even = even_step(times)
     if even is not None:
@@ -128,7 +141,7 @@ def make_even(
     if gap is not None:
         raise RecordFormatError(
             f"{name}:{first + (gap + 1) // per_row}: a step of {steps[gap]:g} s after {times[gap]:g} s among steps of "
-            f"{dt:g} s; samples are missing or the times are damaged: repair them or download the file again"
+            f"{dt:g} s; samples are missing or the times are damaged: repair them"
         )
     grid = times[0] + dt * np.arange(int(count + 1e-6) + 1)
     even_samples = np.interp(grid, times, samples)
@@ -210,10 +223,37 @@ def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
     return bool(counts and not names_time(headings))
 
 
+def jitters(times: np.ndarray) -> bool:
+    """Whether rising times (n,) are those of a clock that jitters or drifts, none of them missing or damaged.
+
+    No step is long or short as one beside a missing row, and many differ from the usual one, not one or two.
+    """
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    if not np.all(np.abs(times) <= LATEST) or steps.size < _CLIMB or not (steps > _SHORT_STEP * usual).all():
+        return False
+    odd = np.abs(steps - usual) > max(_ODD_STEP * usual, 1.01 * 2.0 * _half_digit(times - times[0]))
+    few = 0 < int(odd.sum()) < max(_FEW_ODD * steps.size, 3)
+    return bool(np.all(steps < LONG_STEP * usual)) and not few
+
+
+def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, WarningText]:
+    """The columns (n, m) at equal steps from the first of rising times (n,) to the last, by splines; and the remark."""
+    from scipy.interpolate import CubicSpline
+
+    step = float(times[-1] - times[0]) / (times.size - 1)
+    even = times[0] + step * np.arange(times.size)
+    uneven = float(np.max(np.abs(times - even))) / step
+    return CubicSpline(times, table)(even), WarningText("resampled_clock", interval=step, uneven=uneven)
+
+
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
-) -> float | None:
-    """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded."""
+) -> tuple[float | None, np.ndarray | None]:
+    """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded.
+
+    The second value are the times [s] of a clock that jitters or drifts, whose mean interval the first is.
+    """
     named = names_time(headings)
     unit = headings[0].unit.lower() if headings else ""
     if named and any(letter.isdigit() for letter in unit):
@@ -223,7 +263,7 @@ def time_column_step(
     steps = np.diff(first)
     falls, changes = int(np.sum(steps < 0.0)), int(np.sum(steps != 0.0))
     if table.shape[1] < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):
-        return None
+        return None, None
     other = next((index + 1 for index in range(1, table.shape[1]) if climbs(table[:, index])), None)
     if other:
         expected = "one column of times and accelerations beside it"
@@ -232,9 +272,12 @@ def time_column_step(
     rising = bool(np.all(steps > 0.0))
     step = even_step(first) if rising else None
     if step is not None:
-        return step
+        return step, None
     if not falls and declared is not None and printed_at(first, declared):
-        return declared
+        return declared, None
+    if rising and jitters(first):
+        mean = float(first[-1] - first[0]) / (first.size - 1)
+        return declared if declared and abs(declared / mean - 1.0) < _SAME_CLOCK else mean, first
     column = f"column {headings[0].name!r}" if named else "first column, which runs like time"
     if falls or (declared is None and not rising):
         at, advice = int(np.argmin(steps)), "repair the times"
@@ -265,7 +308,7 @@ def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float
         raise RecordFormatError(
             f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
             "none; give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or "
-            "read(path, units='g', dt=0.01)"
+            f"read(path, units='g', dt=0.01); beside files of other intervals {for_such_files(name, 'dt = 0.01')}"
         )
     for source, step in known.items():
         if not (np.isfinite(step) and step > 0.0):

@@ -20,6 +20,7 @@ _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 _SHOWN = 80
+_OF_RSPMATCH = 3  # numbers of the line above the samples
 _PART = 2000  # rows that are read, and blamed, together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
@@ -192,12 +193,16 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
             count, step = _count_and_step(fields)
             if count and step:
                 return Numbered(row + 1, count, step)
-    fields = []
+    fields, rows = [], 0
     for line in [line for line in lines[:row] if line.strip()][:-3:-1]:
         found = [field for field in re.split(r"[\s,;]+", line[:LINE_LIMIT].strip(" \t#%")) if field]
         if not found or not all(NUMBER.fullmatch(field) for field in found):
             break
-        fields = [*found, *fields]
+        fields, rows = [*found, *fields], rows + 1
+    if rows == 1 and len(fields) == _OF_RSPMATCH and all("." not in text for text in fields[::2]):
+        filled = [line for line in lines[row:] if line.strip()]
+        values = (len(filled) - 1) * layout.width + len(split_row(filled[-1], layout.delimiter))
+        fields = fields[:2] if fields[0] == str(values) else fields
     count, step = _count_and_step(fields)
     return Numbered(row, count, step) if count else Numbered(row)
 

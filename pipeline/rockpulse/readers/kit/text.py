@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.source import NotAcceleration
+from rockpulse.readers.source import NotAcceleration, OtherKind
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Acceleration in m/s2 = value in the file x factor.
@@ -18,9 +18,9 @@ UNITS |= {"g": STANDARD_GRAVITY, "g/10": STANDARD_GRAVITY / 10.0}
 #: No line of a header is longer; a damaged one may be.
 LONGEST_LINE = 200
 #: The advice in messages about a damaged header, another part of a file, its end.
-HEADER_DAMAGED = "the header is damaged: download the file again"
-FILE_DAMAGED = "the file is damaged: download it again"
-LINE_DAMAGED = "the line is damaged: download the file again"
+HEADER_DAMAGED = "correct the line, or write the samples as columns with their unit"
+FILE_DAMAGED = "correct the file"
+LINE_DAMAGED = "correct the line"
 TRUNCATED = "the file may be truncated: download it again"
 #: The advice in messages about a file of another motion, or of another record too.
 ACCELERATION_FILE = "read the acceleration file of the same record"
@@ -44,7 +44,8 @@ _QUANTITIES = {
     "displacement": "m cm mm in ft",
     "frequency": "hz khz",
     # Not read, so that canonical_unit refuses them.
-    "acceleration": "mg millig milli-g %g ft/s2 in/s2 ft/s/s in/s/s mgal count counts volt volts",
+    "acceleration": "mg millig milli-g %g ft/s2 in/s2 ft/s/s in/s/s mgal count counts volt volts mv "
+    "millivolt millivolts",
 }
 _QUANTITY = {spelling: quantity for quantity, spellings in _QUANTITIES.items() for spelling in spellings.split()}
 _CREDIBLE_PGA_G = (1e-3, 3.0)
@@ -58,6 +59,12 @@ def unexpected(where: str, expected: str, found: str, advice: str = HEADER_DAMAG
 def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELERATION_FILE) -> NotAcceleration:
     """The error about a file, or a channel, of another motion; `where` is ``file:line``."""
     return NotAcceleration(f"{where}: expected {expected}, found {found}; {advice}")
+
+
+def other_kind(where: str, kind: str) -> OtherKind:
+    """The error about a file whose name says that it holds another kind of motion, and whose content says none."""
+    advice = f"{ACCELERATION_FILE}, or give the file another name if it holds accelerations"
+    return OtherKind(f"{where}: {kind}, as its name says, expected accelerations; {advice}")
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
@@ -134,8 +141,8 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
     for line, field in located:
         if not _NUMBER.fullmatch(field) or not np.isfinite(float(field.translate(_FORTRAN_EXPONENT_TEXT))):
             found = repr(field.strip()[:40] or "a blank field")
-            raise unexpected(f"{where}:{line}", "a finite number", found, "repair the line or download the file again")
-    raise RecordFormatError(f"{where}: the numbers cannot be converted; download the file again")
+            raise unexpected(f"{where}:{line}", "a finite number", found, "correct the line")
+    raise RecordFormatError(f"{where}: the numbers cannot be converted; correct them")
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
@@ -189,22 +196,34 @@ def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.
 
 def canonical_unit(text: str, where: str) -> str:
     """The key of `UNITS` that a spelling means; `where` is ``file:line`` or an option, for the UnitError."""
-    unit = _accepted(text)
+    unit = spelled_unit(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
         of = f" ({quantity})" if quantity else ""
-        advice = "" if where.startswith("option") else "; correct the file, or write columns and give their unit"
-        near = "".join(f'; did you mean "{close}"?' for close in get_close_matches(unit, UNITS, n=1))
+        advice = (
+            ""
+            if where.startswith(("option", "--")) or "[records]" in where
+            else "; correct the file, or write columns and give their unit"
+        )
+        near = "".join(f' (did you mean "{close}"?)' for close in get_close_matches(unit, UNITS, n=1))
         found = f"unknown unit of acceleration {text[:40]!r}{of}{near}"
         raise UnitError(f"{where}: {found}; expected one of {', '.join(UNITS)}{advice}")
     return unit
 
 
+def for_such_files(name: str, setting: str) -> str:
+    """The advice to give a property of files of one suffix only, as the configuration has it; many share its words."""
+    last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
+    pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
+    return f"for such files alone: [[records.file]], match = '{pattern}', {setting}"
+
+
 def for_other_files(option: str) -> str:
     """The advice where an option of the command line contradicts a statement in a file."""
     return (
-        f"correct the wrong one; or, if {option} is meant for other files, read these in a run of their own, or "
-        f"convert them first, so that they state it (rockpulse convert FILE {option} -o FILE.csv)"
+        f"correct the wrong one; or, if {option} is meant for other files, give it for these alone ([[records.file]] "
+        f"in the configuration), or convert them first, so that they state it (rockpulse convert FILE {option} -o "
+        "FILE.csv)"
     )
 
 
@@ -213,14 +232,15 @@ def _squeezed(text: str) -> str:
     return re.sub(r"se[cg](?:ond|undo)?s?|(?<=/)sn", "s", unit)
 
 
-def _accepted(text: str) -> str:
+def spelled_unit(text: str) -> str:
+    """The spelling of a unit in `UNITS`, where it means one of them."""
     unit = re.sub(r"(?:/s/s|[.·]?s-2|/?per/?s2|ps2|(?<=m)/s/2|/s?squared)$", "/s2", _squeezed(text).replace("_", "/"))
-    return {"gals": "gal", "(g)": "g"}.get(unit, unit)
+    return {"gals": "gal", "(g)": "g", "g's": "g", "gs": "g"}.get(unit, unit)
 
 
 def quantity_of(text: str) -> str:
     """Acceleration, velocity, displacement, time or frequency, which a unit alone measures; empty where it is none."""
-    return "acceleration" if _accepted(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
+    return "acceleration" if spelled_unit(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
 
 
 def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:

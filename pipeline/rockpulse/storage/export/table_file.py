@@ -100,7 +100,9 @@ def write_table(
     readme = readme_of(target)
     empty = {column.name: 0 for column in table.columns}
     if decimal_comma and target.suffix in TYPED:
-        raise ResultsError(f"{path}: a table of this kind holds numbers, not how they are written: no decimal commas")
+        raise ResultsError(
+            f"{path}: --decimal-comma: expected a CSV file, found a format that stores numbers; remove the option"
+        )
 
     def seen(frame: pd.DataFrame) -> None:
         for name in empty:
@@ -191,9 +193,9 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         options = 'sep=";", decimal=",", '
     in_pandas = (
         f'In pandas: `pandas.read_csv(name, {options}keep_default_na=False, na_values=[""])`, so that a network "NA" '
-        "stays one."
+        "is kept."
     )
-    digits, line_ends = "all their", f" `{LINE.strip()}` stands between the lines of a text."
+    digits, line_ends = "all", f" `{LINE.strip()}` separates the lines of a text."
     if name.endswith(tuple(TYPED)):
         line_ends = ""
     if name.endswith(".parquet"):
@@ -206,10 +208,12 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         "",
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
-        f"{written}, SI units, numbers with {digits} digits. An empty cell: not known or not computed, or no text; how "
-        "many a column has is counted below. `inf`: without limit, such as the safety factor of a block that no factor "
-        "tried overturns, or the peak of one that overturned. -1 in whole numbers: none, or not known, as the meaning "
-        f"says.{line_ends}",
+        f"{written}, SI units, numbers with {digits} digits. Empty cell: unknown, not computed, or an empty text; "
+        f"their "
+        "number in each column is given below. `inf`: no limit, such as the scale factor of a body that no scale "
+        "factor "
+        "overturned, or the peak rotation of a body that overturned. -1 in an integer column: none or unknown, see its "
+        f"meaning.{line_ends}",
         "",
         in_pandas,
         "",
@@ -226,6 +230,6 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         names = ", ".join(f"`{name}`" for name in table.left_out)
         lines += [
             "",
-            f"Not in this table, because their dimensions are others: {names} (`--rows` takes other dimensions).",
+            f"Not in this table, because their dimensions differ: {names} (`--rows` selects other dimensions).",
         ]
     return "\n".join(lines) + "\n"

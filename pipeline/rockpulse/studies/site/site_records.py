@@ -95,10 +95,10 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
     return {name: np.array([values]) for name, values in found.items()}
 
 
-def no_site_record(blocks: Block) -> Part:
+def empty_site_record(blocks: Block) -> Part:
     """Return every array of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
     return {
-        **no_facts(),
+        **empty_facts(),
         **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
         "value": np.zeros((0, len(PARAMETERS))),
         "peaks": np.zeros((0, *blocks.shape)),
@@ -131,7 +131,7 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
     }
 
 
-def no_facts() -> dict[str, np.ndarray]:
+def empty_facts() -> dict[str, np.ndarray]:
     """Return every array of :func:`facts_of_record`, and "event", with zero rows."""
     facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
     return {"record": np.zeros(0, dtype=str), **facts}

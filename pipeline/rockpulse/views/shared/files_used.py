@@ -22,7 +22,7 @@ _OF_OPTIONS = frozenset({"events", "select"})
 #: Groups with a row for each record of the results; the first existing one is used.
 _GROUPS = ("summary", "site", "capacities")
 #: Largest number of reasons in a sentence, of files per reason, and of characters per reason.
-_REASONS, _NAMED, _LONGEST = 3, 2, 120
+_REASONS, _NAMED, _LONGEST = 3, 10, 120
 
 
 @dataclass(frozen=True)

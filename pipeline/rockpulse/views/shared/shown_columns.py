@@ -16,7 +16,7 @@ from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.words import say, translated
 from rockpulse.warning_text import has_warning
 
 #: Largest width of the id of a record and of the name of a block in a table.
@@ -51,7 +51,11 @@ class Column:
     @property
     def heading(self) -> Heading:
         """Heading with its small print."""
-        title = say(f"column.{self.name}.head") if self.title is None else self.title
+        title = (
+            say(f"column.{self.name}.head")
+            if self.title is None
+            else translated(f"column.{self.name}.head", self.title)
+        )
         note = say(f"column.{self.name}.note") if self.name in _NOTED else self.note
         return Heading(title, self.unit, note, self.width)
 
@@ -70,7 +74,7 @@ def tabulated(
 
 
 #: Columns with small print below the heading.
-_NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "standing"})
+_NOTED = frozenset({"restitution", "overturning_probability"})
 
 
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
@@ -248,12 +252,12 @@ COLUMNS = {
         Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all records, and the worst body of a record
         Column("verdict", ("found",), grade_cell),
-        Column("up_to", ("high",), shown(ratio)),
+        Column("probability_upper", ("high",), shown(ratio)),
         Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
         Column("median_factor_50", ("median",), unexplained),
         Column("median_safety_factor", ("median",), unexplained),
         Column("top", ("top",), shown(ratio), "cm"),
-        Column("turn", ("turn",), shown(ratio), "deg"),
+        Column("rotation", ("rotation",), shown(ratio), "deg"),
         Column("worst", ("worst",), Cell),
         Column("worst_for", ("worst_for",), Cell),
     )
@@ -309,6 +313,6 @@ def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
     """Return the columns of the probability and the factors of overturning; empty if unknown."""
-    if not answers.told:
+    if not answers.has_factor:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

@@ -227,3 +227,31 @@ def test_damage_is_named(write, content, message):
 def test_a_unit_that_is_not_known(write):
     with pytest.raises(UnitError, match=r"test.012:78: unknown unit of acceleration 'Cuentas'"):
         read(write(asa(TABLE, unit="Cuentas")))
+
+
+def test_the_line_above_the_values_may_be_a_ruler_of_eight_channels(write):
+    content = asa(TABLE)
+    line = next(line for line in content.split(b"\n") if b"CANAL-1" in line)
+    ruler = b"".join(b"   CANAL-%d" % number for number in range(1, 9))
+    expected = [record.acceleration for record in read(write(content))]
+    found = [record.acceleration for record in read(write(content.replace(line, ruler + line[len(line.rstrip()) :])))]
+    assert np.array_equal(found, expected)
+
+
+@pytest.mark.parametrize("layout", ["3E16.7", "3(1PE16.7)", "(3E16.7)"])
+def test_fields_with_exponents(write, layout):
+    content = asa(TABLE)
+    lines = content.decode("latin-1").split("\n")
+    first = len(lines) - len(TABLE) - (not lines[-1].strip())
+    rows = ["".join(f"{value:16.7E}" for value in row) for row in TABLE]
+    text = "\n".join([*lines[:first], *rows]) + "\n"
+    old = next(line for line in lines if line.startswith("FORMATO DATOS"))
+    changed = text.replace(old, f"{old.partition(':')[0]}: {layout}")
+    for record, column in zip(read(write(changed.encode("latin-1"))), TABLE.T, strict=True):
+        assert record.acceleration == pytest.approx(0.01 * column, abs=1e-9)
+
+
+@pytest.mark.parametrize("date", ["21/JUL/2000", "21/07/2000", "2000/07/21", "21-julio-2000"])
+def test_dates_as_they_are_written(write, date):
+    record = read(write(asa(TABLE, date=date, origin="06:13:40", start="06:13:50")))[0]
+    assert record.start_time == datetime(2000, 7, 21, 6, 13, 50, tzinfo=UTC)

@@ -359,7 +359,7 @@ def test_times_may_count_from_1970(write, scale):
 
 def step_of(times, *others, headings=(), declared=None):
     columns = others or (VALUES_TIME_COLUMN[: len(times)],)
-    return time_column_step("x.txt", np.column_stack([times, *columns]), headings, 4, declared)
+    return time_column_step("x.txt", np.column_stack([times, *columns]), headings, 4, declared)[0]
 
 
 @pytest.mark.parametrize(
@@ -395,7 +395,7 @@ def test_a_column_that_falls_at_a_twentieth_of_its_changes_is_no_time(still):
 
 def test_a_table_of_one_column_or_one_row_has_no_times():
     headings = [Heading("t", "time")]
-    assert time_column_step("x.txt", TIMES_TIME_COLUMN[:, None], headings, 4, None) is None
+    assert time_column_step("x.txt", TIMES_TIME_COLUMN[:, None], headings, 4, None) == (None, None)
     assert step_of(TIMES_TIME_COLUMN[:1], headings=headings) is None
     assert step_of(TIMES_TIME_COLUMN[:2], headings=headings) == 0.01
     assert step_of(TIMES_TIME_COLUMN[:2]) == 0.01

@@ -120,7 +120,7 @@ def test_the_row_that_ends_too_early_or_too_late_is_named(rows, count, message):
 
 def test_rows_of_numbers_between_blanks():
     assert np.array_equal(free_rows(["1 2 3", " 4  5 6"], 1, 3, "a"), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
-    with pytest.raises(RecordFormatError, match="a:6: expected a row of 2, found '3'; the line is damaged"):
+    with pytest.raises(RecordFormatError, match="a:6: expected a row of 2, found '3'; correct the line"):
         free_rows(["1 2", "3", "4"], 5, 2, "a")
     with pytest.raises(RecordFormatError, match="a:6: expected a finite number, found 'x'"):
         free_rows(["1 2", "3 x"], 5, 2, "a")

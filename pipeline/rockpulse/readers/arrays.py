@@ -1,0 +1,147 @@
+"""Workbooks (XLSX), MATLAB and numpy files as tables of text, which the reader of columns takes like any other."""
+
+import io
+import zipfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.readers.no_record import advice
+from rockpulse.readers.source import HEAD, SourceFile, Table, Unrecognised
+from rockpulse.record.record import Record
+
+_WORKBOOKS = (".xlsx", ".xlsm")
+_SAVE = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
+_DELIMITER = ";"  # between the cells of the text; a cell may hold a comma
+#: Fewer rows make no series of a sheet, which may be a list of stations, and fewer numbers none of an array.
+_FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
+#: Names of single numbers, in small letters, by the words that the reader of columns knows.
+_NUMBERS = dict.fromkeys(("dt", "delta", "deltat", "step", "time_step", "timestep", "sampling_interval"), "dt")
+_NUMBERS |= dict.fromkeys(("fs", "sps", "sampling_rate", "samplerate", "sample_rate", "rate"), "sampling rate")
+_NUMBERS |= dict.fromkeys(("npts", "nsamples"), "npts") | dict.fromkeys(("pga",), "pga")
+_UNITS = ("unit", "units", "acc_unit", "acc_units")
+_SAMPLES = ("data", "samples", "values", "signal", "x", "y", "arr_0")
+
+
+def text_tables(file: SourceFile) -> list[SourceFile] | None:
+    """The tables of a workbook, or of a MATLAB or numpy file, as texts; None for every other file."""
+    suffix, head = file.path.suffix.lower(), file.head
+    reader: Callable[[SourceFile], Iterable[str]] | None = None
+    if head.startswith(b"\x93NUMPY") or (head.startswith(b"PK") and suffix == ".npz"):
+        reader = _numpy
+    elif head.startswith(b"PK") and suffix in _WORKBOOKS:
+        reader = _workbook
+    elif suffix == ".mat":
+        reader = _matlab
+    if reader is None:
+        return None
+    texts = [text.encode() for text in reader(file)]
+    return [replace(file, head=text[:HEAD], load=lambda text=text: text) for text in texts]  # type: ignore[misc]
+
+
+def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[SourceFile], list[Record]]) -> list[Record]:
+    """The records of the tables that hold some, each with the digest of the file; the first error where none does."""
+    records: list[Record] = []
+    faults: list[RockpulseError] = []
+    for table in tables:
+        try:
+            records += read(table)
+        except RockpulseError as fault:
+            faults.append(fault)
+    if not records:
+        told = [fault for fault in faults if not isinstance(fault, Unrecognised)]
+        beside = f"{file.name}: no columns of samples in the file; it is taken for a table beside the records"
+        raise (told or [Table(beside)])[0]
+    return [replace(record, source_sha256=file.sha256) for record in records]
+
+
+def _workbook(file: SourceFile) -> Iterable[str]:
+    """Each sheet of a workbook as rows of text, without what is empty around its cells."""
+    import pandas
+
+    try:
+        sheets = pandas.read_excel(io.BytesIO(file.content), sheet_name=None, header=None, dtype=object)
+    except ImportError as fault:
+        found = "a workbook, which pandas reads with openpyxl: pip install openpyxl"
+        raise RecordRefused(f"{file.name}: {found}; or save it as CSV, with headings and units") from fault
+    except Exception as fault:  # openpyxl raises whatever a damaged part leads to
+        found = f"cannot be read as a workbook ({fault}); {advice(file)}"
+        raise RecordFormatError(f"{file.name}: {found}") from fault
+    for sheet in sheets.values():
+        filled = sheet.dropna(how="all").dropna(axis=1, how="all")
+        if len(filled) >= _FEWEST_SAMPLES:
+            yield "\n".join(_DELIMITER.join(map(_cell, row)).rstrip(_DELIMITER) for row in filled.values.tolist())
+
+
+def _cell(value: Any) -> str:
+    """A cell as text, without the delimiter; times as ISO has them."""
+    if value is None or value != value:
+        return ""
+    text = value.isoformat() if hasattr(value, "isoformat") else str(value)
+    return text.replace(_DELIMITER, ",").replace("\n", " ").strip()
+
+
+def _numpy(file: SourceFile) -> Iterable[str]:
+    """The one array of a NPY file, or those of a NPZ file, as text; no file that would have to run code is read."""
+    try:
+        found = np.load(io.BytesIO(file.content), allow_pickle=False)
+        arrays = {"": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
+    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile) as fault:
+        found = f"cannot be read as arrays of numpy: {fault}; save plain arrays of numbers"
+        raise RecordFormatError(f"{file.name}: {found}") from fault
+    return _texts(arrays)
+
+
+def _matlab(file: SourceFile) -> Iterable[str]:
+    """The variables of a MATLAB file, and the fields of its structures, as text."""
+    from scipy.io import loadmat
+
+    try:
+        found = loadmat(io.BytesIO(file.content), squeeze_me=True, struct_as_record=True)
+    except NotImplementedError as fault:
+        raise RecordRefused(f"{file.name}: a MATLAB file of version 7.3, which is not read; {_SAVE}") from fault
+    except Exception as fault:  # scipy raises anything from ValueError to TypeError on damaged bytes
+        raise RecordFormatError(f"{file.name}: cannot be read as a MATLAB file: {fault}; {_SAVE}") from fault
+    variables: dict[str, Any] = {}
+    for name, value in found.items():
+        if name.startswith("__"):
+            continue
+        fields = value.dtype.names if isinstance(value, np.ndarray) and value.shape == () else None
+        variables |= {field: value[field].item() for field in fields} if fields else {name: value}
+    return _texts(variables)
+
+
+def _texts(arrays: Mapping[str, Any]) -> list[str]:
+    """The columns of equal length as one table for each length, below the single numbers and words as prose."""
+    prose: list[str] = []
+    columns: dict[int, list[tuple[str, np.ndarray]]] = {}
+    for name, value in arrays.items():
+        array = np.asarray(value).squeeze()
+        if array.dtype.kind in "US" and array.ndim == 0:
+            text = " ".join(str(array[()]).split())
+            prose.append(f"units: {text}" if name.lower() in _UNITS else f"{name}: {text}")
+        elif array.dtype.names:
+            for field in array.dtype.names:
+                columns.setdefault(array.size, []).append((field, array[field].ravel()))
+        elif array.dtype.kind in "iuf" and array.ndim == 0:
+            known = _NUMBERS.get(name.lower())
+            prose += [f"{known} = {array[()]!s}"] if known else []
+        elif array.dtype.kind in "iuf" and array.ndim <= 2 and array.size >= _FEWEST_ROWS:
+            table = array.reshape(-1, 1) if array.ndim == 1 else array if array.shape[0] >= array.shape[1] else array.T
+            label = "" if name.lower() in _SAMPLES else name
+            names = [label] if table.shape[1] == 1 else [f"{label} {number}" for number in range(1, table.shape[1] + 1)]
+            columns.setdefault(len(table), []).extend(zip(names, table.T, strict=True))
+    return [_table(prose, named) for _, named in sorted(columns.items(), reverse=True)]
+
+
+def _table(prose: list[str], named: list[tuple[str, np.ndarray]]) -> str:
+    """One table with its headings, if its columns have names, and every digit of its numbers."""
+    # A series without a name, and a matrix, whose columns have numbers only, are as a text of numbers without headings.
+    bare = all(not name.strip(" 0123456789") for name, _ in named)
+    heading = [] if bare else [_DELIMITER.join(name.replace(_DELIMITER, ",") or "value" for name, _ in named)]
+    # As the reader of columns has it, a point tells numbers from counts, and one column has no delimiter.
+    rows = np.column_stack([values.astype(float) for _, values in named]).tolist()
+    return "\n".join([*prose, *heading, *(_DELIMITER.join(map(repr, row)) for row in rows)])

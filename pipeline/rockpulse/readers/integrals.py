@@ -1,0 +1,64 @@
+"""Files without a word on their kind of motion, of which one is the integral of another: velocities, displacements."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import PurePath
+
+import numpy as np
+
+from rockpulse.errors import Failure
+from rockpulse.record.record import Record
+
+_POINTS, _FEWEST = 128, 50  # samples at which two files are compared, and fewest samples of a file
+_ALIKE = 0.98  # correlation of the slope of one file with the values of another at which it is its integral
+
+
+@dataclass(frozen=True, eq=False)
+class UnstatedKind(Record):
+    """A record whose file does not state its kind of motion, with its values and slopes at some samples."""
+
+    values: tuple[float, ...] = ()  # [m/s2]
+    slopes: tuple[float, ...] = ()  # [m/s3]
+
+
+def of_unstated_kind(record: Record) -> Record:
+    """The record with its values and slopes; as it is if it is too short."""
+    if record.npts < _FEWEST:
+        return record
+    at = np.linspace(1, record.npts - 2, _POINTS).astype(int)
+    samples = record.acceleration
+    slopes = (samples[at + 1] - samples[at - 1]) / (2.0 * record.dt)
+    known = {item.name: getattr(record, item.name) for item in fields(record)}
+    return UnstatedKind(**known, values=tuple(samples[at].tolist()), slopes=tuple(slopes.tolist()))
+
+
+def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
+    """The records but those whose slope is another of the same folder, length and interval, and rows for these."""
+    groups: dict[tuple[object, ...], list[UnstatedKind]] = defaultdict(list)
+    for record in records:
+        if isinstance(record, UnstatedKind):
+            groups[str(PurePath(record.source).parent), record.npts, f"{record.dt:.6g}"].append(record)
+    rows: dict[int, Failure] = {}
+    for group in groups.values():
+        if len(group) > 1:
+            rows |= _integrals(group)
+    return [record for record in records if id(record) not in rows], list(rows.values())
+
+
+def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
+    """A row for each record whose slopes are the values of another one, by its identity."""
+    values, slopes = (np.array([getattr(one, name) for one in group]) for name in ("values", "slopes"))
+    centred = [table - table.mean(axis=1, keepdims=True) for table in (slopes, values)]
+    with np.errstate(all="ignore"):
+        unit = [table / np.linalg.norm(table, axis=1, keepdims=True) for table in centred]
+        alike = np.nan_to_num(unit[0] @ unit[1].T)
+    np.fill_diagonal(alike, 0.0)
+    rows = {}
+    for place, record in enumerate(group):
+        other = int(np.argmax(alike[place]))
+        if alike[place, other] > _ALIKE and alike[other, place] <= _ALIKE:
+            told = f"no acceleration: its derivative are the samples of {PurePath(group[other].source).name}"
+            reason = f"{record.source}: {told}, so it holds a velocity or a displacement; name the files by their kind"
+            rows[id(record)] = Failure(record.source, "read", reason, "skipped")
+    return rows

@@ -1,0 +1,101 @@
+"""Statements about the columns of a table held against each other: directions, units, a peak."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import UnitError
+from rockpulse.readers.format import ReadOptions
+from rockpulse.readers.kit.checks import held_direction
+from rockpulse.readers.kit.direction import Direction, heading_direction, name_direction
+from rockpulse.readers.kit.headings import Heading
+from rockpulse.readers.kit.prose import other_units, positive_downwards, stated_direction, stated_peaks, stated_units
+from rockpulse.readers.kit.text import UNITS, canonical_unit, for_such_files, printed_number, spelled_unit
+from rockpulse.readers.source import SourceFile
+from rockpulse.warning_text import WarningText
+
+_HALF_TURN = 180.0  # degrees between two opposite directions
+
+
+def column_directions(file: SourceFile, headings: Sequence[Heading], prose: Sequence[str]) -> list[Direction]:
+    """The direction of each column by its heading; that of a single one by the name of the file too."""
+    found = [heading_direction(heading.name) for heading in headings]
+    if len(found) == 1:
+        for told, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
+            note = f"the {whose} states another direction, {told.label}, than {found[0].label} elsewhere; it is unknown"
+            upright = "vertical" in (told.orientation, found[0].orientation)
+            found = [held_direction(found[0], told, note)]
+            if upright and found[0].orientation == "unknown":
+                found = [replace(found[0], orientation="vertical")]
+    if positive_downwards(prose):
+        found = [replace(one, sign=-1.0) if one.orientation == "vertical" else one for one in found]
+    return found
+
+
+def same_directions(headings: Sequence[Heading], facing: Sequence[Direction]) -> list[str]:
+    """A warning for two columns along one axis, such as N beside S."""
+    notes: list[str] = []
+    named = [(heading.name, one) for heading, one in zip(headings, facing, strict=True) if one.orientation != "unknown"]
+    for (first, one), (second, other) in combinations(named, 2):
+        turn = (one.azimuth - other.azimuth) % _HALF_TURN
+        if one.orientation == other.orientation and (one.orientation == "vertical" or turn == 0.0):
+            notes.append(WarningText("same_direction", first=repr(first), second=repr(second)))
+    return notes
+
+
+def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -> dict[int, dict[str, Any]]:
+    """The stated peak, by the number of the column whose peak is nearest to it, as `build_record` takes it."""
+    peaks: dict[int, dict[str, Any]] = {}
+    for said in stated_peaks(prose)[:1]:
+        value, rounding = printed_number(said.text)
+        if not value > 0.0 or (said.unit and spelled_unit(said.unit) not in UNITS):
+            return {}
+        factors = [UNITS[spelled_unit(said.unit) if said.unit else unit] for unit in units]
+        found = np.max(np.abs(table), axis=0) * [UNITS[unit] for unit in units]
+        with np.errstate(divide="ignore"):
+            nearest = int(np.argmin(np.abs(np.log(found / (value * np.array(factors))))))
+        peaks[nearest + 1] = {"header_peak": (value, rounding), "peak_factor": factors[nearest]}
+    return peaks
+
+
+def column_units(name: str, headings: Sequence[Heading], prose: Sequence[str], options: ReadOptions) -> list[str]:
+    """The unit of each column: the one that the caller gives, checked against the header, or the one in the heading."""
+    units = []
+    for other in other_units(prose):
+        found = f"the header states the unit {other.wording!r}, none of an acceleration"
+        raise UnitError(f"{name}:{other.line}: {found}; convert the samples to {' or '.join(UNITS)} first")
+    said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
+    named = [(unit, line) for unit, line in said if line.value]
+    asked = None if options.units is None else canonical_unit(options.units, "option units")
+    says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
+    for heading in headings:
+        where = f"{name}: column {heading.name!r}"
+        stated = canonical_unit(heading.unit, where) if heading.unit else None
+        for further in heading.others:
+            if stated and UNITS.get(spelled_unit(further)) != UNITS[stated]:
+                raise UnitError(f"{where}: states two units, {heading.unit} and {further}; correct the wrong one")
+        for unit, line in named:
+            wrong = stated or named[0][0]
+            if UNITS[unit] != UNITS[wrong] and (stated or not asked):
+                whose = f"the column {heading.name!r}" if stated else f"line {named[0][1].line}"
+                found = f"the header states the unit {line.wording!r}, {whose} says {wrong}"
+                raise UnitError(f"{name}:{line.line}: {found}; correct the wrong one")
+        if stated is None and asked is None and named:
+            stated = named[0][0]
+        if stated is None and asked is None:
+            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
+            alone = for_such_files(name, "units = 'g'")
+            raise UnitError(
+                f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
+                f"{', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "
+                f"configuration, or read(path, units='g'); beside files of other units {alone}"
+            )
+        if stated and asked and UNITS[stated] != UNITS[asked]:
+            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")
+        if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
+            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
+        units.append(asked or stated or "")
+    return units

@@ -1,0 +1,301 @@
+"""What the prose above plain columns states: motion, unit, interval, count, peak, duration, scale, components."""
+
+import re
+from collections.abc import Sequence
+from datetime import datetime
+from typing import NamedTuple
+
+from rockpulse.readers.kit.direction import Direction, direction, heading_direction
+from rockpulse.readers.kit.facts import written
+from rockpulse.readers.kit.kinds import plain, prose_kinds
+from rockpulse.readers.kit.text import mentioned_units, quantity_of
+
+_LINE = 1000  # characters of a header line that are looked at
+#: Words for the past of a record, whose numbers are not those of the file.
+_PAST = re.compile(r"\b(?:convert|resampl|original|decimat|interpolat)")
+_SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|velocity[- ]pulses?\b|\bvs_?30\b")
+_PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")
+_NUMBER = r"(?P<value>\d{1,9}(?:[.,]\d{1,12})?|[.,]\d{1,12})(?:e(?P<power>[+-]?\d{1,2}))?(?![.,]?\d|e[+-]?\d)"
+_STEP = re.compile(
+    r"(?<![a-z])(?:dt|delta ?t|δt|delta|time ?step|time interval|sampl(?:e|ing) (?:interval|period|time|step)|"
+    r"equal(?:ly)? (?:spacing|spaced|intervals?)|"
+    r"intervalo(?: de muestreo)?|intervallo(?: di campionamento)?|pas de temps|zeitschritt|abtastintervall)"
+    r"(?: ?[(\[](?P<before>[a-z]{1,12})[)\]])? ?(?:[=:]|is|of|at)? ?" + _NUMBER + r"(?: ?/ ?(?P<divisor>\d{1,5}))?"
+    r"(?: ?[(\[]?(?P<unit>[a-z]{1,12}))?"
+)
+_RATE = re.compile(
+    r"(?<![a-z])(?:sampl(?:e|ing)[ _](?:rate|frequency)|samplerate|sps|fs|frecuencia de muestreo|"
+    r"abtast(?:rate|frequenz)|frequenza di campionamento|frequence d.echantillonnage|ornekleme (?:frekansi|hizi))"
+    r"(?: ?[(\[][a-z/]{1,12}[)\]])? ?(?:[=:]|is|of)? ?" + _NUMBER + r"(?! ?m?s(?:ec)?\b)"
+)
+_PER_SECOND = re.compile(
+    r"(?<![\w.,])" + _NUMBER + r" ?(?:hz|sps|samples?/s(?:ec)?|samples per second|p(?:oin)?ts/s(?:ec)?)\b"
+)
+_FILTER = re.compile(r"filt|pass|cut|corner|band|natural|range|damp|butter|\bto\b|resonan")
+_TIMES = {"ms": 1e-3, "msec": 1e-3, "millisec": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "min": 60.0, "minutes": 60.0}
+
+_COUNT = re.compile(
+    r"(?<![a-z])(?:npts|nsamp|(?:no|nr|number|num)\.? (?:of )?(?:samples|points|values|data)|samples|points|n) ?[=:]? ?"
+    r"(\d{1,9})\b(?![.,/]\d)|"
+    r"(?<![\w.,])(\d{1,9}) (?:samples|points|pts|values|data points|muestras|puntos|punti|campioni|punkte|werte)\b"
+    r"(?! ?/| per| (?:across|wide|(?:to|in|on) (?:a|each|one) (?:row|line)))"
+)
+_UNIT = re.compile(
+    r"(?<![a-z])(?:in|units?|unidad(?:es)?|unita|einheit|unites?|birim|unidade)\b[ =:]{0,4}(?:of|are|is)? ?"
+)
+_BRACKET = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")
+_ONE_UNIT = re.compile(r"[^\s,;)\]]{1,12}")
+
+
+#: Units of quantities that are no motion of the ground, or a motion before its gain.
+_NO_UNIT = re.compile(
+    r"[muµ]?v|(?:milli|micro)?volts?|counts?|cts|lsb|bits?|digits?|raw|adc|mm|cm|m|in|inch(?:es)?|ft|feet|k?n|[kmg]?pa|"
+    r"bar|rad(?:/s2?)?|deg(?:/s)?|(?:micro)?strain|mm/s|cm/s|m/s|kine"
+)
+#: Words that may stand before "unit" where it is that of the samples.
+_OF_SAMPLES = re.compile(r"(?:acc\w*|data|samples?|values?|amplitude|physical|the|of|y|ordinates?|engineering|\W)*")
+_PEAKS = re.compile(
+    r"(?<![a-z])(?:pga|peak(?: ground)? acc\w*|peak(?: value)?|a_?max|acc\.? ?max|max(?:imum|\.)? ?(?:abs\w* )?"
+    r"(?:ground )?acc\w*|aceleracion maxima|accelerazione massima|acceleration maximale|maximale beschleunigung|"
+    r"en buyuk ivme)\.? ?(?:[(\[](?P<before>[^)\]]{1,12})[)\]])? ?(?P<sign>[=:]|is)? ?-?"
+    + _NUMBER
+    + r" ?[(\[]?(?P<unit>[a-z/^*0-9]{1,12})?"
+)
+_DURATIONS = re.compile(
+    r"(?<![a-z])(?:duration|durata|duracion|duree|dauer|sure|record length|length of (?:the )?record)"
+    r"(?: ?[(\[](?:s|sec|seconds?)[)\]])? ?[=:] ?" + _NUMBER + r" ?(?P<unit>s|sec|seconds?|segundos|secondi)?(?![a-z])"
+)
+_PART = re.compile(r"significant|strong|bracket|effective|uniform|5 ?%? ?-|d5|arias|rise|event|rupture|source")
+_SCALES = re.compile(
+    r"(?<![a-z])(?:(?:scale|scaling|multiplication|multiplying|conversion|amplitude)[ _]?factor|scaled by|"
+    r"multipl(?:y|ied)(?: \w+)? by|factor de escala|fattore di scala|skalierungsfaktor|facteur d.echelle|olcek faktoru)"
+    r" ?(?:[=:]|is|of)? ?" + _NUMBER
+)
+_FEWEST_SAMPLES = 50  # a smaller number of points may be that of a filter or of a row
+_REVERSED = re.compile(r"polarity ?[=:]? ?(?:is )?(?:reversed|inverted|negative|-1?\b)|(?:reversed|inverted) polarity")
+_ONE_COMPONENT = re.compile(
+    r"(?:component|componente|composante|komponente|direction|direccion|direzione|richtung|orientation|orientacion|"
+    r"bilesen|yon|comp|dir) ?[=:] ?(.{1,30})|(\S{1,20})[ -](?:component|componente|komponente|bilesen|acc\w*|motion)\b"
+)
+_OF_DATA = re.compile(r"\b(?:data|values?|samples?|acc\w*|amplitudes?|records?|series|history|given)(?: is| are)?\s*$")
+_START = re.compile(
+    r"(?:first sample|start(?:ing)? ?time|record start|start of record|initial time|begin\w* (?:of record|time)|"
+    r"hora de inicio|ora di inizio)(.{8,60})"
+)
+_STATION = re.compile(r"(?i)\s*\W{0,3}station(?:[ _](?:name|code|id))?\s*[:=]\s*(\S.{0,40}?)\s*$")
+_DOWNWARDS = re.compile(
+    r"positive (?:is |= ?)?down|down(?:wards?)? (?:is |= ?)?(?:positive|\+)|positiv[oa] (?:hacia )?abajo|"
+    r"positiv[oa] verso il basso|positiv nach unten|positif vers le bas"
+)
+_LISTED = re.compile(
+    r"(?:components?|componentes?|componenti|composantes?|komponenten|channels?|canales|canali|kanale|directions?|"
+    r"orientations?|bilesenler|columns?|order)(?: order)?[ :=]{1,3}(.+)"
+)
+_NUMBERED = re.compile(
+    r"(?:columns?|col|channel|chan|ch|canal|canale|kanal|colonna|columna|spalte|sutun|kolon)[ .#_]{0,2}(\d{1,2})"
+    r" ?(?:[:=)]|-|is) ?"
+)
+
+
+class Statement(NamedTuple):
+    """A statement in a line of the header, from 1, as worded: an interval or duration [s], or a count.
+
+    The value of a unit is 1 where the word "unit" names it, else 0.
+    """
+
+    line: int
+    wording: str
+    value: float = 0.0
+
+
+class Peak(NamedTuple):
+    """A peak that the prose states: its number as printed, and its unit as worded; empty where none is."""
+
+    text: str
+    unit: str = ""
+
+
+def stated_kinds(header: Sequence[str]) -> dict[str, int]:
+    """Kinds of motion that the prose of a header names, by word or by unit, with the first line of each, from 1."""
+    found: dict[str, int] = {}
+    for number, line in enumerate(header, 1):
+        text = _SHEAR_WAVES.sub(" ", plain(line))
+        kinds = prose_kinds(text)
+        kinds += [quantity for quantity, _ in _units(line)]
+        found = {**dict.fromkeys(kinds, number), **found}
+    return found
+
+
+def _units(line: str) -> list[tuple[str, str]]:
+    """Quantity and unit that a line of prose states for the numbers; not those of a value or of a peak."""
+    line = line[:_LINE]
+    text = plain(line)
+    if _PEAK.search(text) or _PAST.search(text):
+        return []
+    named = ((unit[:2], line[max(unit[2] - 2, 0) : unit[2]]) for unit in mentioned_units(line))
+    found = [unit for unit, before in named if not before.strip(" ([").isdecimal()]
+    alone = line.strip(" \t#%!*/")
+    words = [(alone, True), *((match[1], False) for match in _BRACKET.finditer(line)), *_unit_words(text)]
+    for unit, lengths in words:
+        quantity = quantity_of(unit)
+        if quantity in ("acceleration", "velocity") or (lengths and quantity == "displacement"):
+            found.append((quantity, unit))
+    return found
+
+
+def _unit_words(text: str) -> list[tuple[str, bool]]:
+    """The words behind "in" and "unit" in a plain text, and whether it is the word "unit", in any language."""
+    found = []
+    for match in _UNIT.finditer(text):
+        word = _ONE_UNIT.match(text, match.end())
+        found += [(word[0].strip("([").split("(")[0], not match[0].startswith("in"))] if word else []
+    return found
+
+
+def stated_units(header: Sequence[str]) -> list[Statement]:
+    """Units of acceleration that the prose of a header states; of value 1 where the word "unit" stands before them."""
+    found = []
+    for number, line in enumerate(header, 1):
+        named = {word for word, with_word in _unit_words(plain(line)) if with_word}
+        units = [wording for quantity, wording in _units(line) if quantity == "acceleration"]
+        found += [Statement(number, wording, float(wording.lower() in named)) for wording in units]
+    return found
+
+
+def other_units(header: Sequence[str]) -> list[Statement]:
+    """Units of the samples that are none of an acceleration (V, counts, mm), where the word "unit" names them."""
+    found = []
+    for number, line in enumerate(header, 1):
+        text = plain(line)
+        for match in _UNIT.finditer(text):
+            word = _ONE_UNIT.match(text, match.end())
+            before = text[: match.start()]
+            of_samples = _OF_DATA.search(before) if match[0].startswith("in") else _OF_SAMPLES.fullmatch(before)
+            if word is None or not of_samples:
+                continue
+            wording = word[0].strip("([])")
+            found += [Statement(number, wording)] if _NO_UNIT.fullmatch(wording) else []
+    return found
+
+
+def stated_steps(header: Sequence[str]) -> list[Statement]:
+    """Sampling intervals [s] that the prose of a header states; a bare ``200 Hz`` only if nothing else does."""
+    named, bare = [], []
+    for number, line in enumerate(header, 1):
+        text = plain(line)
+        if _PAST.search(text):
+            continue
+        for match in _STEP.finditer(text):
+            factor = _TIMES.get(match["unit"] or match["before"] or "", 1.0)
+            named.append(Statement(number, match[0].strip(), _value(match) * factor / float(match["divisor"] or 1.0)))
+        named += [Statement(number, match[0], _step_of_rate(match)) for match in _RATE.finditer(text)]
+        if not _FILTER.search(text):
+            bare += [Statement(number, match[0], _step_of_rate(match)) for match in _PER_SECOND.finditer(text)]
+    return named or bare
+
+
+def _value(match: re.Match[str]) -> float:
+    return float(match["value"].replace(",", ".") + "e" + (match["power"] or "0"))
+
+
+def _step_of_rate(match: re.Match[str]) -> float:
+    rate = _value(match)
+    return 1.0 / rate if rate else float("inf")
+
+
+def stated_counts(header: Sequence[str]) -> list[Statement]:
+    """Numbers of samples that the prose of a header states."""
+    counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(plain(line)))
+    return [Statement(number, match[0], float(match[1] or match[2])) for number, match in counts]
+
+
+def surely_counts(said: Statement) -> bool:
+    """Whether a count is stated by words that mean nothing else, and is no number of a few values."""
+    return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
+
+
+def stated_peaks(header: Sequence[str]) -> list[Peak]:
+    """Peaks of acceleration that the prose of a header states."""
+    matches = (match for line in header for match in _PEAKS.finditer(plain(line)))
+    found = [(Peak(match["value"].replace(",", "."), _peak_unit(match)), match) for match in matches]
+    return [peak for peak, match in found if match["power"] is None and (match["sign"] or peak.unit)]
+
+
+def _peak_unit(match: re.Match[str]) -> str:
+    """The unit of a stated peak; one that is none of an acceleration is left to say so, other words are none."""
+    words = [word for word in (match["before"], match["unit"]) if word]
+    return next((word for word in words if quantity_of(word)), "")
+
+
+def stated_durations(header: Sequence[str]) -> list[Statement]:
+    """Lengths of the record [s] that the prose of a header states; not those of a part of it."""
+    found = []
+    for number, line in enumerate(header, 1):
+        text = plain(line)
+        matches = () if _PART.search(text) else _DURATIONS.finditer(text)
+        found += [Statement(number, match["value"].replace(",", "."), _value(match)) for match in matches]
+    return found
+
+
+def stated_scales(header: Sequence[str]) -> list[Statement]:
+    """Scale factors that the prose of a header states."""
+    matches = ((number, match) for number, line in enumerate(header, 1) for match in _SCALES.finditer(plain(line)))
+    return [Statement(number, match[0], _value(match)) for number, match in matches]
+
+
+def positive_downwards(header: Sequence[str]) -> bool:
+    """Whether the prose of a header says that the vertical motion is positive downwards."""
+    return any(_DOWNWARDS.search(plain(line)) for line in header)
+
+
+def reversed_polarity(header: Sequence[str]) -> list[str]:
+    """A warning where the prose of a header says that the polarity is reversed."""
+    lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(plain(line))]
+    return [f"line {number} speaks of a reversed polarity; the sign is that of the file" for number in lines]
+
+
+def stated_direction(header: Sequence[str]) -> Direction:
+    """The one direction of a file of one column that its prose states: "component: N-S", "vertical component"."""
+    found = []
+    for line in header:
+        for match in _ONE_COMPONENT.finditer(plain(line)):
+            found.append(heading_direction((match[1] or match[2]).upper()))
+    known = {(one.orientation, one.azimuth, one.sign): one for one in found if one.orientation != "unknown"}
+    return next(iter(known.values())) if len(known) == 1 else Direction()
+
+
+def stated_start(header: Sequence[str]) -> datetime | None:
+    """The time of the first sample [UTC] that the prose of a header states; None where none or its zone is unknown."""
+    texts = (match[1].upper() for line in header if (match := _START.search(plain(line))))
+    return next((moment for text in texts if (moment := written(text))), None)
+
+
+def stated_station(header: Sequence[str]) -> str:
+    """The name of the station that the prose of a header states; empty where none is."""
+    return next((match[1] for line in header if (match := _STATION.match(line[:_LINE]))), "")
+
+
+def stated_columns(header: Sequence[str], width: int) -> list[str]:
+    """What the prose says of each of `width` columns: "components: E N Z", "Column 4: U/D component"; else nothing.
+
+    A list that is one shorter than the columns leaves the first to the times.
+    """
+    numbered: dict[int, str] = {}
+    for line in header:
+        text = " ".join(line[:_LINE].split())
+        matches = list(_NUMBERED.finditer(text.lower()))
+        ends = [*(match.start() for match in matches[1:]), len(text)][: len(matches)]
+        for match, end in zip(matches, ends, strict=True):
+            numbered.setdefault(int(match[1]), text[match.end() : end].strip(" ,;|"))
+        listed = _LISTED.search(text.lower())
+        words = re.split(r"[ ,;|/]+", text[listed.start(1) :].strip(" .*-#")) if listed else []
+        if len(words) > 1 and len(words) in (width, width - 1):
+            facing = [direction(word).orientation != "unknown" for word in words]
+            timed = facing[0] or plain(words[0]) in ("t", "time")
+            if timed and all(facing[1:]):
+                return ["time"] * (width - len(words)) + words
+    if numbered and set(numbered) == set(range(1, width + 1)):
+        return [numbered[number] for number in range(1, width + 1)]
+    if width > 1 and set(numbered) == set(range(2, width + 1)):
+        return ["time", *(numbered[number] for number in range(2, width + 1))]
+    return []

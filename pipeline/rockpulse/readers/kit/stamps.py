@@ -1,0 +1,61 @@
+"""Times of day or dates and times in front of rows of numbers, turned into seconds from the first of them."""
+
+import re
+from collections.abc import Sequence
+from datetime import date, datetime
+
+from rockpulse.readers.kit.facts import written
+
+#: 2024-01-31T12:00:00.125Z, 2024/01/31,12:00:00,125, or the time of day alone, in quotes or not, and the delimiter.
+_STAMP = re.compile(
+    r"[\s\"']{0,20}(?:(?:(?P<year>\d{4})[-/.](?P<month>\d\d)[-/.](?P<day>\d\d)|"
+    r"(?P<first>\d\d)[/.-](?P<middle>\d\d)[/.-](?P<last>\d{4}))(?:T|[ ,;\t]\s{0,3}))?"
+    r"(?P<hour>\d{1,2}):(?P<minute>\d\d):(?P<second>\d\d)(?:[.,](?P<part>\d{1,9}))?"
+    r"\s{0,2}(?P<zone>Z|UTC|GMT|[+-]\d\d:?\d\d)?[\"']?(?=[,;\s]|$)",
+    re.ASCII,
+)
+_LOOK_AT, _FEWEST = 60, 3  # lines among which the first stamps stand, and so many in a row
+_NANO, _DIGITS = 10**9, 9
+
+
+def first_stamp(lines: Sequence[str]) -> int | None:
+    """Index of the first of several lines in a row that begin with a date and time, or a time of day."""
+    run = 0
+    for index, line in enumerate(lines[:_LOOK_AT]):
+        run = run + 1 if _STAMP.match(line) else 0
+        if run == _FEWEST:
+            return index + 1 - _FEWEST
+    return None
+
+
+def without_stamps(lines: Sequence[str]) -> tuple[Sequence[str], datetime | None]:
+    """The lines with seconds from the first stamp in place of the stamps, and its time, UTC, if its zone is known."""
+    first = first_stamp(lines)
+    if first is None:
+        return lines, None
+    begin = _STAMP.match(lines[first])
+    origin = _nanoseconds(begin) if begin else None
+    if begin is None or origin is None:
+        return lines, None
+    found = list(lines)
+    for index in range(first, len(lines)):
+        match = _STAMP.match(lines[index])
+        moment = _nanoseconds(match) if match else None
+        if match and moment is not None:
+            seconds, rest = divmod(abs(moment - origin), _NANO)
+            sign = "-" if moment < origin else ""
+            found[index] = f"{sign}{seconds}.{rest:0{_DIGITS}d}{lines[index][match.end() :]}"
+    # A date alone tells no zone.
+    return found, written(begin[0].strip(" \"'")) if begin["zone"] and begin["year"] else None
+
+
+def _nanoseconds(match: re.Match[str]) -> int | None:
+    """Nanoseconds of a stamp from the year 1, or from midnight; None where it is no date."""
+    try:
+        day = date(int(match["year"]), int(match["month"]), int(match["day"])).toordinal() if match["year"] else 0
+        if match["last"]:  # day first; a record that begins in the night of two days is rare
+            day = date(int(match["last"]), int(match["middle"]), int(match["first"])).toordinal()
+    except ValueError:
+        return None
+    clock = (day * 24 + int(match["hour"])) * 3600 + int(match["minute"]) * 60 + int(match["second"])
+    return clock * _NANO + int((match["part"] or "0").ljust(_DIGITS, "0"))
