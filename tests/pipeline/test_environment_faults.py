@@ -123,7 +123,9 @@ def test_two_interrupts_exit_with_130_and_no_traceback(gap, tmp_path):
 
 @pytest.mark.sweep
 def test_a_script_on_standard_input_is_advised_to_become_a_file(record, tmp_path):
-    script = "from rockpulse.run.worker_pool import WorkerPool\nwith WorkerPool.local(2) as pool:\n    list(pool.run(abs, [1]))\n"
+    script = (
+        "from rockpulse.run.worker_pool import WorkerPool as Pool\nwith Pool.local(2) as pool: [*pool.run(abs, [1])]\n"
+    )
     run = subprocess.run([sys.executable, "-"], input=script, capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode != 0
     last = run.stderr.strip().splitlines()[-1]
