@@ -18,7 +18,8 @@ def dask_cluster(folder, workers=2):
     Workers are single processes of one thread, without a nanny that would start them again. An item that took two of
     them with it is not tried on a third. What they say goes to log files in the folder.
     """
-    environment = {**os.environ, "PYTHONPATH": str(TESTS), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
+    path = os.pathsep.join(filter(None, (str(TESTS), os.environ.get("PYTHONPATH"))))
+    environment = {**os.environ, "PYTHONPATH": path, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
     processes = []
 
     def start(name, *options):

@@ -14,7 +14,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from rockpulse.commands.terminal import announce_compilation, progress_bars, tell
+from rockpulse.commands.terminal import progress_bars, tell
 from rockpulse.errors import ConfigError, Failure, alike
 from rockpulse.foreign_text import escaped
 
@@ -76,8 +76,7 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
             meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))
         if threading.current_thread() is threading.main_thread():  # only the main thread can handle signals
             meanwhile.callback(signal.signal, signal.SIGTERM, signal.signal(signal.SIGTERM, _end))
-        with announce_compilation(args.quiet):
-            yield
+        yield
 
 
 @contextmanager

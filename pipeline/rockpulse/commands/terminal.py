@@ -2,6 +2,7 @@
 
 import argparse
 import errno
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -30,9 +31,6 @@ def discard_output(file: TextIO) -> None:
     os.close(nowhere)
 
 
-COMPILING = "rockpulse: compiling the kernels, once (about 20 s); later runs load them"
-
-
 def progress_bars(quiet: bool) -> Callable[..., Any]:
     """Return ``tqdm.tqdm`` on standard error, disabled if `quiet` or if it is not a terminal."""
     from tqdm import tqdm
@@ -42,28 +40,30 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
     return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": 80, "nrows": 24}))
 
 
+class _KernelLines(logging.Handler):
+    """Print the warnings of the kernel cache above a progress bar, and the start of a compilation on terminals only."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print the line of a record."""
+        from tqdm import tqdm
+
+        if record.levelno >= logging.WARNING or sys.stderr.isatty():
+            with tqdm.external_write_mode(file=sys.stderr):
+                tell(f"rockpulse: {record.getMessage()}", sys.stderr)
+
+
 @contextmanager
-def announce_compilation(quiet: bool) -> Iterator[None]:
-    """Context manager that announces on a terminal the first kernel that is compiled, not one loaded from the cache."""
-    if quiet or not sys.stderr.isatty():
+def kernel_messages(quiet: bool) -> Iterator[None]:
+    """Context manager that prints the messages of the kernel cache on standard error, unless `quiet`."""
+    logger, handler = logging.getLogger("rockpulse.kernels"), _KernelLines()
+    if not quiet:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
         yield
-        return
-    from numba.core.event import Event, Listener, install_listener
-    from tqdm import tqdm
-
-    class Told(Listener):
-        told = False
-
-        def on_start(self, event: Event) -> None:
-            if not self.told:
-                self.told = True
-                tqdm.write(COMPILING, file=sys.stderr)  # above an existing bar
-
-        def on_end(self, event: Event) -> None:
-            pass
-
-    with install_listener("numba:compile", Told()):
-        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(logging.NOTSET)
 
 
 #: Command that makes a missing file, by the argument that names the file.
@@ -75,6 +75,14 @@ MISSING = {
     "results": "rockpulse assess writes one",
     "first": "rockpulse assess writes one",
     "second": "rockpulse assess writes one",
+}
+
+#: Advice on a fault of a file, by the numbers of the error.
+ADVICE = {
+    (errno.ENOSPC, errno.EDQUOT): "; make room there, or choose another folder",
+    (errno.EACCES, errno.EPERM, errno.EROFS): "; check the permissions, or choose another folder",
+    (errno.ENAMETOOLONG,): "; choose a shorter name: most file systems take 255 bytes",
+    (errno.EAGAIN, errno.EBUSY, errno.ETXTBSY): "; another program holds the file: close it there, or wait",
 }
 
 #: Arguments that name results to read.
@@ -102,7 +110,8 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
     if error.errno == errno.EISDIR:
         return f"{shown}: expected a file, found a folder"
     if error.errno not in (errno.ENOENT, errno.ENOTDIR):
-        return f"{shown}: {error.strerror or error}"
+        advice = next((text for numbers, text in ADVICE.items() if error.errno in numbers), "")
+        return f"{shown}: {error.strerror or error}{advice}"
     if not path.parent.is_dir():
         return f"{shown}: there is no folder {path.parent}; check the path, or create it first"
     if option in WRITTEN:

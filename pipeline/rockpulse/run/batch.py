@@ -2,11 +2,13 @@
 
 import logging
 import os
+import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rocking.lanes import available_cores, thread_limit
 from rockpulse.assessment.assessment import Assessment
@@ -16,8 +18,8 @@ from rockpulse.readers.folders import Found, check_patterns, find_files
 from rockpulse.run.analysis import Analysis
 from rockpulse.run.assembly import JournalParts, run_of, write_results
 from rockpulse.run.frames import unpack
-from rockpulse.run.journal import UNFINISHED, Journal, journal_path
-from rockpulse.run.options import BatchOptions, BatchReport, Interrupted
+from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
+from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
 from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
 from rockpulse.run.worker_pool import WorkerLost, WorkerPool
@@ -204,7 +206,7 @@ class _Batch:
         surveys, rows, unread = [], list(failures), 0
         self.stop_at(rows)
         logger.info("reading %d files", len(found))
-        with self.options.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
+        with self.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
             for one, survey in pool.run(look, found):
                 if isinstance(survey, WorkerLost):
                     rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
@@ -254,7 +256,7 @@ class _Batch:
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
         lost: dict[str, list[Failure]] = {}
         total = len(self.tasks)
-        with self.options.bar(total=total, initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
+        with self.bar(total=total, initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
             for task, done in pool.run(work, missing):
                 if isinstance(done, WorkerLost):
                     reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
@@ -303,6 +305,27 @@ class _Batch:
         else:
             self.journal.remove()
 
+    @contextmanager
+    def bar(self, **about: Any) -> Iterator[Any]:
+        """Context manager of a progress bar; messages that would be printed between its updates follow its end."""
+        held: list[logging.LogRecord] = []
+
+        def hold(record: logging.LogRecord) -> bool:
+            if _is_printed():
+                held.append(record)
+                return False
+            return True
+
+        if self.options.bar is not no_bar:
+            logger.filters.insert(0, hold)
+        try:
+            with self.options.bar(**about) as bar:
+                yield bar
+        finally:
+            logger.removeFilter(hold)
+            for record in held:
+                logger.handle(record)
+
     def log_and_tell(self, text: str) -> None:
         """Write a message to the log and to the user."""
         logger.warning("%s", text)
@@ -322,6 +345,18 @@ def _is_part(packed: bytes, analysis: Analysis) -> bool:  # bytes with a correct
         return False
 
 
-def _log(messages: Iterable[tuple[int, str]]) -> None:
-    for level, text in messages:
-        logger.log(level, text)
+def _is_printed() -> bool:
+    """Whether messages of the logger appear on standard output or error."""
+    if not logger.hasHandlers():
+        return True  # Python's handler of last resort
+    place: logging.Logger | None = logger
+    while place is not None:
+        if any(getattr(handler, "stream", None) in (sys.stdout, sys.stderr) for handler in place.handlers):
+            return True
+        place = place.parent if place.propagate else None
+    return False
+
+
+def _log(messages: Iterable[Message]) -> None:
+    for name, level, text in messages:
+        logging.getLogger(name).log(level, "%s", text)

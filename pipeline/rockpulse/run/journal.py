@@ -76,6 +76,10 @@ def holder(path: Path) -> str:
     return "another process"
 
 
+#: A log line: name of the logger, level and text.
+Message = tuple[str, int, str]
+
+
 @dataclass(frozen=True)
 class Done:
     """The result of a task."""
@@ -84,7 +88,7 @@ class Done:
     fingerprint: str  # fingerprint of the task, or UNFINISHED
     parts: tuple[bytes, ...] = ()  # packed Part (rockpulse.run.analysis) of each record
     failures: tuple[Failure, ...] = ()  # a row for each failure; a single row for an aborted task
-    messages: tuple[tuple[int, str], ...] = ()  # level and text of every log line
+    messages: tuple[Message, ...] = ()  # every log line
     seconds: dict[str, float] = field(default_factory=dict)  # time of each step [s]
 
 

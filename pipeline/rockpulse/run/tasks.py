@@ -16,6 +16,7 @@ import numpy as np
 
 import rocking
 from rocking.body.block import Block
+from rocking.kernel_cache import logger as kernel_logger
 from rocking.march.demand import ground_demand
 from rockpulse.config.configuration import SECTIONS, Config, located
 from rockpulse.config.settings import CalibrationSettings
@@ -24,7 +25,7 @@ from rockpulse.readers import ReadOptions
 from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.run.analysis import Analysis, Work, worked
 from rockpulse.run.frames import pack
-from rockpulse.run.journal import UNFINISHED, Done
+from rockpulse.run.journal import UNFINISHED, Done, Message
 from rockpulse.run.survey import Located, SamplesLocation, unexpected_fault
 from rockpulse.selection.directions import PlannedMotion, conditioned_motions
 from rockpulse.selection.tables import selection_of
@@ -189,7 +190,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
                         parts.append(pack(outcome))
         except Exception as fault:
             if not isinstance(fault, RockpulseError | OSError):
-                messages.append((logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
+                messages.append(("rockpulse", logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
                 fault = unexpected_fault(fault)
             fingerprint, parts = UNFINISHED, []
             failures = [Failure(task.source, at, f"{task.key}: {fault}", "failed")]
@@ -197,23 +198,25 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
 
 @contextmanager
-def _log_lines() -> Iterator[list[tuple[int, str]]]:
-    """Collect level and text of the log lines of this thread, which the parent process writes."""
-    messages: list[tuple[int, str]] = []
+def _log_lines() -> Iterator[list[Message]]:
+    """Collect the log lines of this thread, which the parent process writes, without the start of a compilation."""
+    messages: list[Message] = []
     thread = get_ident()
 
     def take(record: logging.LogRecord) -> bool:
-        if record.thread != thread:
+        if record.thread != thread or (record.name == kernel_logger.name and record.levelno < logging.WARNING):
             return True
-        messages.append((record.levelno, record.getMessage()))
+        messages.append((record.name, record.levelno, record.getMessage()))
         return False
 
-    logger = logging.getLogger("rockpulse")
-    logger.addFilter(take)
+    loggers = [logging.getLogger("rockpulse"), kernel_logger]
+    for logger in loggers:
+        logger.filters.insert(0, take)  # before the filter that lets a text pass once
     try:
         yield messages
     finally:
-        logger.removeFilter(take)
+        for logger in loggers:
+            logger.removeFilter(take)
 
 
 def warm_up(analysis: Analysis) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import gzip
+import shutil
+from codecs import BOM_UTF8
 from collections.abc import Callable
+from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
@@ -114,11 +117,14 @@ def write_table(
                 write_typed(table, part, target.suffix, seen)
             else:
                 sep, decimal = (";", ",") if decimal_comma else (",", ".")
-                with _opened(part, target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
+                encoding = "utf-8-sig" if decimal_comma else "utf-8"
+                with _opened(part, target.name.endswith(".gz"), encoding) as file:
                     for number, frame in enumerate(table.frames()):
                         shown = one_line(frame) if raw else safe_texts(frame)
                         shown.to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
                         seen(frame)
+                if not raw and encoding == "utf-8":
+                    _mark_encoding(part, target.name.endswith(".gz"))
             files.add(readme, _readme(table, target.name, about, empty, decimal_comma).encode())
             files.commit()
     except OSError as error:
@@ -132,6 +138,22 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
     if compressed:
         return gzip.open(path, "wt", encoding=encoding, newline="", compresslevel=4)
     return Path(path).open("w", encoding=encoding, newline="")
+
+
+def _mark_encoding(path: Path, compressed: bool) -> None:
+    """Put a byte order mark, by which spreadsheets recognise UTF-8, before a text that is not ASCII."""
+    opened = gzip.open if compressed else open
+    marked = path.with_name(f"{path.name}.marked")
+    with ExitStack() as stack:
+        stack.callback(marked.unlink, missing_ok=True)
+        with opened(path, "rb") as text:
+            if all(line.isascii() for line in text):
+                return
+            text.seek(0)
+            with opened(marked, "wb") as file:
+                file.write(BOM_UTF8)
+                shutil.copyfileobj(text, file)
+        marked.replace(path)
 
 
 def one_line(frame: pd.DataFrame) -> pd.DataFrame:
@@ -151,8 +173,12 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def table_csv(table: pd.DataFrame) -> bytes:
-    """Return a table as CSV with one header line, all digits of numbers, and texts made safe by :func:`safe_texts`."""
-    return safe_texts(table).to_csv(index=False).encode()
+    """Return a table as CSV with one header line, all digits of numbers, and texts made safe by :func:`safe_texts`.
+
+    A text that is not ASCII begins with a byte order mark, by which spreadsheets recognise UTF-8.
+    """
+    text = safe_texts(table).to_csv(index=False)
+    return text.encode("utf-8" if text.isascii() else "utf-8-sig")
 
 
 def _texts(frame: pd.DataFrame) -> list[str]:

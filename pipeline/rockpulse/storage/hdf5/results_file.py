@@ -107,6 +107,10 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
             found = hdf5.attrs.get("schema_version")
             kind = str(hdf5.attrs.get("kind", ASSESSMENT))
             known = KINDS.get(kind, "?") in hdf5 and isinstance(found, str)
+        except BlockingIOError as error:  # a lock on the file
+            raise ResultsError(
+                f"{path}: another process has this file open for writing; wait until it ends, or close the file there"
+            ) from error
         except (OSError, RuntimeError, KeyError) as error:
             raise ResultsError(
                 f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file "

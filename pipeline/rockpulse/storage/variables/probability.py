@@ -12,7 +12,7 @@ from rockpulse.storage.variables import Declared, StoredVariable, along, flag, r
 
 #: Mean over direction of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
-#: What gave the probability, in the order of the flag.
+#: Sources of the probability, in the order of the flag.
 SOURCES = ("none", "spectrum", "own_motions")
 
 #: Variables by their names in :class:`rocking.OverturningFactors`.

@@ -52,7 +52,7 @@ class Column:
 
     @property
     def heading(self) -> Heading:
-        """The heading with its small print."""
+        """Heading with its small print."""
         title = (
             say(f"column.{self.name}.head")
             if self.title is None
@@ -75,7 +75,7 @@ def tabulated(
     return Table(key, caption, headed(selected), tuple(filled(selected, rows)), notes)
 
 
-#: Columns with small print below their heading.
+#: Columns with small print below the heading.
 _NOTED = frozenset({"restitution", "overturning_probability"})
 
 

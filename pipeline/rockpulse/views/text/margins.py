@@ -71,7 +71,7 @@ def _capacity(answers: Answers) -> str:
 
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
-    """A table with a column for every demand."""
+    """Return a table with a column for every demand."""
     titles = [
         Heading(f"{name} ({demand.words})".replace(" ", "\N{NO-BREAK SPACE}"))
         for name, demand in answers.demands.items()

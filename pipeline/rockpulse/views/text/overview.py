@@ -65,7 +65,7 @@ def headline(tree: xr.DataTree) -> str:
     return "\n".join(lines)
 
 
-#: The commands that show more of large results.
+#: Commands that show more of large results.
 HINTS = """More: rockpulse inspect RESULTS
   --records, --blocks                     all records, all bodies; --sort VARIABLE, --limit N
   --record ID, --block NAME               one record or body in detail

@@ -280,7 +280,7 @@ def worst_motions(answers: Answers, most: int) -> str:
 
 
 def governing(answers: Answers) -> str:
-    """The records of the smallest scale factors, or that overturn, with their bodies; empty where none is known."""
+    """Describe the records with the smallest factors, or that overturn, with their bodies; empty if unknown."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:
