@@ -116,7 +116,7 @@ def test_auto_takes_the_mean_with_one_warning_where_nothing_is_known(caplog):
         conditioned = condition(condition(motion))
     assert np.mean(conditioned.acceleration) == pytest.approx(0.0, abs=1e-13)
     assert [warning.partition(":")[0] for warning in conditioned.warnings] == [
-        "the format does not say whether the record is processed"
+        "the format does not state whether the record is processed"
     ]
     assert len(caplog.records) == 1
 

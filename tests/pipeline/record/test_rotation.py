@@ -205,11 +205,11 @@ def test_a_raw_and_a_corrected_channel_are_no_pair():
 
 def test_files_without_times_are_told_to_start_together():
     pair = Pair(*(channel(noise(k), 90.0 * k, source=f"{k}.AT2", start_time=None) for k in (0, 1)))
-    assert any("taken to start together" in warning for warning in rotate(condition_pair(pair), 10.0).warnings)
+    assert any("assumed to start together" in warning for warning in rotate(condition_pair(pair), 10.0).warnings)
     one_known = Pair(pair.first, replace(pair.second, start_time=START))
     of_one_file = Pair(*(replace(one, source="both.AT2") for one in pair.channels))
     assert [
-        any("taken to start together" in warning for one in condition_pair(each).channels for warning in one.warnings)
+        any("assumed to start together" in warning for one in condition_pair(each).channels for warning in one.warnings)
         for each in (one_known, of_one_file)
     ] == [True, False]
 

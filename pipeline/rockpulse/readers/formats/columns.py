@@ -11,7 +11,7 @@ from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.integrals import of_unstated_kind
 from rockpulse.readers.kit.columns import column_directions, column_units, same_directions, stated_peak
-from rockpulse.readers.kit.direction import BRACKET, is_direction
+from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
 from rockpulse.readers.kit.headings import Heading, column_headings
 from rockpulse.readers.kit.kinds import means_size
 from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
@@ -144,7 +144,10 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             processed=None,
             component=heading.name or toward.label,
             facing=toward,
-            channel=BRACKET.sub(_direction_in, heading.name).strip() or toward.label or str(number),
+            channel=BRACKET.sub(_direction_in, heading.name).strip()
+            or toward.label
+            or name_suffix(file)
+            or str(number),
             station_name=kit.stated_station(prose),
             start_time=start_time or kit.stated_start(prose),
             warnings=notes,
