@@ -92,7 +92,7 @@ def strong_motions(
     if unknown := sorted(set(titles) - {record.id for record in every}):
         raise ConfigError(f"--events: no record has the id {some(unknown, 5)}")
     idle = unmatched_patterns("--confirm", confirm, [record.id for record in every], failures)
-    voting, outvoted = one_vote_each(every, RecordSettings(confirm=tuple(confirm)), advice="")
+    voting, outvoted, _ = one_vote_each(every, RecordSettings(confirm=tuple(confirm)), advice="")
     horizontal, left_out = select_horizontal(voting, configured=False)
     rows = [*idle, *outvoted, *left_out]
     found: list[tuple[Record, Record]] = []

@@ -14,8 +14,8 @@ _WIDE = (
 
 #: Text of each code of a warning on a record, or of a processing step.
 WARNINGS = {
-    # a channel as read
-    "dead_channel": "all samples are zero: a dead channel",
+    # a channel as it was read
+    "dead_channel": "all samples are equal: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
     "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
     "clipped",
@@ -33,14 +33,33 @@ WARNINGS = {
     "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
     "vertical_by_code": "the channel code {channel} says vertical, the header {told}; taken as vertical",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
+    # its samples as they came
+    "noise_only": "no earthquake, but noise or a dead channel: {reason}",
+    "held_value": "the samples stay at one value for {length:.3g} s from {start:.4g} s on, as in a gap",
+    "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
+    "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the one before",
+    "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on come again from {again:.4g} s on",
+    "spike": "spikes: samples far beyond those beside them, {count:d} in all, the largest of {peak:.3g} g at "
+    "{time:.4g} s",
+    "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
+    "0.5 s): what came before is cut off",
+    "ends_strong": "the record ends in strong motion, at {share:.0f} % of its peak (root mean square of the last "
+    "0.5 s): what came after is cut off",
+    "coarse_sampling": "{rate:.3g} samples a second: frequencies above {nyquist:.3g} Hz are missing, and peaks between "
+    "samples are cut off",
+    "velocity_drift": "baseline drift or step in the samples as they came: whatever constant is subtracted, the ground "
+    "velocity has a slow part of {slow:.3g} m/s beside {rest:.3g} m/s of motion",
+    # the other channels and volumes of its motion
+    "twin_differs": "{other} of {source} should be of the same motion, but {differences}",
+    "components_apart": "its peak is {ratio} than that of {other}, the other component of its instrument: {cause}",
     # a record on its way to the models
     "on_structure": "recorded on a structure, assessed as ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
     "baseline_guessed": "the format does not state whether the record is processed: the mean was subtracted; set "
     "[conditioning] baseline to keep or correct it",
-    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, and the PGV of {pgv:.3g} m/s "
-    "may be "
-    "wrong by as much; compare with another [conditioning] baseline or a highpass_hz",
+    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, with a slow part of {slow:.3g} "
+    "m/s, and the PGV of {pgv:.3g} m/s may be wrong by as much; compare with another [conditioning] baseline or a "
+    "highpass_hz",
     "start_assumed": "both channels are assumed to start together; their files state no times",
     "no_sequence": "no impulse sequence: {reason}",
     "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record represents no recorded "
@@ -73,15 +92,14 @@ STATEMENTS = {
     # the calibration of a site
     "one_event": "ONE EVENT ({event}): no event can be left out, so neither the coverage of other earthquakes nor an "
     "interval clustered by event is known; the dispersion is that within this event. The design describes these "
-    "records, "
-    "not the site",
+    "records, not the site",
     "few_events": f"FEW EVENTS: {{count:d}}, fewer than {{needed:d}}: {_WIDE}",
     "few_lifting_events": (
         "FEW EVENTS: {count:d}, only {lifting:d} with a record that lifts a block, fewer than {needed:d}: " + _WIDE
     ),
     "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
-    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one or "
-    "two; take more records",
+    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one "
+    "or two; take more records",
     "tail_below": "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or "
     "two; take more records",
     "tail_among": "the quantile {quantile:g} lies among them, and is known no better than its interval; take more "
@@ -95,11 +113,10 @@ STATEMENTS = {
     "left_none": "no block is left",
     "left_without": "it is no longer among them",
     "open_interval": "the interval of I is open: in the resamples I stops where a block overturns, which depends on "
-    "the "
-    "block and not on the records",
+    "the block and not on the records",
     "coverage_unknown": "the coverage is not known: no event could be left out{without}",
-    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and block "
-    "of {judged:d} of {total:d} events{without}",
+    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and "
+    "block of {judged:d} of {total:d} events{without}",
     "no_interval": "no interval",
     "share_interval": "{low:.0%} to {high:.0%}",
     "hardly_known": ": hardly known",
@@ -107,9 +124,9 @@ STATEMENTS = {
     "unlifted": "{names} (lifts no block)",
     "no_design": "{names} (the others alone make no design)",
     "overturning_design": "{names} (the design of the others overturns all that it lifts)",
-    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left "
-    "out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or one "
-    "shape cannot serve all blocks",
+    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events "
+    "left out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or "
+    "one shape cannot serve all blocks",
     "few_lifted": "only {share:.1%} of the pairs of record and block count, for the other records do not lift the "
     "other blocks: the design rests on few of them",
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
@@ -121,11 +138,9 @@ STATEMENTS = {
     "band_one_event": "no band: without the event {event} there would be no curve",
     "band_few_events": "no band: the records come from {events}, it needs {needed:d}",
     "median_above": "extrapolated: the median, {median:.3g}, lies above all levels that were analysed, up to "
-    "{level:.3g}; "
-    "{reached} of {records:d} reached the limit state",
+    "{level:.3g}; {reached} of {records:d} reached the limit state",
     "median_below": "extrapolated: the median, {median:.3g}, lies below all levels that were analysed, from "
-    "{level:.3g}; "
-    "{reached} of {records:d} reached the limit state",
+    "{level:.3g}; {reached} of {records:d} reached the limit state",
     "no_record": "no curve: no record",
     "one_record_reached": "no curve: one record only, {levels} reached; a dispersion needs several",
     "one_record_not_reached": "no curve: one record only, {levels} not reached; a dispersion needs several",
@@ -134,8 +149,8 @@ STATEMENTS = {
     "{high:.3g}",
     "everything_reached": "no curve: all of {records} reached the limit state at every level, from {level:.3g}; add "
     "lower levels",
-    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion needs "
-    "several",
+    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion "
+    "needs several",
     "step": "a step at {level:.3g}: all capacities that are known are the same, there is no dispersion",
     "not_increasing": "no curve: the limit state is not reached more often at higher levels",
     "no_maximum": "no curve: the likelihood has no maximum that could be found",

@@ -37,8 +37,8 @@ def from_records(output: str) -> Options:
         "configuration; repeatable",
         "--confirm-size": "accept a --block larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
         **READING,
-        "--confirm PATTERN ...": "accept a peak above 5 g in channels with this id (* and ? are wildcards), which fail "
-        "otherwise; repeatable",
+        "--confirm PATTERN ...": "accept a peak above 5 g, a defect or a twin that differs in channels with this id "
+        "(* and ? are wildcards), which fail otherwise; repeatable",
         "--overwrite": "replace an existing results file; never another file",
         "--quiet": QUIET,
     }

@@ -70,7 +70,15 @@ class Task:
             None if one is None else Located(one, self.places[one.id]).read(options)
             for one in (planned.vertical, planned.partner)
         )
-        return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner)
+        comparisons = tuple(
+            replace(
+                one,
+                other=Located(one.other, self.places[one.other.id]).read(options),
+                beside=tuple(Located(each, self.places[each.id]).read(options) for each in one.beside),
+            )
+            for one in planned.comparisons
+        )
+        return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner, comparisons=comparisons)
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
@@ -79,7 +87,8 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
     tasks = []
     for one in planned:
-        acting = [record for record in (*one.channels, one.vertical, one.partner) if record is not None]
+        compared = [record for comparison in one.comparisons for record in comparison.records]
+        acting = [record for record in (*one.channels, one.vertical, one.partner, *compared) if record is not None]
         told = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]

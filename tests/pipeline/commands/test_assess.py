@@ -17,7 +17,7 @@ def folder(tmp_path_factory):
     """Two good records, one that is cut short, one that is no record."""
     folder = tmp_path_factory.mktemp("records")
     write_at2(folder / "strong.AT2", STRONG)
-    write_at2(folder / "weak.AT2", 0.02 * STRONG, component="180")
+    write_at2(folder / "weak.AT2", 0.02 * STRONG, component="90")
     cut = write_at2(folder / "cut.AT2", STRONG).read_text().splitlines()
     (folder / "cut.AT2").write_text("\n".join(cut[:30]) + "\n")
     (folder / "notes.txt").write_text("no record at all\n")

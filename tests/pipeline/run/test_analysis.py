@@ -140,7 +140,7 @@ def pair(first, second):
 
 def test_a_pair_counts_where_each_channel_above_five_g_is_confirmed():
     turned = {"components": "azimuth", "azimuth": 0.0}
-    names, rows = seen(pair(60.0, 2.0), **turned)
+    names, rows = seen(pair(60.0, 20.0), **turned)
     name = ".A..HNE-HNN@20230206T000000"
     assert (names, [row[3][:40] for row in rows]) == ([], [f"{name}: a.E: peak 6", f"{name}: a.N: left o"])
     rows = seen(pair(60.0, 60.0), **turned, confirm=("a.E",))[1]
@@ -157,7 +157,7 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
     assert 'give --confirm a.E --confirm a.N, or confirm = ["a.E", "a.N"] under [records]' in row[3]
     assert "give --confirm a.N, or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
     assert len(seen(pair(40.0, 39.0), **swept, confirm=("a.*",))[0]) == 3  # at 135 degrees nothing is left
-    assert len(seen(pair(40.0, 4.0), **swept)[0]) == 4
+    assert len(seen(pair(40.0, 5.0), **swept)[0]) == 4
 
 
 def test_two_records_of_one_id_are_refused():

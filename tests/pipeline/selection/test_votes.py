@@ -33,7 +33,7 @@ def volume(source, *azimuths, **options):
 
 def vote(*records, settings=None):
     """Ids of those that are assessed, and the kind of each that is not, by id."""
-    voting, rows = one_vote_each(records, settings)
+    voting, rows, _ = one_vote_each(records, settings)
     assert [one for one in records if one in voting] == voting
     assert all(row.stage == "select" for row in rows)
     return [one.id for one in voting], {row.reason.split(": ")[0]: row.kind for row in rows}
@@ -54,7 +54,7 @@ def test_the_processed_volume_votes_and_the_raw_one_is_left_out_with_its_vertica
     assert vote(*raw, *processed) == (ids("b.V2A"), dict.fromkeys(ids("a.V1A"), "duplicate"))
     told = reason(raw[0], processed[0])
     assert told == (
-        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is assessed instead: a processed volume goes before "
+        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is used instead: a processed volume goes before "
         "a raw one; [records] keep with this id assesses both"
     )
 
@@ -269,6 +269,6 @@ def test_thousands_of_records_of_many_stations_and_times_are_settled_at_once():
         for source in "ab"
         for azimuth in (0.0, 90.0)
     ]
-    voting, rows = one_vote_each(records)
+    voting, rows, _ = one_vote_each(records)
     assert {one.source[0] for one in voting} == {"a"}
     assert (len(voting), len(rows)) == (800, 800)

@@ -16,6 +16,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
+from rockpulse.record.defects import drifts
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
@@ -111,7 +112,7 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
         conditioned = conditioned.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
-    if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
+    if scale_to != "none" and MEASURES[scale_to].drifts and drifts(conditioned):
         conditioned = conditioned.with_warning(WarningText("scaled_to_drift"))
     return scaled(conditioned, factor), factor
 

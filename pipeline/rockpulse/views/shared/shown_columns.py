@@ -12,6 +12,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
 from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
+from rockpulse.record.defects import DEFECTS
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
@@ -25,7 +26,8 @@ ID_WIDTH, NAME_WIDTH = 36, 29
 OUTSIDE, NO_ANSWER = CellMark("outside", "*"), CellMark("no_answer", "!")
 NONE_UP_TO, AT_MOST = CellMark("none_up_to", ">", before=True), CellMark("at_most", "≤", before=True)
 DRIFT = CellMark("drift", "~", before=True)
-PEAK, CLIPPED = CellMark("peak"), CellMark("clipped")
+PEAK, CLIPPED, DEFECT = CellMark("peak"), CellMark("clipped"), CellMark("defect")
+DOUBTS = PEAK, CLIPPED, DEFECT
 #: Sort value larger than any rotation: overturned is above it, unresolved last.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
@@ -81,7 +83,8 @@ def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Return the marks of a record from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or has_warning(codes, "header_peak")
-    return ((PEAK,) if peak else ()) + ((CLIPPED,) if has_warning(codes, "clipped", "full_scale") else ())
+    found = (peak, has_warning(codes, "clipped", "full_scale"), has_warning(codes, *DEFECTS))
+    return tuple(mark for mark, marked in zip(DOUBTS, found, strict=True) if marked)
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:
@@ -147,7 +150,7 @@ def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
 def doubt_notes(cells: Iterable[Cell]) -> list[str]:
     """Return the meanings of the marks of doubt in cells."""
     found = marks_of(cells)
-    return [mark.note for mark in (PEAK, CLIPPED) if mark in found]
+    return [mark.note for mark in DOUBTS if mark in found]
 
 
 #: Grade of the cell of a verdict.

@@ -112,7 +112,7 @@ def _record_strength(answers: Answers) -> str:
         )
     found = [cell for cell in record_cells(answers.summary) if cell.marks]
     if found:
-        lines.append(paragraph(f"{several(len(found), 'record')} with a doubtful peak, marked in all tables.", "  "))
+        lines.append(paragraph(f"{several(len(found), 'record')} in doubt, marked in all tables.", "  "))
         lines += [paragraph(note, "  ") for note in doubt_notes(found)]
     return "\n".join(lines)
 
