@@ -92,15 +92,14 @@ STATEMENTS = {
     # the calibration of a site
     "one_event": "ONE EVENT ({event}): no event can be left out, so neither the coverage of other earthquakes nor an "
     "interval clustered by event is known; the dispersion is that within this event. The design describes these "
-    "records, "
-    "not the site",
+    "records, not the site",
     "few_events": f"FEW EVENTS: {{count:d}}, fewer than {{needed:d}}: {_WIDE}",
     "few_lifting_events": (
         "FEW EVENTS: {count:d}, only {lifting:d} with a record that lifts a block, fewer than {needed:d}: " + _WIDE
     ),
     "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
-    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one or "
-    "two; take more records",
+    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one "
+    "or two; take more records",
     "tail_below": "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or "
     "two; take more records",
     "tail_among": "the quantile {quantile:g} lies among them, and is known no better than its interval; take more "
@@ -114,11 +113,10 @@ STATEMENTS = {
     "left_none": "no block is left",
     "left_without": "it is no longer among them",
     "open_interval": "the interval of I is open: in the resamples I stops where a block overturns, which depends on "
-    "the "
-    "block and not on the records",
+    "the block and not on the records",
     "coverage_unknown": "the coverage is not known: no event could be left out{without}",
-    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and block "
-    "of {judged:d} of {total:d} events{without}",
+    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and "
+    "block of {judged:d} of {total:d} events{without}",
     "no_interval": "no interval",
     "share_interval": "{low:.0%} to {high:.0%}",
     "hardly_known": ": hardly known",
@@ -126,9 +124,9 @@ STATEMENTS = {
     "unlifted": "{names} (lifts no block)",
     "no_design": "{names} (the others alone make no design)",
     "overturning_design": "{names} (the design of the others overturns all that it lifts)",
-    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left "
-    "out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or one "
-    "shape cannot serve all blocks",
+    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events "
+    "left out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or "
+    "one shape cannot serve all blocks",
     "few_lifted": "only {share:.1%} of the pairs of record and block count, for the other records do not lift the "
     "other blocks: the design rests on few of them",
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
@@ -140,11 +138,9 @@ STATEMENTS = {
     "band_one_event": "no band: without the event {event} there would be no curve",
     "band_few_events": "no band: the records come from {events}, it needs {needed:d}",
     "median_above": "extrapolated: the median, {median:.3g}, lies above all levels that were analysed, up to "
-    "{level:.3g}; "
-    "{reached} of {records:d} reached the limit state",
+    "{level:.3g}; {reached} of {records:d} reached the limit state",
     "median_below": "extrapolated: the median, {median:.3g}, lies below all levels that were analysed, from "
-    "{level:.3g}; "
-    "{reached} of {records:d} reached the limit state",
+    "{level:.3g}; {reached} of {records:d} reached the limit state",
     "no_record": "no curve: no record",
     "one_record_reached": "no curve: one record only, {levels} reached; a dispersion needs several",
     "one_record_not_reached": "no curve: one record only, {levels} not reached; a dispersion needs several",
@@ -153,8 +149,8 @@ STATEMENTS = {
     "{high:.3g}",
     "everything_reached": "no curve: all of {records} reached the limit state at every level, from {level:.3g}; add "
     "lower levels",
-    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion needs "
-    "several",
+    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion "
+    "needs several",
     "step": "a step at {level:.3g}: all capacities that are known are the same, there is no dispersion",
     "not_increasing": "no curve: the limit state is not reached more often at higher levels",
     "no_maximum": "no curve: the likelihood has no maximum that could be found",

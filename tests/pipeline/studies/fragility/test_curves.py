@@ -171,12 +171,12 @@ def test_what_makes_no_curve_is_said_and_no_number_is_given(curve, status, words
         (
             lambda: fit_capacities([0.9, 2.9, *[np.inf] * 20], limits=[3.0] * 22),
             Extrapolated.ABOVE,
-            r"extrapolated: the median, [\d.]+, lies above all levels that were analysed, up to 3; 2 records of 22 reached",
+            r"extrapolated: the median, [\d.]+, lies above all levels that were analysed, up to 3; 2 records of 22",
         ),
         (
             lambda: fit_stripes(np.repeat([1.0, 2.0, 3.0], 8), [k % 8 < 5 + k // 8 for k in range(24)]),
             Extrapolated.BELOW,
-            r"extrapolated: the median, 0\.[\d]+, lies below all levels that were analysed, from 1; 18 records of 24 reached",
+            r"extrapolated: the median, 0\.[\d]+, lies below all levels that were analysed, from 1; 18 records of 24",
         ),
         (lambda: fit_capacities(CAPACITIES, EVENTS), Extrapolated.NO, "^$"),
         (lambda: fit_capacities([np.inf] * 3, limits=[1.0] * 3), Extrapolated.NO, "none of 3 records"),
@@ -236,8 +236,8 @@ def test_a_median_at_the_last_level_is_no_extrapolation():
     assert sides == [Extrapolated.BELOW, *[Extrapolated.NO] * 3, Extrapolated.ABOVE]
     (said,) = curves.extrapolation_statement(3.5, rows)
     assert said == (
-        "extrapolated: the median, 3.5, lies above all levels that were analysed, up to 3; 1 record of 3 reached the limit "
-        "state"
+        "extrapolated: the median, 3.5, lies above all levels that were analysed, up to 3; 1 record of 3 reached "
+        "the limit state"
     )
 
 
