@@ -48,7 +48,7 @@ class Motions:
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
-        """Number of earthquakes (bodies,) among the motions kept for each body (motions, bodies)."""
+        """Return the number of earthquakes (bodies,) among the motions kept for each body (motions, bodies)."""
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
@@ -60,7 +60,7 @@ class Motions:
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean over earthquakes of equal weight, each the mean of its values other than NaN."""
+        """Return the mean over earthquakes of equal weight, each the mean of its values other than NaN."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -180,12 +180,12 @@ class Answers:
 
     @property
     def searched(self) -> bool:
-        """Whether safety factors of the model are known."""
+        """True if safety factors of the model are known."""
         return not bool(np.isnan(self["safety_factor"]).all())
 
     @cached_property
     def probable(self) -> bool:
-        """Whether the probability of overturning by the model is known."""
+        """True if the probability of overturning by the model is known."""
         return is_full(self.model) and not bool(np.isnan(self["overturning_probability"]).all())
 
     @property
@@ -195,7 +195,7 @@ class Answers:
 
     @property
     def has_factor(self) -> bool:
-        """Whether one of these factors is known."""
+        """True if one of these factors is known."""
         return not bool(np.isnan(self[self.factor]).all())
 
     @property
@@ -319,7 +319,7 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """Smallest end of search among those without overturning; NaN if overturning was found in all."""
+    """Return the smallest end of search among those without overturning; NaN if overturning was found in all."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
@@ -354,7 +354,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Median of every column over values other than NaN; NaN if there are none."""
+    """Return the median of every column over values other than NaN; NaN if there are none."""
     count = (~np.isnan(values)).sum(axis=0)
     ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):

@@ -92,7 +92,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest value over axis 1 of (a, d, ...), NaN if one is missing, and its index or -1."""
+    """Return the smallest value over axis 1 of (a, d, ...), NaN if one is missing, and its index or -1."""
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
 

@@ -58,7 +58,7 @@ class DemandVerdict:
 
     @property
     def few(self) -> bool:
-        """Whether there are too few earthquakes for a verdict."""
+        """True if there are too few earthquakes for a verdict."""
         return self.earthquakes < FEWEST_AT_DEMAND
 
 
@@ -171,7 +171,7 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
 
 
 def too_far(answers: Answers, demand: str) -> np.ndarray:
-    """Mask (records, bodies) of records that are too far from a demand to be scaled; they do not count."""
+    """Return a mask (records, bodies) of records that are too far from a demand to be scaled; they do not count."""
     factor = answers.to_demand(demand)
     return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
 

@@ -74,7 +74,7 @@ class DesignSpectrum:
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def nearest(self, block: Block) -> np.ndarray:
-        """Index of the frequency parameter nearest to that of each block, (m,)."""
+        """Return the index of the frequency parameter nearest to that of each block, (m,)."""
         return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
 
     def sequence(self, block: Block) -> ImpulseSequence:

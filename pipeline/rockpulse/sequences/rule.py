@@ -88,7 +88,7 @@ class Rule:
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
     def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
-        """Scale factors at which the sequence overturns: all from the safety factor to `factor_max`."""
+        """Return the scale factors at which the sequence overturns: all from the safety factor to `factor_max`."""
         factor = self.safety_factor(waves, block)
         lane = np.flatnonzero(factor <= factor_max)
         return ScaleIntervals(

@@ -196,7 +196,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
 
 
 def _answers_to(column: TableColumn, name: str) -> bool:
-    """Whether a name is the heading of a column, or its variable without the label of the column."""
+    """Return whether a name is the heading of a column, or its variable without the label of the column."""
     return name in (column.name, column.name.partition("[")[0])
 
 

@@ -82,7 +82,7 @@ class Variable:
     scales: Mapping[h5py.Dataset, str]  # scales of its group and their names, which HDF5 is slow to find
 
     def dimensions(self) -> tuple[str, ...]:
-        """Names of its dimensions, from the attached scales; raises ValueError if one has no scale."""
+        """Return the names of its dimensions, from the attached scales; raises ValueError if one has no scale."""
         stored = self.stored
         if not stored.shape:
             return ()
@@ -121,7 +121,7 @@ def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
 
 
 def is_bare_dimension(name: Any) -> bool:
-    """Whether the attribute NAME of a dataset marks it as a dimension without a variable."""
+    """Return whether the attribute NAME of a dataset marks it as a dimension without a variable."""
     return isinstance(name, bytes) and name.startswith(NO_VARIABLE.encode())
 
 

@@ -175,7 +175,7 @@ def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
 
 
 def _there(path: str | Path) -> bool:
-    """Whether a file exists; a name that is too long or an unreadable folder counts as missing."""
+    """Return whether a file exists; a name that is too long or an unreadable folder counts as missing."""
     return os.path.exists(path)  # noqa: PTH110 - Path.exists raises for these
 
 
