@@ -127,7 +127,7 @@ def _checked(
 
 
 def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies found equal in the results."""
+    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies from equal ones in the results."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]

@@ -54,7 +54,7 @@ PERIODS = 401
 
 
 def damping_factor(damping: float) -> float:
-    """Damping correction factor eta for a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
+    """Return the damping correction factor eta for a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
     return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
 
 

@@ -28,7 +28,7 @@ from rockpulse.studies.fragility.statements import missing
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """Ratio of beta to that of a reference measure [-], with limits from the jackknife over the same events; or NaN."""
+    """Return beta divided by beta of a reference measure [-], with jackknife limits over the same events; or NaN."""
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))

@@ -74,7 +74,7 @@ class Case:
         return asdict(self)
 
     def block(self) -> Block:
-        """The body as a block."""
+        """Return the body as a block."""
         size: dict[str, Any] = {"width": self.width, "height": self.height, "log": False}
         if self.wall:
             return Block(**size, one_sided=True, rebound=self.restitution)
