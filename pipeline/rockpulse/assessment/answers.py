@@ -200,7 +200,7 @@ class Answers:
 
     @property
     def bound(self) -> np.ndarray:
-        """Mask (records, bodies) of factors that are lower bounds, as the model gives no result there."""
+        """Mask (records, bodies) of factors that are lower bounds, as the model gives no result at them."""
         return np.asarray((self["factor_resolved"] == 0) & (not self.probable))
 
     @property
@@ -210,7 +210,7 @@ class Answers:
 
     @cached_property
     def overturned(self) -> np.ndarray:
-        """Mask (motions, bodies): a direction of the unscaled motion overturns the body."""
+        """Mask (motions, bodies) of unscaled motions that overturn the body in at least one direction."""
         return self.motions.in_any_direction(self["outcome"] == Outcome.OVERTURNS)
 
     @property
@@ -246,7 +246,7 @@ class Answers:
         return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
-        """Reduce a table (..., bodies) to (..., blocks) by the worst restitution of each block."""
+        """Reduce a table (..., bodies) to (..., blocks), with the worst restitution of each block."""
         firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 

@@ -215,7 +215,8 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
     Yields
     ------
     xarray.DataTree
-        A tree as from :func:`load`. Read data that you need after the block inside it, with ``.load()`` or ``.values``.
+        A tree as from :func:`load`. Data needed after the block must be read inside it, with ``.load()`` or
+        ``.values``.
 
     Raises
     ------

@@ -215,7 +215,9 @@ def rocking_spectrum(
     Parameters
     ----------
     record : Record
-        Conditioned record. p : sequence of float, length a Frequency parameters [1/s].
+        Conditioned record.
+    p : sequence of float, length a
+        Frequency parameters [1/s].
     alpha : sequence of float, length b
         Critical angles [rad].
     restitution : float or "housner"

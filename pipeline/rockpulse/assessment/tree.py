@@ -82,7 +82,7 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Largest value over axis 1 of (a, d, ...), and its index or -1; of several inf that with the smallest `first`."""
+    """Return the largest value over axis 1 of (a, d, ...), its index or -1; for several inf, the lowest `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)

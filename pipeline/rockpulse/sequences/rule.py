@@ -83,7 +83,7 @@ class Rule:
         return np.minimum(self.factor * march, _uplift(waves, block))
 
     def safety_factor(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Factor on the record at which the sequence overturns each block, (m,) [-]: 1/D; inf for a record of zeros."""
+        """Return the factor 1/D (m,) on the record at which the sequence overturns a block [-]; inf for zeros."""
         demand = self.demand(waves, block)
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
@@ -115,8 +115,9 @@ class Rule:
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
         """Return lanes of the overturning spectrum at ascending p (a,) [1/s]: the march times the rule's `factor`.
 
-        No block overturns unless the peak of the half-waves lifts it, x = p/PGA. The random angles are on average 4 %
-        below the nominal one, so that a spectrum is at most 1.04 PGA/p, and :meth:`demand` uses at most PGA/p.
+        No block overturns below x = p/PGA, at which the peak of the half-waves lifts it. The random angles are on
+        average 4 % below the nominal one, so that a spectrum is at most 1.04 PGA/p, and :meth:`demand` uses at most
+        PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)

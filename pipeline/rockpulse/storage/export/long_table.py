@@ -43,7 +43,7 @@ class TableColumn:
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Return the values of rows, given by their positions along the dimensions of the table."""
+        """Return the values of rows, given by their indices along the dimensions of the table."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -56,7 +56,7 @@ class TableColumn:
 
 @dataclass(frozen=True, eq=False)
 class LongTable:
-    """A table whose rows are read on demand, while the file is open."""
+    """A table whose rows are read on demand while the file is open."""
 
     group: str
     dims: tuple[str, ...]  # one row per element along these

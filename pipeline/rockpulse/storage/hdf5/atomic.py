@@ -89,7 +89,7 @@ def journal_path(target: str | os.PathLike[str]) -> Path:
 
 
 def kind_in_words(kind: str) -> str:
-    """Return a kind of file with its article."""
+    """Return the name of a kind of file, with its article."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 

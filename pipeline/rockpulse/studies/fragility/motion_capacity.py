@@ -195,7 +195,7 @@ def _weights(record: str, config: Config, selection: Selection | None) -> dict[s
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
 ) -> dict[str, np.ndarray]:
-    """Return the arrays of (m,) lanes for one scene, with the measures of the ground motion below it."""
+    """Return the arrays of (m,) lanes for one scene, with the measures of its ground motion, also for a floor."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
@@ -219,7 +219,7 @@ def _capacity(
 
 
 def empty_capacity(lanes: int, config: Config, selection: Selection | None = None) -> Part:
-    """Return every array of :func:`motion_capacity`, and "event", with zero rows."""
+    """Return the arrays of :func:`motion_capacity`, and "event", with zero rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
     stripes = _stripes(config, selection)

@@ -26,7 +26,7 @@ AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
-    """Probability of overturning of m bodies under r records at l levels of a measure each; logarithms of SI values."""
+    """Probability of overturning of m bodies under r records at l levels each; logarithms are of SI values."""
 
     at: np.ndarray  #: (m, r, l) logarithms of the levels, with the same step for all
     probability: np.ndarray  #: (m, r, l) probability of overturning [-]

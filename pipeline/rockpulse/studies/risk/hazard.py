@@ -124,7 +124,7 @@ class PowerLawHazard(_Hazard):
 
     @property
     def words(self) -> str:
-        """The hazard in words."""
+        """Description of the hazard."""
         return f"power law {self.k0:g} x^-{self.k:g} of {self._levels}"
 
     @property
@@ -157,7 +157,7 @@ class HazardCurve(_Hazard):
     source : str
         Name of the source for messages.
     unit : str
-        Unit of levels in texts; SI by default.
+        Unit of levels in messages; SI by default.
     measure, soil_factor, warnings
         As for :class:`PowerLawHazard`.
 
@@ -214,7 +214,7 @@ class HazardCurve(_Hazard):
 
     @property
     def words(self) -> str:
-        """The hazard in words."""
+        """Description of the hazard."""
         return f"{self.source}: {self.level.size} points of {self._levels}"
 
     def _piece(self, log_level: np.ndarray) -> np.ndarray:
@@ -303,7 +303,7 @@ class SiteHazards:
 
     @property
     def unit(self) -> str:
-        """Unit of levels in texts."""
+        """Unit of levels in messages."""
         return self.hazards[0].unit
 
     @property

@@ -43,8 +43,9 @@ def risk(
     limit_state : str
         Limit state of the fragility.
     years : float, optional
-        Exposure time for `probability` and `survival` [years]; by default that of [hazard]. confidence : float,
-        optional Confidence level of the bands; by default that of the fragility.
+        Exposure time for `probability` and `survival` [years]; by default that of [hazard].
+    confidence : float, optional
+        Confidence level of the bands; by default that of the fragility.
     resamples, seed : int
         Number of bootstrap samples of the earthquakes for the bands, 0 for no band; seed of the random numbers.
     config : Config or path, optional

@@ -132,7 +132,7 @@ def response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Return peak/alpha after the record and whether the block overturns, by energy, from x > 0 and u = x'/p."""
+    """Return peak/alpha after the record and whether the block overturns, from x > 0, u = x'/p and the energy."""
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

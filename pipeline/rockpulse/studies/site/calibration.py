@@ -208,7 +208,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
 
 
 def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
-    """Return the design from a site tree in memory, as :func:`load_design`; messages call the site `name`."""
+    """Return the design from a site tree in memory, as :func:`load_design`; messages use `name` as its path."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()

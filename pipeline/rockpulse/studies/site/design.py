@@ -4,7 +4,7 @@
    by their parameters (Casapulla & Maione 2017, section 4), but by the rotations that they cause. Hence the design has
    the median shape, and the smallest I at which the sequence covers the quantile of the recorded rotations of the
    blocks that it does not overturn; its coverage is tested on records left out. Blocks that the design overturns are
-   excluded: it covers any record on them, so that the quantile would not apply to the blocks that are safe under the
+   excluded: it covers every record for them, so that the quantile would not apply to the blocks that are safe under the
    design (docs/decisions/011).
 """
 
@@ -49,7 +49,7 @@ class SiteSample:
 
     @property
     def counted(self) -> np.ndarray:
-        """Mask (n, m) of the pairs of record and block that count."""
+        """Mask (n, m) of the pairs of record and block that are counted."""
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> "SiteSample":
@@ -168,10 +168,10 @@ def main_impulse_interval(
 ) -> tuple[float, float]:
     """Return the event-clustered bootstrap interval [m/s] of the main impulse of a design with a fixed shape.
 
-    `draws` (b, g) are resamples of events. NaN with a single event; the upper end is inf if the share of resamples that
-    overturn every block exceeds the tail of the interval. The ends are NaN and inf if the design overturns every block,
-    or if the overturning of one block limits most resamples, since their spread then describes only that block. Each
-    end differs from the design by at least a step of the grid, about 2 %.
+    `draws` (b, g) are resamples of events. With a single event both ends are NaN; the upper end is inf if the share of
+    resamples that overturn every block exceeds the tail of the interval. The ends are NaN and inf if the design
+    overturns every block, or if the overturning of one block limits most resamples, since their spread then describes
+    only that block. Each end differs from the design by at least a step of the grid, about 2 %.
     """
     middle = math.log(sequence.main)
     mains = np.geomspace(*_range(sample), GRID * 2)

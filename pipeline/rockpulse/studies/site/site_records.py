@@ -97,7 +97,7 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
 
 
 def empty_site_record(blocks: Block) -> Part:
-    """Return every array of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
+    """Return the arrays of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
     return {
         **empty_facts(),
         **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
@@ -133,7 +133,7 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
 
 
 def empty_facts() -> dict[str, np.ndarray]:
-    """Return every array of :func:`facts_of_record`, and "event", with zero rows."""
+    """Return the arrays of :func:`facts_of_record`, and "event", with zero rows."""
     facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
     return {"record": np.zeros(0, dtype=str), **facts}
 

@@ -55,7 +55,7 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
 
 
 def empty_spectrum_record() -> Part:
-    """Return every array of :func:`site_spectrum_record`, and "event", with zero rows."""
+    """Return the arrays of :func:`site_spectrum_record`, and "event", with zero rows."""
     return {
         **empty_facts(),
         "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
@@ -64,7 +64,7 @@ def empty_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Return the smallest number of earthquakes for a quantile of a site: five or more, one of them beyond it."""
+    """Return the smallest number of earthquakes for a quantile: at least five, and at least one beyond it."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
