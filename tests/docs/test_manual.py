@@ -31,7 +31,7 @@ NOT_RUN = {
     ("accuracy.md", "sample output of `make accuracy`"),
     ("index.md", "it installs the program"),
     ("installation.md", "it needs a container engine"),
-    ("installation.md", "it writes to a folder of the system"),
+    ("installation.md", "it writes to a system folder"),
     ("tutorials/assess.md", "it installs the program"),
     ("tutorials/assess.md", "it is for Windows"),
     ("tutorials/batch.md", "it needs the address of a cluster"),
