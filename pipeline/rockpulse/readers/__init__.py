@@ -1,4 +1,4 @@
-"""Readers of strong-motion files; importing them loads neither obspy, pandas, numba nor xarray."""
+"""Readers of strong-motion files; their import loads none of obspy, pandas, numba and xarray."""
 
 import os
 from dataclasses import replace

@@ -278,7 +278,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Return the property that reading changes (direction or processing); with `whole`, also one that is lost."""
+    """Return a property that differs after reading (direction or processing); with `whole`, also one that is lost."""
     if orientation_of(record) == "unknown":  # the name of the file may tell more
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -293,7 +293,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Return the words for a state of processing that reading changes."""
+    """Return the words for a state of processing that differs after reading."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed comes back as {again.processed} instead of {record.processed}"
     return ""

@@ -148,7 +148,7 @@ def begins_with(pattern: re.Pattern[str], count: int = 200) -> Callable[[bytes, 
 
 @dataclass(frozen=True)
 class Format:
-    """A row of the table of formats."""
+    """A row of the table of formats: name, detector, reader and description of a format."""
 
     name: str  # short name, `Record.format`
     what: str  # the files, in words

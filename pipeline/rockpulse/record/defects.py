@@ -153,7 +153,7 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
 
 
 def _runs(mask: np.ndarray) -> np.ndarray:
-    """Return (k, 2) the first index of each run of True, and the index after its last."""
+    """Return the first index of each run of True and the index after its last, as (k, 2)."""
     return np.flatnonzero(np.diff(np.concatenate(([0], mask.view(np.int8), [0])))).reshape(-1, 2)
 
 

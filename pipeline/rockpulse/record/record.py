@@ -54,7 +54,7 @@ class Record(Shown):
     dt : float
         Sampling interval [s].
     id : str
-        ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` where known, else ``<file stem>.<channel>``.
+        ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` if known, else ``<file stem>.<channel>``.
     network, station, location, channel, station_name : str
         Codes as in the file, and name of the station; empty if unknown.
     component : str

@@ -270,7 +270,7 @@ def _check_overlap(channel: Record, other: Record, samples: int) -> None:
 
 
 def _cut(channel: Record, other: Record) -> Record:
-    """Return the channel within the time of the other one, widened to whole samples, with a warning on what was cut."""
+    """Return the channel cut to the time of the other, widened to whole samples, with a warning on what was cut."""
     start = offset(channel, other)
     share = CLOCK_SHARE
     begin = max(0, math.floor(start / channel.dt + share))

@@ -67,7 +67,7 @@ class Motion:
 
     @property
     def pair(self) -> tuple[Record, ...]:
-        """Return the channels that give the intensity of this motion: both of a pair, or the only known one."""
+        """Return the channels from which the intensity is measured: both of a pair, or the only known one."""
         return self.channels if self.partner is None else (*self.channels, self.partner)
 
 

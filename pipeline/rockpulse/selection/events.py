@@ -14,8 +14,9 @@ from rockpulse.selection.tables import given_table, read_event_table
 #: Largest time between starts of records of one earthquake [s]; records of one name are joined too, unless their times
 #: are known to differ by more.
 JOINED_WITHIN_S = 600.0
-#: Largest difference of stated origin times of one earthquake [s], and of stated magnitudes of any scale; earthquakes
-#: further apart than `JOINED_WITHIN_S` are different, unless other records join them.
+#: Largest difference between two stated origin times of one earthquake [s], and between two stated magnitudes of any
+#: scale; if origin times differ by more than `JOINED_WITHIN_S`, the earthquakes are different, unless other records
+#: join them.
 SAME_ORIGIN_S = 60.0
 SAME_MAGNITUDE = 1.0
 #: Largest error of a clock, which may show another time zone [s].

@@ -1,6 +1,6 @@
 """Acceleration files of the Japan Meteorological Agency (CSV): seven lines of a header, then NS, EW, UD in gal.
 
-Times are Japanese, nine hours ahead of UTC. The station name is encoded in Shift-JIS.
+Times are in Japan Standard Time (UTC+9). The station name is encoded in Shift-JIS.
 """
 
 import re

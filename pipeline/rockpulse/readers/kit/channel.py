@@ -30,7 +30,7 @@ CREDIBLE_INTERVAL = 0.1
 _DEEPEST_SENSOR = 10e3
 # From the first of the blanks on only, or a line of blanks would cost the square of its length.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
-#: Number of samples by which two channels are compared first; signs of a copy, and the words for each.
+#: Number of samples that are compared first to find copies of a channel; signs of a copy, with the words for each.
 _FIRST, _SIGNS = 1000, ((1.0, ""), (-1.0, " with the opposite sign"))
 #: Number of equal consecutive samples at the extreme that indicate the end of a range.
 RUN = 5

@@ -114,7 +114,7 @@ _FREE_FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Direction:
-    """The direction that the words for a component mean, and a doubt about it, for a warning on the record."""
+    """The direction that the words for a component mean, and a doubt about it as text of a warning."""
 
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
@@ -190,7 +190,7 @@ def is_direction(text: str) -> bool:
 
 
 def _one_of(found: Sequence[Direction]) -> Direction:
-    """Return the direction that all words mean, from the most precise one; unknown if they contradict each other."""
+    """Return the most precise direction in several words; unknown if they contradict each other."""
     known = [facing for facing in found if facing.orientation != "unknown"]
     precise = [facing for facing in known if not math.isnan(facing.azimuth)] or known
     alike = {(facing.orientation, facing.sign) for facing in known} | {(one.azimuth,) for one in precise}

@@ -27,7 +27,7 @@ _CENTURY = 30  # first year of two digits that is of 1900: accelerographs came i
 
 
 def clock_fault(moment: datetime) -> str:
-    """Return the reason why a start time [UTC, or the zone of the file] cannot be right; empty if it may be."""
+    """Return the reason why a start time [UTC, or the zone of the file] cannot be right; empty if it is plausible."""
     if moment.year < _FIRST_YEAR:
         return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
     if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):

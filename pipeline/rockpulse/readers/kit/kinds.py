@@ -134,7 +134,7 @@ def kind_of_name(file: SourceFile) -> str:
 
 
 def _kinds_of_words(words: list[str]) -> list[str]:
-    """Return the kinds in the words of a name; a spectrum only from an unambiguous word."""
+    """Return the kinds of motion in the words of a name; a spectrum only from an unambiguous word."""
     return list(dict.fromkeys(prose_kinds(plain(" ".join(words)), name=True)))
 
 

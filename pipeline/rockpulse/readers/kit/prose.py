@@ -144,7 +144,7 @@ def _units(line: str) -> list[tuple[str, str]]:
 
 
 def _unit_words(text: str) -> list[tuple[str, bool]]:
-    """Return the words after "in" or "unit" (in any language) in a plain text, and whether it is "unit"."""
+    """Return the words after "in" or "unit" (in any language) in a text, and whether they follow "unit"."""
     found = []
     for match in _UNIT.finditer(text):
         word = _ONE_UNIT.match(text, match.end())

@@ -166,7 +166,7 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
 
 
 def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
-    """Return input unit, quantity and SI units per unit of a response; raise an error if it cannot be removed."""
+    """Return input unit, quantity and SI units per unit of a response; raise an error if they are unusable."""
     from obspy.core.inventory.response import PolynomialResponseStage
 
     stages = response.response_stages

@@ -15,7 +15,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 UNITS: dict[str, float] = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
 UNITS |= {"g": STANDARD_GRAVITY, "g/10": STANDARD_GRAVITY / 10.0}
 
-#: Number of characters used of a header line, of which only a damaged one is longer.
+#: Longest header line that is read [characters]; only damaged lines are longer.
 LONGEST_LINE = 200
 #: Advice in messages on a damaged header, on another damaged part of a file, and on a truncated file.
 HEADER_DAMAGED = "correct the line, or write the samples as columns with their unit"
