@@ -200,7 +200,7 @@ def test_a_lower_bound_is_marked_and_does_not_drop_out_of_the_capacities(flights
     text = overview(flights, whole=True)
     rows = [line for line in text.splitlines() if line.startswith("  tall ")]
     assert rows[0].split()[-2:] == ["unresolved", "0.93!"]
-    assert "!: from this factor on the model cannot answer, as in free flight" in " ".join(text.split())
+    assert "!: from this factor on the model gives no result, as in free flight" in " ".join(text.split())
     bound = flights["summary"]["capacity_ratio"].sel(record="1.horizontal", block="tall", model="nonlinear").item()
     assert f"{bound:.2f}!," in rows[-1]
     assert "!: a lower bound" in " ".join(text.partition("Capacity")[2].split())

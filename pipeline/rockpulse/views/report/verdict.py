@@ -103,7 +103,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         margin = say("verdict.factor", factor=factor) if not math.isnan(one.margin.smallest) else ""
         key = "overturns_under_sequence" if one.overall == Grade.OVERTURNS else "under_sequence"
         return say(f"verdict.{key}", margin=margin)
-    if one.overall == Grade.STAYS:
+    if one.overall == Grade.AT_REST:
         return say("verdict.not_lifted", motions=motions_words(answers.motions))
     what = say("probability" if answers.probable else "share_of_earthquakes")
     demand = one.deciding

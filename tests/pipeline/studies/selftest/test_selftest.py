@@ -96,7 +96,7 @@ def test_the_verb_prints_a_table_and_ends_with_zero(monkeypatch, capsys):
     assert main(["selftest"]) == 0
     out = capsys.readouterr().out
     assert all(name in out for name in few)
-    assert "3 cases: 0 beyond their bounds" in out
+    assert "3 cases: 0 outside their bounds" in out
     assert "threads available" in out
     assert main(["selftest", "--quiet"]) == 0
     assert capsys.readouterr().out == ""

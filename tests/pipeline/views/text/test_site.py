@@ -64,11 +64,11 @@ def test_what_is_not_known_of_the_coverage_is_said_in_words(tree):
     one = site.assign(**{name: site[name].copy(data=value) for name, value in gone.items()}, judged_pairs=0)
     tree["site"] = one
     text = " ".join(site_overview(tree).split())
-    assert "Coverage of other earthquakes: not known, for no event could be judged" in text
+    assert "Coverage of other earthquakes: not known, because no event could be judged" in text
     assert "covers -" not in text
     assert "Judged" not in text
     tree["site"] = one.isel(site_event=[0])
-    assert "not known, for with one event none can be left out" in " ".join(site_overview(tree).split())
+    assert "not known, because there is only one event, which cannot be" in " ".join(site_overview(tree).split())
     tree["site"] = site.assign(**{name: site[name].copy(data=np.nan) for name in ("coverage_lower", "coverage_upper")})
     assert "(one event: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
 
