@@ -101,8 +101,8 @@ def fragility_frequency(
             f"hazard: expected the hazard of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}"
         )
     if fragility.attrs.get("kind") != FRAGILITY:
-        found = kind_in_words(str(fragility.attrs.get("kind", ASSESSMENT)))
-        raise ResultsError(f"fragility: expected {kind_in_words(FRAGILITY)}, found {found}")
+        kind = kind_in_words(str(fragility.attrs.get("kind", ASSESSMENT)))
+        raise ResultsError(f"fragility: expected {kind_in_words(FRAGILITY)}, found {kind}")
     table = fragility["fragility"].to_dataset()
     states, measures = ([str(name) for name in table[dim].values] for dim in ("limit_state", "measure"))
     if limit_state not in states:

@@ -293,9 +293,9 @@ def test_the_record_that_governs_is_told_in_words_once(summary):
 @pytest.mark.parametrize(
     ("height", "outcome", "told"),
     [
-        (2.0, False, "."),
-        (np.nan, False, " (-: height not given)."),
-        (2.0, True, " (-: no record without overturning)."),
+        (2.0, 1, "."),
+        (np.nan, 1, " (-: height not given)."),
+        (2.0, 2, " (-: no record without overturning)."),
     ],
 )
 def test_a_dash_in_place_of_a_displacement_has_its_reason(summary, height, outcome, told):
