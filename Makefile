@@ -6,7 +6,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations ste
 	hard_crossings) tests/models/impulses
 LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -111,6 +111,10 @@ wheel:  ## the wheel alone in a fresh environment: obspy.read on every sample (a
 	$(PACKAGE)/fresh/bin/python -m pip install -q $(PACKAGE)/wheel/*.whl
 	cd $(PACKAGE)/elsewhere && ../fresh/bin/python ../tests/read_by_obspy.py ../samples/*/
 	rm -rf $(PACKAGE)
+
+versions:  ## the default tests with the lowest and the newest versions of the dependencies (LOWEST_PYTHON, NEWEST_PYTHON)
+	.ci/versions lowest
+	.ci/versions newest
 
 docs:  ## the manual as HTML in build/docs (the extra "docs"; no network)
 	$(PYTHON) -m sphinx -q -a -E -W --keep-going -b html docs build/docs

@@ -1,4 +1,4 @@
-"""The errors of rockpulse, which can be pickled as each consists of its message, and the rows of failures."""
+"""The errors of rockpulse, which can be pickled, and the rows of the table of failures."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -11,27 +11,27 @@ class RockpulseError(ValueError):
 
 
 class RecordFormatError(RockpulseError):
-    """A file that violates the rules of its format, or that no reader recognises."""
+    """Error: a file violates the rules of its format, or no reader recognises it."""
 
 
 class RecordRefused(RockpulseError):
-    """A well-formed file without usable ground acceleration (velocity, spectra, counts without a gain)."""
+    """Error: a well-formed file contains no usable ground acceleration (velocity, spectra, counts without a gain)."""
 
 
 class TooWeak(RecordRefused):
-    """A record that moves too few bodies to be used; it is "skipped", as its file is not faulty."""
+    """Error: a record moves too few bodies to be used; it is listed as "skipped", as its file is not faulty."""
 
 
 class UnitError(RockpulseError):
-    """A unit that is missing, unknown, or contradicts the file."""
+    """Error: a unit is missing or unknown, or contradicts the file."""
 
 
 class ConfigError(RockpulseError):
-    """A configuration file or command-line option that cannot be used."""
+    """Error: a configuration file or a command-line option cannot be used."""
 
 
 class ResultsError(RockpulseError):
-    """A results file that cannot be written, or that this version cannot read.
+    """Error: a results file cannot be written, or cannot be read by this version.
 
     Attributes
     ----------
@@ -45,15 +45,15 @@ class ResultsError(RockpulseError):
 
 
 class StoppedAtFailure(RockpulseError):
-    """A batch with ``strict`` has stopped at the first file or record that failed."""
+    """Error: a batch with ``strict`` has stopped at the first file or record that failed."""
 
 
-#: Reason for skipping a text, a table or a picture among the records.
+#: Reason for skipping a file among the records that is a text, a table or a picture.
 NO_RECORD = "no record"
 FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
 #: Pattern of a line number after the file name in a reason.
 _LINE = re.compile(r":\d+(?=: )")
-#: Pattern of the id of a record before a reason; an id contains a point and no blank.
+#: Pattern of the id of a record before a reason; an id contains a full stop and no blank.
 _ID = re.compile(r"\S+\.\S*(?=: )")
 #: Number of files named as examples for a reason that several files share.
 _EXAMPLES = 10
@@ -72,7 +72,7 @@ class Failure:
 
     @property
     def place(self) -> str:
-        """The file, with the line or the record if the reason begins with one."""
+        """Name of the file, with the line or the record if the reason begins with one."""
         if self.reason.startswith(f"{self.file}:"):
             line = _LINE.match(self.reason, len(self.file))
             return self.reason[: line.end()] if line else self.file
@@ -81,7 +81,7 @@ class Failure:
 
     @property
     def bare(self) -> str:
-        """The reason without file, line and record."""
+        """The reason without the names of the file and the record and without the line number."""
         return self.reason.removeprefix(f"{self.place}: ").replace(f": '{self.file}'", "")
 
 
@@ -94,7 +94,7 @@ def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
 
 
 def reasons_in_words(group: Sequence[Failure]) -> str:
-    """Format the reason of a group of rows: with the place of a single row, or the number of rows and two places."""
+    """Format the reason of a group of rows, with the place of a single row, or with their number and two places."""
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line number
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
@@ -104,13 +104,13 @@ def reasons_in_words(group: Sequence[Failure]) -> str:
 
 
 def some(names: Sequence[str], most: int) -> str:
-    """List the first names and the number of further names."""
+    """List the first names, and the number of the others."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return (", ".join(names[:most]) or "none") + more
 
 
 def unread(rows: Iterable[Failure]) -> bool:
-    """Whether a file could not be read, so that a name or pattern without a match may refer to it."""
+    """Return whether a file could not be read, so that a name or pattern without a match may refer to it."""
     return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
 
 

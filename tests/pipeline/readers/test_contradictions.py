@@ -139,6 +139,15 @@ def test_dates_and_times_are_a_column_of_times(put, stamp):
     assert (record.start_time is None) == (not stamp.strip('"').startswith("2024"))
 
 
+def test_of_two_columns_of_times_that_in_seconds_is_taken(put):
+    rows = "".join(
+        f"{1700000000000000000 + 10**7 * at},{0.01 * at:.6f},{value:.5f}\n" for at, value in enumerate(VALUES)
+    )
+    (record,) = read(put("time,seconds_elapsed,z (cm/s2)\n" + rows))
+    assert (record.dt, record.npts) == (0.01, 400)
+    assert "columns of times left out: time" in record.warnings[0]
+
+
 FLAT = "file,NPTS,DT,PGA\nm.AT2,2000,0.01,0.43\nn.AT2,4000,0.005,0.21\n"
 NUMBERS = "RSN,Magnitude,Rrup,Vs30\n" + "".join(f"{at},6.{at % 10},{at}.5,3{at:02d}\n" for at in range(60))
 OWN = "record,block,model,npts,dt,pga,factor_10\nm.acc_N,wall,sequence,2000,0.01,4.2,0.5\n"

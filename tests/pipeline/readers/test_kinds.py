@@ -48,6 +48,11 @@ def test_a_letter_is_a_kind_where_the_two_others_lie_beside():
     assert kind_of_name(named("r_v.txt", "r_a.txt")) == ""
 
 
+def test_an_ordinate_is_a_spectrum_where_accelerations_of_the_name_lie_beside():
+    assert kind_of_name(named("Sa_N.txt", "acc_N.txt")) == "spectrum"
+    assert kind_of_name(named("SA_N.txt")) == ""
+
+
 @pytest.mark.parametrize("heading", ["Скорость (м/с)", "velocità", "brzina", "Ταχύτητα", "速度"])
 def test_headings_of_other_languages_name_velocities(heading):
     assert kinds_of(heading)[0] == "velocity"

@@ -93,6 +93,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     columns = _columns(file.name, lines[:stop], layout, headings, numbered, prose, lacking, lines[stop:])
     if columns.width > 1 and counts_rows(columns.table, columns.headings):
         columns = columns.picked(range(1, columns.width), "the first column counts the rows; it was left out")
+    columns = _with_one_time(columns)
     kinds = [heading.kind for heading in columns.headings]
     at = kinds.index("time") if "time" in kinds else 0
     if climbs(columns.table[:, 0]) and not climbs(columns.table[:, at]):
@@ -160,6 +161,18 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
     stated = worded or kit.kind_of_name(file)
     return records if stated else [of_unstated_kind(record) for record in records]
+
+
+def _with_one_time(columns: _Columns) -> _Columns:
+    """The columns with one of several that are headed as time and rise, that of seconds if one is."""
+    headed = [at for at, heading in enumerate(columns.headings) if heading.kind == "time"]
+    times = [at for at in headed if len(headed) > 1 and np.all(np.diff(columns.table[:, at]) > 0.0)]
+    if len(times) < 2:
+        return columns
+    kept = next((at for at in times if "sec" in columns.headings[at].name.lower()), times[0])
+    left = ", ".join(columns.headings[at].name for at in times if at != kept)
+    order = [at for at in range(columns.width) if at == kept or at not in times]
+    return columns.picked(order, f"further columns of times left out: {left}")
 
 
 def _direction_in(bracket: re.Match[str]) -> str:
