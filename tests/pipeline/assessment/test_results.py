@@ -147,7 +147,7 @@ def test_opened_results_are_read_when_they_are_asked_for(path):
 def test_what_cannot_be_opened_is_reported(tmp_path):
     broken = tmp_path / "broken.h5"
     broken.write_bytes(b"no results")
-    with pytest.raises(ResultsError, match="expected a results file"), rp.open_results(broken):
+    with pytest.raises(ResultsError, match="not a rockpulse results file"), rp.open_results(broken):
         pass
     with pytest.raises(FileNotFoundError), rp.open_results(tmp_path / "none.h5"):
         pass

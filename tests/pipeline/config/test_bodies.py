@@ -68,7 +68,7 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
         ({}, "no body to assess"),
         (
             {"a": Block(1.0, 4.0, restitution=[0.8, 0.9]), "b": Block(1.0, 4.0, restitution=[0.7, 0.8, 0.9])},
-            "one length",
+            "equal length",
         ),
         ({"a": Block(1.0, 4.0), "b": Block(1.0, 4.0, gravity=9.81)}, "gravity"),
         ({"a": Block(half_width=[0.5, 0.6], half_height=2.0)}, "restitution only"),

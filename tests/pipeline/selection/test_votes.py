@@ -54,7 +54,7 @@ def test_the_processed_volume_votes_and_the_raw_one_is_left_out_with_its_vertica
     assert vote(*raw, *processed) == (ids("b.V2A"), dict.fromkeys(ids("a.V1A"), "duplicate"))
     told = reason(raw[0], processed[0])
     assert told == (
-        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is used instead: a processed volume goes before "
+        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is used instead: a processed volume is preferred to "
         "a raw one; [records] keep with this id assesses both"
     )
 
@@ -83,7 +83,7 @@ def test_the_sensor_at_the_bottom_of_a_borehole_of_kik_net_yields_to_the_one_abo
 @pytest.mark.parametrize(
     ("better", "worse", "words"),
     [
-        ({"processed": True}, {"processed": None, "dt": 0.005}, "a processed volume goes before one that may be"),
+        ({"processed": True}, {"processed": None, "dt": 0.005}, "a processed volume is preferred to one that may be"),
         ({"processed": None}, {"dt": 0.005}, "one that may be processed is preferred to a raw one"),
         ({"dt": 0.005}, {"seconds": 90.0}, "it has a sample every 0.005 s, this one every 0.01 s"),
         ({"seconds": 90.0}, {"source": "a"}, "it lasts 90 s, this one 60 s"),

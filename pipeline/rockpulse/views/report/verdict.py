@@ -122,7 +122,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
 def basis(answers: Answers, unused: str) -> str:
     """Describe the basis of the verdicts: model, motions, unused files, and the strength of each demand."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
-    said = [say("basis", files=f" ({unused})" if unused else "", **fields)]
+    said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
         told = in_numerals(demand.words.replace("m/s2", "m/s²"))
         said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))

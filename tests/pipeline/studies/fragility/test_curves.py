@@ -109,8 +109,12 @@ def test_correlated_records_of_few_events_widen_the_band():
     ("curve", "status", "words"),
     [
         (lambda: fit_capacities([]), Status.NO_RECORD, "no record"),
-        (lambda: fit_capacities([1.3]), Status.ONE_RECORD, "one record only, 1.3 reached"),
-        (lambda: fit_capacities([np.inf], limits=[3.0]), Status.ONE_RECORD, "one record only, 3 not reached"),
+        (lambda: fit_capacities([1.3]), Status.ONE_RECORD, "only one record (limit state reached at 1.3)"),
+        (
+            lambda: fit_capacities([np.inf], limits=[3.0]),
+            Status.ONE_RECORD,
+            "only one record (limit state not reached at 3)",
+        ),
         (
             lambda: fit_capacities(np.full(4, np.inf), limits=[1.0, 2.0, 3.0, 2.5]),
             Status.NOTHING_REACHED,
@@ -134,7 +138,7 @@ def test_correlated_records_of_few_events_widen_the_band():
         (
             lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
             Status.EVERYTHING_REACHED,
-            "all of 4 records reached the limit state at every level, from 1; add lower levels",
+            "all 4 records reached the limit state at every level, from 1; add lower levels",
         ),
         (
             lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [0, 0, 1, 1]),
@@ -152,7 +156,7 @@ def test_correlated_records_of_few_events_widen_the_band():
         (
             lambda: fit_stripes([1, 2, 3, 4], [0, 1, 0, 1], clusters=["a"] * 4, records=["r"] * 4),
             Status.ONE_RECORD,
-            "one record only",
+            "only one record",
         ),
     ],
 )

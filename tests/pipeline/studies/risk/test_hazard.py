@@ -163,7 +163,7 @@ def test_a_power_law_comes_from_the_section_and_the_section_survives_as_text():
     config = config_from_text(Config(hazard=settings).as_text())
     assert config.hazard == settings
     assert hazard_of(config.hazard).rate(0.01) == pytest.approx(1e-4)
-    with pytest.raises(rp.ConfigError, match="found neither"):
+    with pytest.raises(rp.ConfigError, match="found none of these"):
         hazard_of(HazardSettings())
     with pytest.raises(rp.ConfigError, match="a power law has no place"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, longitude=13.0, latitude=42.0))

@@ -107,4 +107,4 @@ def test_an_answer_that_is_not_the_stored_one_ends_with_one(change, monkeypatch,
     wrong = STORED["one pulse"]._replace(**change)
     monkeypatch.setattr(selftest, "stored_cases", lambda: [wrong, STORED["at rest"]])
     assert main(["selftest"]) == 1
-    assert "2 cases: 1 beyond" in capsys.readouterr().out
+    assert "2 cases: 1 outside" in capsys.readouterr().out

@@ -134,5 +134,5 @@ def test_files_without_a_common_body_differ_in_their_bodies_alone():
     found, text = compare(demanded(BEFORE), other)
     assert found.bodies == []
     assert not found.same
-    assert "block only in the first file: 3" in text
+    assert "blocks only in the first file: 3" in text
     assert "3 records, 3 blocks, " in text

@@ -58,5 +58,5 @@ def test_what_has_no_picture_is_reported(record):
         rp.plot(SEQUENCE, block="wall")
     unknown = xr.DataTree()
     unknown.attrs["kind"] = "other"
-    with pytest.raises(ResultsError, match="of an other there is no picture"):
+    with pytest.raises(ResultsError, match="there is no picture of an other file"):
         rp.plot(unknown)
