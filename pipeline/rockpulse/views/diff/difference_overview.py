@@ -170,8 +170,10 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
         for one in found.variables[:most]
     )
     headings = tuple(map(Heading, ("variable", "differ", "of", "largest", "  where", "  before -> after")))
-    note = "largest: relative difference (inf: one value is not finite) and its position; of texts and flags the first "
-    "difference."
+    note = (
+        "largest: relative difference (inf: one value is not finite) and its position; of texts and flags the first "
+        "difference."
+    )
     shown = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
     more = len(found.variables) - len(rows)
     return f"{shown}\n  and {more} more variables" if more > 0 else shown
