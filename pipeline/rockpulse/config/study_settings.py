@@ -79,6 +79,9 @@ class UncertaintySettings(Section):
 
     The probability is that of the nonlinear model, and is not computed without it. A body whose restitution is a list
     has the range of its values instead of `restitution`.
+
+    >>> rp.UncertaintySettings(restitution=(0.85, 0.95)).of_draws()
+    Uncertainty(restitution=(0.85, 0.95))
     """
 
     heading = "[uncertainty]"
@@ -107,6 +110,12 @@ class FragilitySettings(Section):
     ------
     ConfigError
         For a selection without stripes.
+
+    Examples
+    --------
+    >>> rp.FragilitySettings(limit_states=[2.0])
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [fragility] limit_states: expected a list of "uplift", numbers in...
     """
 
     heading = "[fragility]"
@@ -142,6 +151,12 @@ class HazardSettings(Section):
     ------
     ConfigError
         For both a file and a power law, half of a power law, or half of a site.
+
+    Examples
+    --------
+    >>> rp.HazardSettings(k0=1e-4)
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [hazard] k0, k: expected both of the power law k0 x^-k, found one
     """
 
     heading = "[hazard]"
@@ -193,6 +208,11 @@ class CheckSettings(Section):
     ------
     ConfigError
         For a table without a file, a file without "table", and a spectrum with missing parameters.
+
+    Examples
+    --------
+    >>> rp.CheckSettings(spectrum="en_1998_1", ag=0.15, ground="B").confidence_factor
+    1.35
     """
 
     heading = "[check]"
@@ -234,7 +254,11 @@ class CheckSettings(Section):
 
 @dataclass(frozen=True)
 class ReportSettings(Section):
-    """Author, client and project of a report, and the PNG file of a logo, which is copied into the results."""
+    """Author, client and project of a report, and the PNG file of a logo, which is copied into the results.
+
+    >>> rp.Config(report=rp.ReportSettings(author="A. Rossi")).report
+    ReportSettings(author='A. Rossi')
+    """
 
     heading = "[report]"
     author: str = text()

@@ -99,6 +99,11 @@ def write(
         A record that would not come back from the file as it is. Nothing has been written then.
     OSError
         As the operating system says. The files are then as they were.
+
+    Examples
+    --------
+    >>> rp.write(record, "burst.AT2", overwrite=True)[0].path.name
+    'burst.AT2'
     """
     records = [records] if isinstance(records, Record) else list(records)
     if not records:

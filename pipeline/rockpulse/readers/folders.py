@@ -91,7 +91,6 @@ def read(
 
     Examples
     --------
-    >>> import rockpulse as rp
     >>> [record.component for record in rp.read("data/samples/records/CICLC.v1")]
     ['90 Deg', '360 Deg', 'Up']
     >>> len(rp.read("data/samples/records"))
@@ -153,6 +152,12 @@ def read_all(
         If `units` is none of the accepted ones. No file raises anything.
     ConfigError
         If `response` is, or a pattern of `files` chooses no file.
+
+    Examples
+    --------
+    >>> records, failures = rp.read_all(["records", "velocity.csv"])
+    >>> len(records), [one.kind for one in failures]
+    (5, ['failed'])
     """
     options = ReadOptions(units, dt, response, tuple(files))
     found, failures = find_files(paths)

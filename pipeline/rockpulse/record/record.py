@@ -81,6 +81,11 @@ class Record(Shown):
         Time-averaged velocity of shear waves in the upper 30 m [m/s], NaN where unknown, and class of the ground.
     sensor_depth : float
         Depth of the sensor below the ground [m]; NaN where the file does not state it.
+
+    Examples
+    --------
+    >>> rp.Record([0.0, 3.0, -3.0, 0.0], dt=0.1, id="two triangles")
+    <Record two triangles, samples 4 at 0.1 s, PGA 3 m/s2>
     """
 
     acceleration: np.ndarray

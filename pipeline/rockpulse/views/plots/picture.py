@@ -34,6 +34,9 @@ def picture_bytes(figure: Figure, form: str) -> bytes:
     """Return the content of a file with the figure, as "png", "svg" or "pdf".
 
     Equal figures give equal bytes: no time stamp, and in SVG no random ids. Texts stay texts in SVG and PDF.
+
+    >>> rp.plots.picture_bytes(rp.plots.bodies(results), "png")[1:4]
+    b'PNG'
     """
     buffer = BytesIO()
     # The writers read these settings only globally; they are restored at once, under the lock.
@@ -57,6 +60,11 @@ def svg(figure: Figure, name: str | None = None) -> str:
     ------
     ValueError
         For a name that cannot start an id.
+
+    Examples
+    --------
+    >>> rp.plots.svg(rp.plots.bodies(results), "wall").count('id="wall')
+    22
     """
     text = picture_bytes(figure, "svg").decode("utf-8")
     element = text[text.index("<svg") :].rstrip()
