@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -45,10 +46,10 @@ class Examples(NamedTuple):
 
 
 @pytest.fixture(scope="session")
-def example_names(tmp_path_factory):
+def example_names(tmp_path_factory: pytest.TempPathFactory) -> Examples:
     """Five short records of 0.3 to 0.5 g, two bodies, and every study of them, also as files in a new folder."""
-    import rockpulse as rp
     import rocking
+    import rockpulse as rp
 
     time = np.arange(0.0, 8.0, 0.01)
     envelope = 9.80665 * np.exp(-(((time - 4.0) / 1.2) ** 2))
@@ -100,7 +101,7 @@ def example_names(tmp_path_factory):
 
 
 @pytest.fixture(autouse=True)
-def _example(request):
+def _example(request: pytest.FixtureRequest) -> Iterator[None]:
     """Run an example of a docstring in the folder of the examples, with their names."""
     if not isinstance(request.node, pytest.DoctestItem):
         yield

@@ -46,8 +46,8 @@ class BatchOptions:
     Examples
     --------
     >>> options = rp.BatchOptions(workers=1, overwrite=True)
-    >>> rp.assess_files("records", config, "batch.h5", options).records
-    5
+    >>> rp.assess_files("records/burst.2.AT2", config, "batch.h5", options).records
+    1
     """
 
     __repr__ = one_line

@@ -81,7 +81,7 @@ def risk(
     Examples
     --------
     >>> found = rp.risk(fragility, rp.PowerLawHazard(k0=1e-4, k=2.5), years=100.0)
-    >>> [round(1e6 * value, 1) for value in found["frequency"].values], found["survival"].values.round(4).tolist()
+    >>> (1e6 * found["frequency"].values).round(1).tolist(), found["survival"].values.round(4).tolist()
     ([24.5, 1.8], [0.9976, 0.9998])
     """
     tree = given_results(fragility)

@@ -74,7 +74,7 @@ def calibrate(
     --------
     >>> site = rp.calibrate(records, rp.Config(calibration=rp.CalibrationSettings(method="statistics")))
     >>> site["site"]["parameter"].values.tolist(), site["site"]["design"].values.round(2).tolist()
-    (['main', 'ratio', 'interval', 'count', 'duration'], [0.83, 0.76, 0.49, 4.0, 1.83])
+    (['main', 'ratio', 'interval', 'main_count', 'duration'], [0.83, 0.76, 0.49, 4.0, 1.83])
     """
     return run(SiteCalibration(given_config(config, units, dt), bodies), records, failures, progress)
 
