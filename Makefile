@@ -1,13 +1,12 @@
 # `make help` lists the targets. PYTHON is the interpreter of the environment in use.
 PYTHON ?= .venv/bin/python
-export NUMBA_CACHE_DIR ?= $(shell python3 tests/kernel_cache.py)
 
 # The kernels' own tests, less those of many samples or calls, which take plain Python minutes.
 KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations steps polynomial slots hard_cases \
 	hard_crossings) tests/models/impulses
 LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -73,9 +72,6 @@ samples:  ## write data/samples/formats: a small file of every format that is re
 schema:  ## write the tables of docs/schema.md from the declarations of the variables
 	$(PYTHON) tests/make_schema.py
 
-kernel-cache:  ## the folder of the compiled kernels, one for each state of their sources
-	@echo $(NUMBA_CACHE_DIR)
-
 mutate:  ## change what headers state twice: a table of who tells, and an error if nobody does
 	$(PYTHON) tests/header_facts.py
 
@@ -116,6 +112,10 @@ wheel:  ## the wheel alone in a fresh environment: obspy.read on every sample (a
 	cd $(PACKAGE)/elsewhere && ../fresh/bin/python ../tests/read_by_obspy.py ../samples/*/
 	rm -rf $(PACKAGE)
 
+versions:  ## the default tests with the lowest and the newest versions of the dependencies (LOWEST_PYTHON, NEWEST_PYTHON)
+	.ci/versions lowest
+	.ci/versions newest
+
 docs:  ## the manual as HTML in build/docs (the extra "docs"; no network)
 	$(PYTHON) -m sphinx -q -a -E -W --keep-going -b html docs build/docs
 
@@ -126,5 +126,5 @@ docs-pictures:  ## draw the pictures of the manual again, by the commands on its
 	$(PYTHON) tests/docs_page.py
 
 clean:  ## remove what builds and tests leave behind
-	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
+	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -not -path './.venv/*' -type d -prune -exec rm -rf {} +

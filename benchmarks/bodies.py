@@ -1,4 +1,4 @@
-"""Cost of bodies that are no free-standing symmetric blocks, as a ratio to the plain kernel in the same run.
+"""Run time of bodies other than free-standing symmetric blocks, relative to the plain kernel in the same run.
 
 ``python benchmarks/bodies.py`` prints the time of an active sample (one in which the body moves) of each kind over that
 of the plain block of the same size, medians of several interleaved runs on one thread, by the peak of the ground over

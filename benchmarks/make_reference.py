@@ -1,4 +1,4 @@
-"""Make the stored reference table: ``python benchmarks/make_reference.py``; it goes on where an earlier run stopped.
+"""Make the stored reference table: ``python benchmarks/make_reference.py``; it continues a stopped run.
 
 Every case is answered by :mod:`precise_rocking` three times: as it is, with C lowered by a factor 1 - 1e-13, and with
 the record scaled by 1 + 1e-13, so that how well a case is conditioned is known from the table itself.

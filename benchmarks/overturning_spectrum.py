@@ -1,4 +1,4 @@
-"""The overturning spectrum: its error against lanes of each body's own, and its cost.
+"""Error of the overturning spectrum against marches of each body, and its run time.
 
 ``python benchmarks/overturning_spectrum.py FOLDER [--units g] [--pairs 500]`` draws bodies of slenderness 3.5 to 18, R
 0.3 to 8 m (p inside the default grid) and C of 0.93 to 1 times Housner's for the strong horizontal channels of a

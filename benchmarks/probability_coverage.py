@@ -1,4 +1,4 @@
-"""Whether the intervals of `models.overturning_probability` hold the truth, and whether P at its `factor_50` is a half.
+"""Coverage of the intervals of `models.overturning_probability`, and test that P at its `factor_50` is 0.5.
 
     ROCKPULSE_RECORDS=FOLDER python benchmarks/probability_coverage.py [--cases 200] [--whole 5] [--threads 2]
 

@@ -1,4 +1,4 @@
-"""How often the band of an annual frequency holds the truth: synthetic capacities whose law is known.
+"""Coverage of the band of an annual frequency, by synthetic capacities with a known distribution.
 
 ``python benchmarks/risk_coverage.py [--cases 200] [--seed 1]``: capacities with a lognormal scatter between and within
 earthquakes of one to four records, looked at on six stripes; the true frequency by a power law in closed form.

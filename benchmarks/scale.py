@@ -1,4 +1,4 @@
-"""A national inventory in the small: cost a record from 1,000 to 100,000 short ones, ``python benchmarks/scale.py``.
+"""Run time per record for 1,000 to 100,000 short records: ``python benchmarks/scale.py``.
 
 Synthetic records of ``--seconds`` (seeded; PEER AT2 files, 0.2 to 0.6 g, events of 20 stations) on three bodies by the
 nonlinear model alone, nothing stored but the answers: next to no work for the solvers, so that what a record costs
@@ -87,7 +87,7 @@ def main() -> None:
         for how, counts, call in (("processes", args.records, run), ("dask", args.dask, on_dask)):
             for count in counts:
                 one = fresh(call, paths[:count], config, output, args.workers)
-                _told(how, one)
+                _print_run(how, one)
                 if how == "processes":
                     found.append(one)
         _on_paper(found, args.workers, args.cores)
@@ -97,7 +97,7 @@ def _written(start: int, folder: Path, most: int, seconds: float) -> None:
     write_records(start, folder, min(start + 5000, most), seconds)
 
 
-def _told(how: str, one: Run) -> None:
+def _print_run(how: str, one: Run) -> None:
     """A line of the table."""
     parts = [f"{1e3 * seconds / one.records:.2f}" for seconds in (one.survey, one.work, one.assembly)]
     inside = sum(one.seconds.values())

@@ -1,4 +1,4 @@
-"""The differences of two trees of results that are in no file."""
+"""Compare two trees of results in memory."""
 
 from contextlib import nullcontext
 

@@ -2,12 +2,12 @@
 
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
 from rocking import Block, ImpulseSequence, impulsive_response, recorded_response, resonance_safety, sequence_response
 from rocking.body.restraint import Tie
+from rocking.kernel_cache import folder
 
 #: Longest time that a worker waits for the others [s]; then it compiles what it needs itself.
 PATIENCE = 240.0
@@ -30,13 +30,12 @@ def calls() -> list[Callable[[], object]]:
     ]
 
 
-def compile_share(worker: int, workers: int, cache: Path) -> None:
+def compile_share(worker: int, workers: int) -> None:
     """Compile the share of one worker, and wait until the other workers have compiled theirs."""
-    done = [cache / f"compiled-{number}-of-{workers}" for number in range(workers)]
+    done = [folder() / f"compiled-{number}-of-{workers}" for number in range(workers)]
     if not done[worker].exists():
         for call in calls()[worker::workers]:
             call()
-        cache.mkdir(parents=True, exist_ok=True)
         done[worker].touch()
     end = time.monotonic() + PATIENCE
     while not all(one.exists() for one in done) and time.monotonic() < end:

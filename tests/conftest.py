@@ -1,18 +1,12 @@
-"""Folders of real records that several tests read, and a kernel cache, filled once, that never serves stale code."""
+"""Folders of real records that several tests read, and the kernels compiled before a long run."""
 
 import gc
 import os
 from pathlib import Path
 
 import pytest
-from kernel_cache import kernel_cache
-
-import rocking
 
 TOP = Path(__file__).parents[1]
-
-# Set before numba is imported.
-os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache(Path(rocking.__file__).parent)))
 
 #: Tests in a run from which on all kernels are needed.
 LONG_RUN = 1000
@@ -32,7 +26,7 @@ def pytest_runtestloop(session):
         from compiled_kernels import compile_share
 
         number = int(process["workerid"].removeprefix("gw"))
-        compile_share(number, process["workercount"], Path(os.environ["NUMBA_CACHE_DIR"]))
+        compile_share(number, process["workercount"])
 
 
 @pytest.fixture(scope="session")

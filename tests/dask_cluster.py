@@ -18,7 +18,8 @@ def dask_cluster(folder, workers=2):
     Workers are single processes of one thread, without a nanny that would start them again. An item that took two of
     them with it is not tried on a third. What they say goes to log files in the folder.
     """
-    environment = {**os.environ, "PYTHONPATH": str(TESTS), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
+    path = os.pathsep.join(filter(None, (str(TESTS), os.environ.get("PYTHONPATH"))))
+    environment = {**os.environ, "PYTHONPATH": path, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
     processes = []
 
     def start(name, *options):
@@ -52,9 +53,9 @@ def _address(contact, seconds):
         time.sleep(0.1)
 
 
-def wait_for_workers(crew, count, seconds=300.0):
-    """Until the cluster behind the crew has so many workers; a scheduler is there long before they are."""
+def wait_for_workers(pool, count, seconds=300.0):
+    """Until the cluster behind the pool has so many workers; a scheduler is there long before they are."""
     end = time.monotonic() + seconds
-    while crew.size != count:
-        assert time.monotonic() < end, f"expected {count} workers, found {crew.size}"
+    while pool.size != count:
+        assert time.monotonic() < end, f"expected {count} workers, found {pool.size}"
         time.sleep(0.05)

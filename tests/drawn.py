@@ -1,4 +1,4 @@
-"""What is read from a picture in a test."""
+"""Functions that read values from a picture in a test."""
 
 
 def labelled(ax):

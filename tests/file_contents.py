@@ -1,4 +1,4 @@
-"""What an HDF5 file holds, read by h5py alone: two files of one content are the same to whoever reads them."""
+"""Read the whole content of an HDF5 file with h5py, to compare two files."""
 
 import h5py
 import numpy as np

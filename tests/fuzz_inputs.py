@@ -1,4 +1,4 @@
-"""What the coverage-guided fuzzer feeds to the readers: bytes that are a file, its name and what a caller gives.
+"""Inputs of the coverage-guided fuzzer: the bytes of a file, its name and the options of the caller.
 
 The first byte of an input chooses one of `CIRCUMSTANCES`, the rest is the content. Every input keeps the promises that
 `fuzz` holds damaged files against; a kept corpus of inputs that reach different lines lies in tests/fuzz_corpus.tar.xz.

@@ -1,4 +1,4 @@
-"""Results that many tests look at: five short records on two bodies, by every study, made once for all workers."""
+"""Results shared by many tests: five short records on two bodies, by every study, made once for all workers."""
 
 import fcntl
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Results files that somebody has tampered with: one seeded change to a sound file, and every verb that opens one."""
+"""Results files with one random change to a valid file, opened by every verb."""
 
 import os
 

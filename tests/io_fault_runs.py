@@ -1,4 +1,4 @@
-"""Runs struck at one of their steps of input and output: ``io_fault_runs.py LIBRARY RECORDS PLACE FIRST EVERY``.
+"""Runs with a fault in one step of input or output: ``io_fault_runs.py LIBRARY RECORDS PLACE FIRST EVERY``.
 
 With the library of ``io_faults.c`` preloaded. Each run is a fork of this process, which has all modules and kernels.
 For every step FIRST, FIRST + EVERY, ... the run is killed there, and in a second run the call fails, which is told in

@@ -1,4 +1,4 @@
-"""Run the command line in a process that strikes itself at a named point: ``killed_run.py POINT NUMBER VERB ...``.
+"""Run the command line in a process that kills itself at a named point: ``killed_run.py POINT NUMBER VERB ...``.
 
 The number says at which passing of the point. Points: "record" (a finished record is in the journal), "assembly" (a
 variable of the results is written), "rename" (the results are whole, their name not yet theirs), "renamed" (only the

@@ -1,4 +1,4 @@
-"""What a page of a report says to its reader: without what users and readers of files wrote in it."""
+"""Extract the texts of a report page, without those of users and file readers."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""One body under a few records, with answers that are given, and the verdict of the report on it."""
+"""One body under a few records with given results, and the verdict of the report on it."""
 
 import numpy as np
 import xarray as xr

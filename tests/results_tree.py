@@ -1,4 +1,4 @@
-"""A small tree with the layout of :func:`rockpulse.assess`, made by hand: every answer in it is known beforehand."""
+"""A small tree with the layout of :func:`rockpulse.assess`, with chosen results."""
 
 import tempfile
 from functools import cache

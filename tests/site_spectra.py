@@ -1,4 +1,4 @@
-"""A site by the spectrum, of records whose overturning spectra are given numbers and not worked out."""
+"""A site by the spectrum, from records with given overturning spectra."""
 
 from functools import cache
 

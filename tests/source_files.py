@@ -1,4 +1,4 @@
-"""Records as files, zips of them, and what was read, in short."""
+"""Write records as files and zip archives, and summarise what was read."""
 
 import zipfile
 

@@ -1,4 +1,4 @@
-"""The kernels compiled before a long run: each call by one worker, and none again."""
+"""The kernels compiled before a long run: each call is compiled once, by one worker."""
 
 import compiled_kernels
 from compiled_kernels import calls, compile_share
@@ -8,10 +8,11 @@ def test_workers_share_the_calls_and_do_not_repeat_them(tmp_path, monkeypatch):
     made = []
     monkeypatch.setattr(compiled_kernels, "calls", lambda: [lambda k=k: made.append(k) for k in range(5)])
     monkeypatch.setattr(compiled_kernels, "PATIENCE", 0.0)
-    compile_share(0, 2, tmp_path / "cache")
+    monkeypatch.setattr(compiled_kernels, "folder", lambda: tmp_path)
+    compile_share(0, 2)
     assert made == [0, 2, 4]
-    compile_share(1, 2, tmp_path / "cache")
-    compile_share(0, 2, tmp_path / "cache")
+    compile_share(1, 2)
+    compile_share(0, 2)
     assert made == [0, 2, 4, 1, 3]
 
 

@@ -1,4 +1,4 @@
-"""What is imported often costs little: the help and the reader plugins load neither numba, xarray nor matplotlib."""
+"""Frequent imports are fast: the help and the reader plugins load neither numba, xarray nor matplotlib."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""One table for each concept: what a row can do is asked from the row, and no name of one stands in another module.
+"""One table per concept: properties are read from its rows, and no other module repeats the names of its rows.
 
 Read from the source text. A name that is a word of something else there too is allowed by module, with the reason.
 """
@@ -107,7 +107,7 @@ def test_names_of_models_stand_in_their_table_alone():
 
 @pytest.mark.sweep
 def test_names_of_measures_stand_in_their_table_alone():
-    """The views read the variables that they have columns for by their names; below them nothing does."""
+    """The views read the variables that they have columns for by their names; below them none."""
     names, views, readers = {*MEASURES, *ROWS} - HOMONYMS, ["rockpulse.views"], ["rockpulse.readers"]
     assert strays(names, "rockpulse.record.measures", {}, deciding=views, foreign=readers) == []
 

@@ -1,1 +1,1 @@
-"""Studies of our own questions, no part of the installed package; ``make help`` names the command of each."""
+"""Studies for the development of the package, not installed with it; ``make help`` names the command of each."""

@@ -1,4 +1,4 @@
-"""Strong recorded motions and the bodies that they are tried on: one protocol for the rule and the checks of codes.
+"""Ensemble of strong records and bodies, with one protocol for the rule and the code checks.
 
 .. note:: The protocol: channels whose conditioned peak is above 0.15 g; mean removed, no taper, pads of zeros,
    Butterworth of order 2 from 0.1 to 25 Hz, zero phase (no low-pass where the Nyquist frequency is no higher); 60 s
@@ -92,7 +92,7 @@ def strong_motions(
     if unknown := sorted(set(titles) - {record.id for record in every}):
         raise ConfigError(f"--events: no record has the id {some(unknown, 5)}")
     idle = unmatched_patterns("--confirm", confirm, [record.id for record in every], failures)
-    voting, outvoted = one_vote_each(every, RecordSettings(confirm=tuple(confirm)), advice="")
+    voting, outvoted, _ = one_vote_each(every, RecordSettings(confirm=tuple(confirm)), advice="")
     horizontal, left_out = select_horizontal(voting, configured=False)
     rows = [*idle, *outvoted, *left_out]
     found: list[tuple[Record, Record]] = []

@@ -1,4 +1,4 @@
-"""Where the checks of codes are unsafe and where they are dear: against time histories of recorded strong motion.
+"""Unsafe and overly conservative cases of the code checks, against time histories of recorded strong motion.
 
 ``python -m laboratory.histories PATHS -o FOLDER`` (``make check-histories RECORDS=FOLDER``) prints missed and false
 cases of each check, and writes them as CSV and as a picture.

@@ -1,4 +1,4 @@
-"""Numerics of rocking blocks in SI units, by the standard library, numpy, scipy and numba alone."""
+"""Numerics of rocking blocks in SI units, by numpy, scipy and numba alone."""
 
 import lazy_loader
 

@@ -4,13 +4,14 @@ import argparse
 import io
 import logging
 import os
+import signal
 import sys
 import traceback
 from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
 from rockpulse.commands.parser import Parser
-from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, forsake, tell
+from rockpulse.commands.terminal import WRITTEN, differing_results, discard_output, file_fault, kernel_messages, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
@@ -49,6 +50,15 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Parse the arguments (by default those of the process), run one verb, and return the exit code."""
+    try:
+        return _run(argv)
+    except KeyboardInterrupt as error:
+        if argv is None:  # a second Ctrl-C does not interrupt the end of this process
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        return _ended(str(error) or "interrupted", INTERRUPTED)
+
+
+def _run(argv: Sequence[str] | None) -> int:
     # Warnings are stored and shown in the overview; Python's last-resort handler would break the progress bar.
     logging.getLogger("rockpulse").addHandler(logging.NullHandler())
     for name in ("stdout", "stderr"):
@@ -69,7 +79,8 @@ def main(argv: Sequence[str] | None = None) -> int:
                 raise ConfigError(
                     f"{option}: expected the name of a file, found nothing; is a variable of the shell unset?"
                 )
-        code = args.run(args)
+        with kernel_messages(getattr(args, "quiet", False)):
+            code = args.run(args)
         sys.stdout.flush()
         return code
     except StoppedAtFailure as error:
@@ -77,7 +88,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except RockpulseError as error:
         return _ended(str(error), USAGE)
     except OSError as error:
-        if isinstance(error, BrokenPipeError) and _reader_has_left():  # as in `rockpulse ... | head`
+        if isinstance(error, BrokenPipeError) and _output_closed():  # as in `rockpulse ... | head`
             return 0
         return _ended(file_fault(error, args), USAGE)
     except Exception as error:
@@ -86,8 +97,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         logging.getLogger("rockpulse").exception("internal error of %s", args.run.__module__)
         last_line = "".join(traceback.format_exception_only(error)).strip().splitlines()[-1]
         return _ended(f"internal error: {last_line}; its cause may be the file: {differing}", USAGE)
-    except KeyboardInterrupt as error:
-        return _ended(str(error) or "interrupted", INTERRUPTED)
 
 
 def _ended(why: str, code: int) -> int:
@@ -95,11 +104,11 @@ def _ended(why: str, code: int) -> int:
     return code
 
 
-def _reader_has_left() -> bool:
+def _output_closed() -> bool:
     """Whether standard output, not a pipe of the run itself, has been closed; unwritten output is dropped."""
     try:
         print(flush=True)  # unwritten output may have been dropped before
     except BrokenPipeError:
-        forsake(sys.stdout)
+        discard_output(sys.stdout)
         return True
     return False

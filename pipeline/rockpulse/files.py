@@ -209,6 +209,7 @@ class FileSet:
                         copy = _hidden(place)
                         copies.callback(copy.unlink, missing_ok=True)
                         shutil.copy2(place, copy)
+                        shutil.copymode(place, part)
                         undo.callback(copy.replace, place)
                     else:
                         undo.callback(place.unlink, missing_ok=True)

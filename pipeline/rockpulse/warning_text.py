@@ -14,8 +14,8 @@ _WIDE = (
 
 #: Text of each code of a warning on a record, or of a processing step.
 WARNINGS = {
-    # a channel as read
-    "dead_channel": "all samples are zero: a dead channel",
+    # a channel as it was read
+    "dead_channel": "all samples are equal: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
     "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
     "clipped",
@@ -24,35 +24,55 @@ WARNINGS = {
     "header_peak_near": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % "
     "{sense}",
     "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
-    "scale_stated": "the header states a scale factor of {factor:g}; the samples are used as they stand in the file",
+    "scale_stated": "the header states a scale factor of {factor:g}; the samples are used as they are in the file",
     "same_direction": "channels {first} and {second} have one direction; check their names",
     "same_samples": "the samples are those of {other}{turned}: one of them is a copy",
     "resampled_clock": "the times of the file are uneven by up to {uneven:.2g} of a step: interpolated at their mean "
     "interval of {interval:.6g} s",
-    "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; is it in s?",
-    "part_of_record": "part {part:d} of a record that is cut into files: give all of them together",
+    "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; check that it is in s",
+    "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
     "vertical_by_code": "the channel code {channel} says vertical, the header {told}; taken as vertical",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
-    # preparation of a record for the models
-    "on_structure": "on a structure, assessed as if this were ground motion",
+    # its samples as they came
+    "noise_only": "no earthquake, but noise or a dead channel: {reason}",
+    "held_value": "the samples stay at one value for {length:.3g} s from {start:.4g} s on, as in a gap",
+    "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
+    "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the one before",
+    "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on come again from {again:.4g} s on",
+    "spike": "spikes: samples far beyond those beside them, {count:d} in all, the largest of {peak:.3g} g at "
+    "{time:.4g} s",
+    "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
+    "0.5 s): what came before is cut off",
+    "ends_strong": "the record ends in strong motion, at {share:.0f} % of its peak (root mean square of the last "
+    "0.5 s): what came after is cut off",
+    "coarse_sampling": "{rate:.3g} samples a second: frequencies above {nyquist:.3g} Hz are missing, and peaks between "
+    "samples are cut off",
+    "velocity_drift": "baseline drift or step in the samples as they came: whatever constant is subtracted, the ground "
+    "velocity has a slow part of {slow:.3g} m/s beside {rest:.3g} m/s of motion",
+    # the other channels and volumes of its motion
+    "twin_differs": "{other} of {source} should be of the same motion, but {differences}",
+    "components_apart": "its peak is {ratio} than that of {other}, the other component of its instrument: {cause}",
+    # a record on its way to the models
+    "on_structure": "recorded on a structure, assessed as ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
-    "baseline_guessed": "the format does not say whether the record is processed: the mean was subtracted; choose a "
-    "baseline to keep or correct it",
-    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, the PGV of {pgv:.3g} m/s may be "
-    "off by as much; compare with another baseline or a high-pass",
-    "start_assumed": "both channels are taken to start together, no times are known",
+    "baseline_guessed": "the format does not state whether the record is processed: the mean was subtracted; set "
+    "[conditioning] baseline to keep or correct it",
+    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, with a slow part of {slow:.3g} "
+    "m/s, and the PGV of {pgv:.3g} m/s may be wrong by as much; compare with another [conditioning] baseline or a "
+    "highpass_hz",
+    "start_assumed": "both channels are assumed to start together; their files state no times",
     "no_sequence": "no impulse sequence: {reason}",
-    "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record stands for no recorded "
+    "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record represents no recorded "
     "earthquake of that strength",
     "scaled_alone": "brought to the demand by its own strength, not by that of a pair: {reason}",
-    "scaled_to_drift": "scaled to a PGV that its drifting baseline puts in doubt",
-    # the vertical channel
+    "scaled_to_drift": "scaled to a PGV that is doubtful, because its baseline drifts",
+    # its vertical channel
     "vertical_acceleration": "vertical acceleration: {record}",
-    "vertical_missing": "no vertical channel of this station overlaps: taken as zero",
-    "vertical_start_assumed": "vertical channel: taken to start with this one, no times are known",
-    "vertical_short": "vertical channel: taken as zero for {missing:.4g} s without it",
-    # a sequence instead of a record
-    "demand_not_compared": "a sequence has no PGA, nor any other strength to bring to the demand of the site "
+    "vertical_missing": "no vertical channel of this station overlaps in time: taken as zero",
+    "vertical_start_assumed": "vertical channel: assumed to start with this one; the files state no times",
+    "vertical_short": "vertical channel: taken as zero in the {missing:.4g} s that it does not cover",
+    # a sequence in place of a record
+    "demand_not_compared": "a sequence has no PGA or other intensity that could be scaled to the demand of the site "
     "([[demand]]): nothing is compared with it",
     # a warning on another record that this one uses
     "of_vertical": "vertical channel: {warning}",
@@ -70,43 +90,43 @@ STATEMENTS = {
     "interval": "{low:.3g} to {high:.3g}",
     "and_more": "{names} and {count:d} more",
     # the calibration of a site
-    "one_event": "ONE EVENT ({event}): nothing can be left out, so the coverage of other earthquakes is not known, nor "
-    "is any interval clustered by event; the dispersion is that within this event. The design describes these records, "
-    "not the site",
+    "one_event": "ONE EVENT ({event}): no event can be left out, so neither the coverage of other earthquakes nor an "
+    "interval clustered by event is known; the dispersion is that within this event. The design describes these "
+    "records, not the site",
     "few_events": f"FEW EVENTS: {{count:d}}, fewer than {{needed:d}}: {_WIDE}",
     "few_lifting_events": (
         "FEW EVENTS: {count:d}, only {lifting:d} with a record that lifts a block, fewer than {needed:d}: " + _WIDE
     ),
     "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
-    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one or "
-    "two; take more records",
+    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one "
+    "or two; take more records",
     "tail_below": "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or "
     "two; take more records",
-    "tail_among": "the quantile {quantile:g} lies among them, and is known no better than its interval says; take more "
+    "tail_among": "the quantile {quantile:g} lies among them, and is known no better than its interval; take more "
     "records",
     "unresolved_pairs": "{share:.1%} of the pairs of record and block are unresolved (a vertical acceleration that "
-    "cancels gravity, for one) and count as overturned, for nothing else is sure to cover them",
+    "cancels gravity, for one) and count as overturned, the only safe assumption",
     "nothing_standing": "the design overturns every block that a record sets rocking: no rotation is left to be "
-    "covered, and the design says no more than that; take sturdier blocks or a lower quantile",
+    "covered, and nothing else can be concluded; take stockier blocks or a lower quantile",
     "set_by": "I is set by the overturning of {name}: just below it the design covers {share:.0%} of the rotations of "
-    "the blocks left standing, and at it {left}; with sturdier blocks in the list I may be larger",
+    "the blocks left standing, and at it {left}; with stockier blocks in the list I may be larger",
     "left_none": "no block is left",
     "left_without": "it is no longer among them",
-    "open_interval": "the interval of I is open: in the resamples I stops where a block overturns, which tells of the "
-    "block and not of the records",
-    "coverage_unknown": "the coverage is not known: no event could be judged{without}",
-    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and block "
-    "of {judged:d} of {total:d} events{without}",
+    "open_interval": "the interval of I is open: in the resamples I stops where a block overturns, which depends on "
+    "the block and not on the records",
+    "coverage_unknown": "the coverage is not known: no event could be left out{without}",
+    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and "
+    "block of {judged:d} of {total:d} events{without}",
     "no_interval": "no interval",
     "share_interval": "{low:.0%} to {high:.0%}",
     "hardly_known": ": hardly known",
-    "not_judged": "; not judged: {groups}",
+    "not_judged": "; events that could not be left out: {groups}",
     "unlifted": "{names} (lifts no block)",
     "no_design": "{names} (the others alone make no design)",
     "overturning_design": "{names} (the design of the others overturns all that it lifts)",
-    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left "
-    "out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or one "
-    "shape cannot serve all blocks",
+    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events "
+    "left out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or "
+    "one shape cannot serve all blocks",
     "few_lifted": "only {share:.1%} of the pairs of record and block count, for the other records do not lift the "
     "other blocks: the design rests on few of them",
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
@@ -117,28 +137,28 @@ STATEMENTS = {
     # a fragility curve
     "band_one_event": "no band: without the event {event} there would be no curve",
     "band_few_events": "no band: the records come from {events}, it needs {needed:d}",
-    "median_above": "extrapolated: the median, {median:.3g}, lies above every level looked at, up to {level:.3g}; "
-    "{reached} of {records:d} reached the limit state",
-    "median_below": "extrapolated: the median, {median:.3g}, lies below every level looked at, from {level:.3g}; "
-    "{reached} of {records:d} reached the limit state",
+    "median_above": "extrapolated: the median, {median:.3g}, lies above all levels that were analysed, up to "
+    "{level:.3g}; {reached} of {records:d} reached the limit state",
+    "median_below": "extrapolated: the median, {median:.3g}, lies below all levels that were analysed, from "
+    "{level:.3g}; {reached} of {records:d} reached the limit state",
     "no_record": "no curve: no record",
     "one_record_reached": "no curve: one record only, {levels} reached; a dispersion needs several",
     "one_record_not_reached": "no curve: one record only, {levels} not reached; a dispersion needs several",
-    "nothing_reached": "no curve: none of {records} reached the limit state, looked at up to {level:.3g}",
-    "nothing_reached_between": "no curve: none of {records} reached the limit state, looked at up to {low:.3g} to "
+    "nothing_reached": "no curve: none of {records} reached the limit state, at levels up to {level:.3g}",
+    "nothing_reached_between": "no curve: none of {records} reached the limit state, at levels up to {low:.3g} to "
     "{high:.3g}",
-    "everything_reached": "no curve: all of {records} reached the limit state at every level, from {level:.3g}; look "
-    "at lower levels",
-    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion needs "
-    "several",
+    "everything_reached": "no curve: all of {records} reached the limit state at every level, from {level:.3g}; add "
+    "lower levels",
+    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion "
+    "needs several",
     "step": "a step at {level:.3g}: all capacities that are known are the same, there is no dispersion",
     "not_increasing": "no curve: the limit state is not reached more often at higher levels",
     "no_maximum": "no curve: the likelihood has no maximum that could be found",
     "one_level": "no curve: all motions are of one level, {level:.3g}; a dispersion needs several",
     "separated_at": "no curve: no motion below {level:.3g} and every motion above it reached the limit state; the "
-    "dispersion cannot be told; look at levels nearby",
+    "dispersion cannot be determined; add levels nearby",
     "separated": "no curve: no motion up to {low:.3g} and every motion from {high:.3g} reached the limit state; the "
-    "median lies between them, the dispersion cannot be told",
+    "median lies between them, the dispersion cannot be determined",
     "not_stronger": "no curve: the motions that reached the limit state are no stronger than the others",
 }
 

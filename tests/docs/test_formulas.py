@@ -252,7 +252,7 @@ def test_fragility_of_known_capacities_is_mean_and_deviation_of_their_logarithms
 
 
 def test_friction_that_rocking_needs():
-    """limits: (width/height)(3 + a/a_up)/4 is what pure rocking needs at uplift, and never less than it."""
+    """limits: (width/height)(3 + uplift ratio)/4 is what pure rocking needs at uplift, and never less than it."""
     for slenderness in (3.0, 5.0, 10.0):
         alpha = math.atan(1.0 / slenderness)
         for ratio in (1.0, 2.0, 4.0, 6.0):

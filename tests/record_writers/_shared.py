@@ -1,4 +1,4 @@
-"""What the writers share: test motions and rows of fields."""
+"""Common parts of the writers: test motions and rows of fields."""
 
 from collections.abc import Sequence
 

@@ -65,7 +65,7 @@ def accuracy(records: Iterable[Record], effort: Effort, seed: int = 0) -> dict[s
 
     `seed` is that of the first synthetic motion of the ensemble. The cases of the reference are fixed.
     """
-    voting, _ = one_vote_each(list(records), advice="")
+    voting, *_ = one_vote_each(list(records), advice="")
     horizontal, _ = select_horizontal(voting, configured=False)
     reference, ground = _reference(horizontal, effort)
     shared = shared_cases(reference, effort.cases)

@@ -1,4 +1,4 @@
-"""Bodies that are no free-standing symmetric blocks: what shorter steps change in their answers, and what they cost.
+"""Effect of shorter steps on results and run time of bodies other than free-standing symmetric blocks.
 
 .. note:: The judge is the same kernel on a record whose samples are divided, straight lines between them: the same
    motion of the ground with other steps, other places of every event in its step, and other polynomials. The

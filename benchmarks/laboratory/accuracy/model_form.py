@@ -1,4 +1,4 @@
-"""Model-form error: answers of the cheap models against the nonlinear response to the record, over an ensemble.
+"""Model-form error: results of the simpler models against the nonlinear response to the record, over an ensemble.
 
 .. note:: A lane is one (record, factor, block). Every model of an assessment can be looked at; by default
    those of :data:`COMPARED` are. Errors are statistics of an ensemble, never those of one record: near overturning

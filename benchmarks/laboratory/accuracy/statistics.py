@@ -1,4 +1,4 @@
-"""Error of answers against a reference, in numbers that a chaotic problem allows: quantiles and changed verdicts.
+"""Error statistics for a chaotic problem: quantiles of the error and changed outcomes against a reference.
 
 .. note:: Errors are abs(theta_max/alpha_c - reference) over the cases in which both survive. A verdict is the
    :class:`Outcome`; a flip is any other one than the reference's. Near overturning an answer means nothing beyond

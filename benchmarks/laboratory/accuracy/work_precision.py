@@ -1,4 +1,4 @@
-"""Work against precision: the cost of an answer of the recorded models, and its error against the stored reference.
+"""Work against precision: run time of the models under a record, and their error against the stored reference.
 
 .. note:: Cost and error stand side by side. A case is one block, motion and factor. An active sample is one in which a
    block moves, neither at rest nor overturned. "lanes": the kernel's calls take all blocks and factors of a motion at

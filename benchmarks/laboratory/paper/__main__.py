@@ -98,7 +98,7 @@ def main() -> None:
     folder = parser.parse_args().folder
     logging.disable(logging.WARNING)
     curves, of_curves = figure4()
-    histories, scan, of_histories = figure5()
+    histories, scan, history_results = figure5()
     cycles = histories[[name for name, one in histories.data_vars.items() if "half_cycle" in one.dims]]
     cycles = cycles.to_dataframe().reset_index()
     tables = {
@@ -106,7 +106,7 @@ def main() -> None:
         "figure5": histories[["rotation_ratio"]].to_dataframe().reset_index(),
         "half_cycles": cycles[cycles["start_velocity"].notna()],
         "intervals": scan.drop_dims("statement").drop_vars("all_hold").to_dataframe().reset_index(),
-        "statements": pd.concat([of_curves, of_histories], ignore_index=True),
+        "statements": pd.concat([of_curves, history_results], ignore_index=True),
     }
     write_tables(folder, tables)
     spacing = str(curves["spacing"].values[0])

@@ -1,4 +1,4 @@
-"""The two blocks of Figure 5, their critical double impulse, and what is counted of a motion under a limited input."""
+"""The two blocks of Figure 5, their critical double impulse, and the counts of a motion under limited input."""
 
 import math
 from typing import Any

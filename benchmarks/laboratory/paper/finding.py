@@ -1,4 +1,4 @@
-"""A statement of the paper, where it holds, and the figures that show it."""
+"""A statement of the paper, the range in which it holds, and the numbers that show it."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field

@@ -1,1 +1,1 @@
-"""The rule from half-waves to overturning, fitted on an ensemble of records and judged on it."""
+"""The rule from half-waves to overturning, fitted to an ensemble of records and tested on it."""

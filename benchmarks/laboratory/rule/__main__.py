@@ -1,4 +1,4 @@
-"""The rule of the half-waves judged on records, beside other measures, and fitted anew.
+"""Test of the half-wave rule on records, compared with other measures, and a new fit.
 
 ``python -m laboratory.rule PATHS -o FOLDER [--fit]`` (``make rule RECORDS=FOLDER``) prints bias and scatter against the
 nonlinear capacity and the missed and false verdicts, and writes them as CSV; with ``--fit`` also a rule, ``rule.toml``.

@@ -1,4 +1,4 @@
-"""The cases that the rule is fitted on and judged by: strong channels on blocks, with their nonlinear capacity.
+"""The cases for fitting and testing the rule: strong channels on blocks, with their nonlinear capacity.
 
 .. note:: A case is one (record, block) of :mod:`laboratory.ensemble`, with the capacity of the nonlinear equation under
    the default uncertainty (:mod:`laboratory.rule.truth`), and its verdicts at factors 0.5 and 1 without any.

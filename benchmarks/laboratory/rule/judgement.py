@@ -1,4 +1,4 @@
-"""The rule fitted to nonlinear capacities, and judged on them beside other measures by the same protocol.
+"""Fit of the rule to nonlinear capacities, and its test against other measures by the same protocol.
 
 .. note:: One coefficient a measure and target: the most likely centre of ln(measure x capacity), with the earthquakes
    alike and capacities that were not reached known from below. Left out: the coefficient of a case is fitted without

@@ -1,4 +1,4 @@
-"""Measures of the strength of a motion beside the rule's, as demands on a body.
+"""Intensity measures for comparison with the rule, as demands on a body.
 
 A demand is, but for a coefficient, 1 over the factor at which the measure says that the body overturns.
 

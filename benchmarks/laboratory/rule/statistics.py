@@ -1,4 +1,4 @@
-"""Quality of a demand that should tell a capacity: its bias and scatter, its coefficient, and its verdicts.
+"""Quality of a demand as predictor of capacity: bias, scatter, coefficient and predicted outcomes.
 
 .. note:: ln(demand x capacity) of every case is 0 for a perfect demand. Cases of one earthquake are no independent
    observations: earthquakes weigh alike, each with all its cases, and confidence comes from resampling them. A capacity

@@ -1,4 +1,4 @@
-"""The capacity of bodies under a record by the nonlinear equation, with the stated uncertainty: what the rule aims at.
+"""The target of the rule: capacity of bodies under a record by the nonlinear equation, with the stated uncertainty.
 
 .. note:: Every body has lanes of its own: a scrambled Sobol set over restitution, loss of the angle and ln f, each
    marched at its exact factor. The uncertainty of the factor is a normal kernel in ln f

@@ -1,4 +1,4 @@
-"""The methods of a site judged on earthquakes that were left out: the share that is more severe than the design.
+"""Test of the methods of a site on earthquakes left out: the share that is more severe than the design.
 
 ``python -m laboratory.site PATHS -o FOLDER`` (``make site RECORDS=FOLDER``) prints the table and writes it as CSV. A
 record takes ten seconds of a core, once: what is known of it stays in ``FOLDER/records``.

@@ -1,4 +1,4 @@
-"""Both methods of a site judged on earthquakes that were left out of the design.
+"""Test of both methods of a site on earthquakes left out of the design.
 
 .. note:: A design overturns a body at some factor on it, a record at its own capacity. A record that overturns the body
    at a smaller factor than the design does is more severe than the design; of the left-out earthquakes a share of 1 - q

@@ -1,4 +1,4 @@
-"""What both methods of a site need of each record, computed once: the capacities, the spectra and the fitted sequence.
+"""Data of each record for both methods of a site, computed once: capacities, spectra and fitted sequence.
 
 .. note:: The capacity of a body is `factor_50` of the nonlinear overturning spectrum of the record, under the default
    uncertainty. The spectrum is that of ``rockpulse calibrate`` for one record, the sequence that of

@@ -1,4 +1,4 @@
-"""The posterior probability of sequences given the targets, by adaptive importance sampling, and what it tells.
+"""The posterior probability of sequences given the targets, by adaptive importance sampling, and its summary.
 
 The likelihood jumps with the numbers of secondary impulses, so a deviance is not chi-squared distributed
 (docs/decisions/010). The prior is flat in ln I, I_s/I, ln dT, the number of main impulses and ln of the spread.

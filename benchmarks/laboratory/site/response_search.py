@@ -1,4 +1,4 @@
-"""The likelihood of a sequence given a set of targets, and the search for the likeliest one and those about as likely.
+"""Likelihood of a sequence given a set of targets, and search for the most likely sequence and similar ones.
 
 .. note:: ln(target/peak) is normal with mean 0 and spread s; censored targets enter with the normal distribution
    function. With h = 1/s, n numbers of residuals r_j and censored ones with margins c_j (positive where satisfied)

@@ -22,7 +22,8 @@ limit      n -> infinity       tanh t                            v
 import math
 
 import numpy as np
-from numba import njit
+
+from rocking.kernel_cache import njit
 
 #: A velocity this close to the critical one counts as critical [-]; it is some hundred rounding errors.
 CRITICAL_TOLERANCE = 1e-13
@@ -32,7 +33,7 @@ _LARGEST_EXPONENT = 700.0
 _HOP_LIMIT = 100_000
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def state(rotation, velocity, time):
     """Return x and x' after a time (times p) of natural motion (Eq. 2); the time is limited to 700 against overflow."""
     if time < 1.0:
@@ -47,13 +48,13 @@ def state(rotation, velocity, time):
     return 1.0 + growing + decaying, growing - decaying
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def impact_speed(rotation, velocity):
     """Speed w = sqrt(x (2 - x) + x'^2) at which a returning motion hits the ground [-], by conservation of energy."""
     return math.sqrt(max(rotation * (2.0 - rotation) + velocity * velocity, 0.0))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def return_growth(rotation, velocity, speed):
     """Return e^tau - 1 of the return time tau from the impact speed, without exp and log; inf for no return."""
     growing = rotation - 1.0 + velocity
@@ -63,7 +64,7 @@ def return_growth(rotation, velocity, speed):
     return (rotation + gain) / -growing
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def return_time(rotation, velocity):
     """Time (times p) until a block at x >= 0 with x' returns to the ground; inf if it does not return (y >= 0).
 
@@ -72,7 +73,7 @@ def return_time(rotation, velocity):
     return math.log1p(return_growth(rotation, velocity, impact_speed(rotation, velocity)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def rise_time(rotation, velocity):
     """Time to the top of the motion times p [-], atanh(x'/(1 - x)); inf if no top lies ahead."""
     if velocity < 0.0 or rotation - 1.0 + velocity >= 0.0:
@@ -80,14 +81,14 @@ def rise_time(rotation, velocity):
     return 0.5 * math.log1p(2.0 * velocity / (1.0 - rotation - velocity))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def top(rotation, velocity):
     """Rotation at the top of the motion [-], 1 - sqrt((1 - x)^2 - x'^2), for abs(x') < 1 - x."""
     root = math.sqrt((1.0 - rotation - velocity) * (1.0 - rotation + velocity))
     return (rotation * (2.0 - rotation) + velocity * velocity) / (1.0 + root)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def hop(velocity):
     """Peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) (times p) of a half-cycle (Eqs. 6, 7); both inf for u >= 1."""
     if velocity >= 1.0:
@@ -95,7 +96,7 @@ def hop(velocity):
     return top(0.0, velocity), math.log1p(2.0 * velocity / (1.0 - velocity))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def free_decay_time(velocity, restitution):
     """Time (times p) until rest after infinitely many hops, sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
 
@@ -123,7 +124,7 @@ def free_decay_time(velocity, restitution):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def impacts_above(speed, restitution, cutoff):
     """Number of impacts of a free decay above a positive cut-off, C^k speed > cutoff with k >= 0; -1 for C = 1."""
     if speed <= cutoff:
@@ -143,7 +144,7 @@ END, MIDDLE, START, OPEN, CONTINUOUS = range(5)
 _NEWTON_LIMIT = 200
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _condition(half, count, spacing, s):
     """Return F(t) of the table in the module docstring, and its derivative."""
     tanh = math.tanh(half)
@@ -161,7 +162,7 @@ def _condition(half, count, spacing, s):
     return tanh * (1.0 + sign * s * inner), slope * (1.0 + sign * s * inner) + sign * s * tanh * inner_slope
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def corrected_duration(velocity, secondary, count, spacing):
     """The smallest T (times p) with x(T) = 0, for 0 <= a <= u and n impulses; inf if the block overturns.
 
@@ -194,7 +195,7 @@ def corrected_duration(velocity, secondary, count, spacing):
     return 2.0 * half
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _bracketed(target, count, s):
     """Half the duration for spacing "start", by Newton's iteration inside a bracket that shrinks with each step."""
     if target >= 1.0 + s - CRITICAL_TOLERANCE:
@@ -226,7 +227,7 @@ def _bracketed(target, count, s):
     return half
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def impact_speed_after(velocity, secondary, time, count, spacing):
     """Speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included."""
     if spacing == MIDDLE and secondary > 0.0:
@@ -236,7 +237,7 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
     return max(velocity - secondary, 0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def stays_bounded(main, ratio, restitution):
     """Whether a block survives an endless main sequence u_1 with a continuous secondary one (`ratio` I_s/I).
 
@@ -255,7 +256,7 @@ def stays_bounded(main, ratio, restitution):
 _TRIAL_LIMIT = 1_000_000
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _first_wait(spacing, interval):
     """Return the time from the main impulse to the first secondary one."""
     if spacing == START:
@@ -263,7 +264,7 @@ def _first_wait(spacing, interval):
     return 0.5 * interval if spacing == MIDDLE else interval
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def first_return(velocity, secondary, interval, spacing):
     """First return T* (times p) of the march with the trial `interval` dT (times p), steps 3 and 4; inf for no return.
 
@@ -285,7 +286,7 @@ def first_return(velocity, secondary, interval, spacing):
     return np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def peak_and_lowest(velocity, secondary, time, count, spacing):
     """Largest x of the corrected march (step 6), and smallest x at its impulses, which is below 0 inside the ground."""
     interval = time / (count + 1 if spacing == OPEN else count)

@@ -8,9 +8,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rocking.impulses import half_cycle
+from rocking.kernel_cache import njit
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
@@ -55,7 +55,7 @@ class History(NamedTuple):
     motion: np.ndarray  #: (q m, h, 2) zeros that receive theta [rad] and theta' [rad/s]; NaN once the block lies down
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def _cannot_come_back(growing, time, first, train, gain, p):
     """Whether the block cannot return: y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
     total = 0.0
@@ -69,7 +69,7 @@ def _cannot_come_back(growing, time, first, train, gain, p):
     return growing > total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
     """Write the history of one arc at the times in [begin, end) from index `first` on; return the next free index."""
     times, motion = history.times, history.motion[lane]
@@ -85,7 +85,7 @@ def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
     return first
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _arc(rotation, velocity, sinh, cosh_less_one):
     """State after a time given by its sinh and cosh - 1 (Eq. 2)."""
     return (
@@ -94,7 +94,7 @@ def _arc(rotation, velocity, sinh, cosh_less_one):
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _decays(velocity, restitution, remaining):
     """Whether all hops end in the remaining time; the sum of hops is between 2 u/(1 - C) and 2 atanh(u)/(1 - C)."""
     loss = 1.0 - restitution
@@ -105,7 +105,7 @@ def _decays(velocity, restitution, remaining):
     return half_cycle.free_decay_time(velocity, restitution) <= remaining
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def _tabulate(waits, times, p):
     """Fill `waits` (3, k) with exp(p dt) - 1, cut off, sinh and cosh - 1 of every wait, exact for short ones too."""
     waits[:] = np.inf
@@ -115,7 +115,7 @@ def _tabulate(waits, times, p):
         waits[0, i], waits[1, i], waits[2, i] = grown, 0.5 * (grown + shrunk), 0.5 * grown * shrunk
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
     """Compute the lanes first_lane:last_lane and write their results; `waits` (3, k) is work space.
 

@@ -8,12 +8,12 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rocking.arguments import UNLIMITED, ArrayLike, Floats, counts
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, hop, impacts_above, stays_bounded
 from rocking.impulses.sequence_kernel import TABLE_ROWS, combined, repetitions, tabulated_response
+from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes, squeezed
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
@@ -36,7 +36,7 @@ class MainSequenceLanes(NamedTuple):
     critical: np.ndarray  #: (lanes,) I_1c [m/s]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def amplification(restitution, half_cycle):
     """Ratio Ratio u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
     if restitution == 1.0:
@@ -46,7 +46,7 @@ def amplification(restitution, half_cycle):
     return -math.expm1(half_cycle * math.log(restitution)) / (1.0 - restitution)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def overturning_half_cycle(main, restitution):
     """Half-cycle in which an unlimited main sequence u_1 overturns: the smallest i with u_i >= 1; -1 if it never does.
 
@@ -68,7 +68,7 @@ def overturning_half_cycle(main, restitution):
     return half_cycle if amplification(restitution, half_cycle) >= needed else half_cycle + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def resonance_lanes(first_lane, last_lane, lanes, results, table):
     """Write the results of the lanes first_lane:last_lane and their `HalfCycleTable`."""
     columns = table.columns
@@ -116,13 +116,13 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
         table.lowest[lane], table.followed[lane] = np.inf, used
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def effective_amplification(restitution, ratio, half_cycle):
     """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]; in the limit n -> infinity half-cycle i overturns iff v_i >= 1 (F4)."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def start_of_half_cycle(needed, restitution, ratio, half_cycle):
     """Start of half-cycle N times p, sum over j < N of 2 atanh(v_j); inf if one overturns; needed = 1/u_1."""
     start = 0.0
@@ -131,7 +131,7 @@ def start_of_half_cycle(needed, restitution, ratio, half_cycle):
     return start
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def last_half_cycle(restitution, ratio, end, main_count):
     """Largest N <= main_count whose start, at the lower edge of its band of factors, is before `end` (times p)."""
     low, high = 1, 2
@@ -147,14 +147,14 @@ def last_half_cycle(restitution, ratio, end, main_count):
     return low
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _start_at_edge(restitution, ratio, half_cycle):
     """Start of half-cycle N times p, at the scale factor for which v_N = 1."""
     needed = effective_amplification(restitution, ratio, half_cycle)
     return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def safety_lanes(first_lane, last_lane, lanes, factors):
     """Write the smallest scale factor that overturns each lane, I_Nc/I of its last half-cycle, into `factors`."""
     for lane in range(first_lane, last_lane):
@@ -166,7 +166,7 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
             factors[lane] = np.inf if lanes.impulse[lane] == 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
     """Return lower and upper scale factors (2, k) of the overturning bands of one lane; `end` is in units of 1/p."""
     if end == np.inf:

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rocking.arguments import UNLIMITED
 from rocking.impulses import half_cycle
+from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes
 from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response, empty_results, response_of
 
@@ -44,7 +44,7 @@ class HalfCycleTable(NamedTuple):
     followed: np.ndarray  #: (lanes,) of int, number of half-cycles before the motion ends or repeats itself
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
     """Peak, duration, n, dT, impact speed and lowest rotation of one half-cycle; duration inf if it overturns."""
     if secondary == 0.0 or spacing == half_cycle.CONTINUOUS:
@@ -73,7 +73,7 @@ def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
     return peak, time, count, time / (count + 1 if spacing == half_cycle.OPEN else count), speed, lowest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def repetitions(start, time, duration, main_count):
     """Number of half-cycles of equal length that start before the end of the main sequence; -1 for an endless one."""
     left = (duration - start) / time
@@ -82,7 +82,7 @@ def repetitions(start, time, duration, main_count):
     return min(main_count, math.ceil(min(left, 1e18)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def sequence_lanes(first_lane, last_lane, lanes, results, table):
     """Write the results and the half-cycles of the lanes first_lane:last_lane."""
     columns = table.columns

@@ -7,8 +7,7 @@
 
 import math
 
-from numba import njit
-
+from rocking.kernel_cache import njit
 from rocking.march import event
 from rocking.march import slots as row
 from rocking.march.equations import flight_time, top_rotation
@@ -59,7 +58,7 @@ PAIRS = (
 )
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def turn_over(f, j):
     """Move slot j, whose SIDE has just changed in an impact, to its other corner; beside a wall it keeps its corner."""
     if f[ONE_SIDED + j] == 1.0:
@@ -75,7 +74,7 @@ def turn_over(f, j):
     f[row.ARRIVAL + j] *= f[row.ALPHA + j] / f[OTHER_ALPHA + j]  # over alpha of the old corner
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def lift_time(push, slope, threshold, threshold_slope, remaining):
     """Time until a push exceeds its threshold, both linear in tau; -1 if that is later than `remaining`."""
     gap = threshold - push
@@ -85,7 +84,7 @@ def lift_time(push, slope, threshold, threshold_slope, remaining):
     return remaining * gap / (gap - end_gap) if end_gap < 0.0 else -1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def wake_corner(f, i, j, record):
     """Move a resting slot to its uplift as :func:`rocking.march.event.wake` does, on the corner that lifts first."""
     last = record.acceleration.size - 1
@@ -127,7 +126,7 @@ def wake_corner(f, i, j, record):
     return event.RESTING
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def hops_have_ended(f, j, record, equation, far, held):
     """Whether slot j may be put to rest, as in event.chatter_is_over for the weaker corner and with restraints."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
@@ -161,7 +160,7 @@ def hops_have_ended(f, j, record, equation, far, held):
     return event.hops_end(f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def after_impact(f, i, j, record, equation, far, held):
     """State of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED; `held` None for a free block."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
@@ -186,7 +185,7 @@ def after_impact(f, i, j, record, equation, far, held):
     return event.MOVING
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def top_of_hop(speed, alpha, linear):
     """Largest phi [rad] of a free hop that leaves the ground with dphi/dtau = `speed` and does not overturn."""
     if not linear:
@@ -195,7 +194,7 @@ def top_of_hop(speed, alpha, linear):
     return alpha * share * share / (1.0 + math.sqrt(max(0.0, 1.0 - share * share)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def first_excursion(phi, speed, alpha, linear):
     """Largest phi of the free motion (inf: overturns), tau until it overturns or hits, impact speed or NaN."""
     if linear:
@@ -224,7 +223,7 @@ def first_excursion(phi, speed, alpha, linear):
     return max(phi, top_rotation(arrival, alpha)), wait, arrival
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def free_motion(f, j, linear):
     """Motion of slot j after the record, on the ground at rest, to its end.
 

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from rocking.kernel_cache import njit
 from rocking.march import corner_event as more
 from rocking.march import event, kernel, steps
 from rocking.march import slots as row
@@ -32,7 +32,7 @@ def corner_slots() -> Slots:
     return empty_slots(more.CORNER_ROWS, more.OTHER_ALPHA, row.P, more.OTHER_P)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
     """Put a lane into slot j; return its state at the first sample, MOVING or the state in which it ends."""
     block = lane % lanes.side.size
@@ -69,7 +69,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
     return status
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
     """Return the results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
@@ -95,7 +95,7 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
     return max(peak, after), kernel.ROCKS, kernel.NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, held):
     """Return the state of a slot that needs attention, and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
@@ -121,7 +121,7 @@ def decide_corner(f, i, j, record, equation, far, count, held):
     return status, status != event.MOVING
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def march_corners(first, last, record, lanes, options, slots, results, active, history, held, work):
     """March :class:`CornerLanes` as kernel.march_lanes does; `held` and its `work` are None without restraints."""
     f, i, c = slots

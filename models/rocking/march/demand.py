@@ -13,10 +13,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import Block
+from rocking.kernel_cache import njit
 from rocking.pictures import one_line
 
 #: Number of lobes of E(t0) that are kept, the largest first.
@@ -38,7 +38,7 @@ LEVELS = 56
 RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _lobes(
     ground: np.ndarray,
     dt: float,

@@ -8,8 +8,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from rocking.kernel_cache import njit
 from rocking.march import slots as row
 from rocking.march.steps import speed_of, store_step, value_of
 
@@ -26,7 +26,7 @@ def hyperbolic(h):
     return z * (H2 + z * (H4 + z * (H6 + z * (H8 + z * (H10 + z * H12))))), h + excess, excess
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+@njit(fastmath={"contract"}, _nrt=False)
 def linear_steps(f, width):
     """Take one step of the first `width` slots by the exact solution, into the rows that :func:`finish_steps` reads.
 
@@ -61,7 +61,7 @@ def linear_steps(f, width):
         store_step(f, j, end, end_speed, end_pull, strongest, gone, r, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def linear_after(phi, speed, alpha, restitution):
     """Motion on the ground at rest (Eqs. 2, 6, 8): peak [rad], tau, impacts before overturning, impact speed.
 
@@ -139,7 +139,7 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
     return d2, d3, d4, d5, d6, d7, d8, d9, d10
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+@njit(fastmath={"contract"}, _nrt=False)
 def nonlinear_steps(f, width):
     """Take one Taylor step of the first `width` slots, into the rows that :func:`finish_steps` reads.
 
@@ -173,7 +173,7 @@ def nonlinear_steps(f, width):
         store_step(f, j, end, end_speed, end_pull, strongest, short | fallen, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def flight_time(excess, start, stop):
     """Time p t of the free motion from psi = `start` to `stop`, psi = phi - alpha, without a turning point between.
 
@@ -203,7 +203,7 @@ def flight_time(excess, start, stop):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
     """Nonlinear counterpart of :func:`linear_after`, by conservation of energy; tau is the time to phi = pi/2.
 
@@ -234,7 +234,7 @@ def nonlinear_after(phi, speed, alpha, restitution):
     return max(peak, phi), np.nan, 0, impact_speed / alpha
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def top_rotation(speed, alpha):
     """Largest phi [rad] of a free half-cycle that leaves the ground with dphi/dtau = speed.
 

@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from rocking.kernel_cache import njit
 from rocking.march import slots as row
 from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
 from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
@@ -25,7 +24,7 @@ SLOW_IMPACTS = 1_000_000
 SHORTEST = 1.0 / 4096.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def uplift_time(ground, slope, threshold, threshold_slope, remaining):
     """Time until abs(ground) exceeds the threshold, both linear in tau; -1 if that is later than `remaining`."""
     if abs(ground) > threshold:
@@ -39,7 +38,7 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
     return remaining * start_gap / (start_gap - end_gap)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
     """Whether the hops after an impact end before the ground can lift the block again.
 
@@ -65,7 +64,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
     return hop < window * left and speed * growth < cutoff and 0.5 * speed * speed / floor < highest
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
     """Apply :func:`chatter_ends` to slot j: in its sample and, if `far`, to the end of the next block of samples.
 
@@ -87,7 +86,7 @@ def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, sp
     return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def chatter_is_over(f, j, record, equation, far):
     """Whether slot j may be put to rest after a slow impact."""
     threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
@@ -106,7 +105,7 @@ def chatter_is_over(f, j, record, equation, far):
     return hops_end(f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def impacts_above_cutoff(speed, restitution):
     """Number of impacts of a free decay from `speed` that are faster than the cut-off; -1 for an endless decay."""
     if not speed >= IMPACT_CUTOFF:
@@ -118,7 +117,7 @@ def impacts_above_cutoff(speed, restitution):
     return 1 + math.floor(math.log(IMPACT_CUTOFF / speed) / math.log(restitution))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def enter_sample(f, j, record):
     """Load the ground motion of the slot's sample; return False if the vertical acceleration cancels gravity in it."""
     k = int(f[row.SAMPLE + j])
@@ -132,7 +131,7 @@ def enter_sample(f, j, record):
     return record.vertical.size == 0 or enter_vertical(f, j, record.vertical)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def begin_step(f, j):
     """Set the ground acceleration and the length of the next step of a moving slot."""
     passed, side, longest = f[row.PASSED + j], f[row.SIDE + j], f[row.LONGEST + j]
@@ -144,7 +143,7 @@ def begin_step(f, j):
     f[row.STEP + j] = remaining if remaining <= longest * (1.0 + REMNANT) else longest
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def wake(f, i, j, record):
     """Move a resting slot to its uplift (MOVING), loss of contact (FLYING) or the end of the record (RESTING)."""
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
@@ -177,7 +176,7 @@ def wake(f, i, j, record):
     return RESTING
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def must_overturn(f, j, record):
     """Whether slot j must overturn (linear equation): its growing mode exceeds the rest of the record."""
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
@@ -188,7 +187,7 @@ def must_overturn(f, j, record):
     return growing > max(left, ground)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def resolve_step(f, j, c, record, equation):
     """Complete the marked step of slot j up to its impact; set EVENT to HALVED to repeat it, to OVER beyond PASSED."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]

@@ -8,8 +8,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from rocking.kernel_cache import njit
 from rocking.march import corner_event, event, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_after, linear_steps, nonlinear_after, nonlinear_steps
@@ -45,7 +45,7 @@ class Options(NamedTuple):
     settled: float  #: see :class:`rocking.march.demand.Demand`
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def build_up_left(sample, factor, levels, last):
     """Upper bound of the build-up of the ground from a sample on, see :mod:`rocking.march.demand`; inf if unknown."""
     for k in range(levels.size - 1, -1, -1):
@@ -54,7 +54,7 @@ def build_up_left(sample, factor, levels, last):
     return np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def first_safe_sample(factor, levels, last, settled):
     """First sample from which a lane may be ended as safe; inf if there is none."""
     for k in range(levels.size):
@@ -63,7 +63,7 @@ def first_safe_sample(factor, levels, last, settled):
     return np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def take_corner(f, j, alpha, p, restitution, dt, options):
     """Set the rows of slot j that depend on the corner that it turns about."""
     length = p * dt
@@ -76,7 +76,7 @@ def take_corner(f, j, alpha, p, restitution, dt, options):
     f[row.THRESHOLD + j] = (alpha if options.equation == event.LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
     """Set the rows of slot j for the start of a lane; return whether the body is at rest."""
     resting = rotation == 0.0 and spin == 0.0
@@ -98,7 +98,7 @@ def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
     return resting
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def first_status(f, j, equation, strongest):
     """State of a moving slot at the first sample, OVERTURNED or MOVING; `strongest` bounds abs(a_g)/g."""
     if equation == event.LINEAR:
@@ -109,7 +109,7 @@ def first_status(f, j, equation, strongest):
 
 
 # begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+@njit(forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
     """Put a lane into slot j; return its state at the first sample, MOVING or the state in which it ends."""
     block = lane % lanes.alpha.size
@@ -130,7 +130,7 @@ def begin_lane(f, i, j, lane, record, lanes, options):
     return event.wake(f, i, j, record) if resting else first_status(f, j, options.equation, strongest)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def empty_slot(f, i, j):
     """Mark slot j as empty and give its steps zero length."""
     i[row.LANE + j] = -1
@@ -138,7 +138,7 @@ def empty_slot(f, i, j):
         f[name + j] = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+@njit(forceinline=True, _nrt=False)
 def end_lane(f, i, j, status, record, equation):
     """Return the results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
@@ -169,7 +169,7 @@ def end_lane(f, i, j, status, record, equation):
     return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+@njit(forceinline=True, _nrt=False)
 def store_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
     """Write the results of a lane that has ended."""
     results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, time
@@ -177,7 +177,7 @@ def store_results(results, lane, peak, outcome, reason, time, half_cycle, impact
     results.overturning_half_cycle[lane], results.impacts[lane] = half_cycle, impacts
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+@njit(forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
     """Return the state of a slot that needs attention (CALM: it will not overturn), and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
@@ -203,7 +203,7 @@ def decide(f, i, j, record, lanes, options, far):
     return status, status != event.MOVING
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
     """March the lanes first:last and write their results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
     f, i, c = slots

@@ -5,7 +5,8 @@ brackets every root below.
 """
 
 import numpy as np
-from numba import njit
+
+from rocking.kernel_cache import njit
 
 #: Degree of the polynomials.
 ORDER = 10
@@ -16,7 +17,7 @@ MAX_ITERATIONS = 100
 CONVERGED = 1e-9
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def value(c, tau):
     """phi(tau) = sum c_k tau^k."""
     total = c[ORDER]
@@ -25,7 +26,7 @@ def value(c, tau):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def velocity(c, tau):
     """phi'(tau)."""
     total = ORDER * c[ORDER]
@@ -34,7 +35,7 @@ def velocity(c, tau):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def acceleration(c, tau):
     """phi''(tau)."""
     total = ORDER * (ORDER - 1) * c[ORDER]
@@ -43,7 +44,7 @@ def acceleration(c, tau):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def with_slope(c, order, tau):
     """The order-th derivative of phi at tau, order at most 2, and its slope."""
     total = 0.0
@@ -59,7 +60,7 @@ def with_slope(c, order, tau):
     return total, slope
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def bracketed_root(c, order, shift, left, right, guess):
     """Root in [left, right] of the order-th derivative of phi minus `shift`, by Newton steps inside the bracket.
 
@@ -88,14 +89,14 @@ def bracketed_root(c, order, shift, left, right, guess):
     return tau
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def falling_root(c, left, right):
     """Root of phi in [left, right], where phi is decreasing: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
     # To first order a hop falls in the same time in which it rose.
     return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def hop_root(c, h):
     """End of a hop from c[0] = 0 with phi'' < 0 in [0, h] and phi(h) <= 0, by Newton steps for phi/tau."""
     left = 0.0
@@ -123,7 +124,7 @@ def hop_root(c, h):
     return tau
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def first_impact(c, h, peak):
     """tau of the first return of phi to 0 in (0, h], or -1, and the larger of `peak` and the largest phi until then."""
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)

@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rocking.body.restraint import FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
+from rocking.kernel_cache import njit
 from rocking.march import corner_event as more
 from rocking.march import slots as row
 
@@ -39,13 +39,13 @@ class RestraintState(NamedTuple):
     # theta > 0 [m]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def sides(f, j):
     """Return the corner of slot j, 0 for theta > 0 and 1 for theta < 0, and the sign of theta."""
     return (0, 1.0) if f[row.SIDE + j] > 0.0 else (1, -1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def rotation_at(displacement, point):
     """Return phi at which a point of :class:`RestraintState` has moved outward by `displacement`; inf if it cannot."""
     if displacement == 0.0:
@@ -56,14 +56,14 @@ def rotation_at(displacement, point):
     return point[2] + math.asin(max(share, -1.0))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def outward_displacement(phi, height, distance):
     """Outward displacement of a point at a height and a distance behind the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def set_restraint(f, j, block, lane, held):
     """Set moment factors, range of phi and longest step of slot j from the states of its elements."""
     place, side = sides(f, j)
@@ -131,7 +131,7 @@ def set_restraint(f, j, block, lane, held):
     f[row.LONGEST + j] = longest
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def begin_restraint(f, j, block, lane, held):
     """Set the elements of slot j for its first phi and speed, and the restraint that follows from them."""
     place, side = sides(f, j)
@@ -155,7 +155,7 @@ def begin_restraint(f, j, block, lane, held):
     set_restraint(f, j, block, lane, held)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def restraint_after_impact(f, j, block, lane, held):
     """Set the elements of slot j after an impact, when it begins to turn about its new corner."""
     _, side = sides(f, j)
@@ -173,7 +173,7 @@ def restraint_after_impact(f, j, block, lane, held):
     set_restraint(f, j, block, lane, held)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def make_spring(part, held, lane, e, outward, side):
     """Turn an element that yields or slides into a spring at the displacement `outward` [m] of its point."""
     most = part[YIELD_FORCE] / part[STIFFNESS]
@@ -184,7 +184,7 @@ def make_spring(part, held, lane, e, outward, side):
     held.mode[lane, e] = SPRING
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def change_elements(f, j, block, lane, held, direction):
     """Change the elements whose range ends at phi: passed outward (`direction` 1), inward (-1), or turned back (0)."""
     place, side = sides(f, j)
@@ -223,7 +223,7 @@ def change_elements(f, j, block, lane, held, direction):
     set_restraint(f, j, block, lane, held)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def rest_levels(f, j, block, lane, held, at_rest):
     """Set EXTRA of both corners of a slot on the ground; return the part of sliding loads, which resists the fall."""
     place, side = sides(f, j)

@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from rocking.kernel_cache import njit
 from rocking.march import corner_event as more
 from rocking.march import slots as row
 from rocking.march.equations import sine_and_cosine
@@ -71,7 +70,7 @@ def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, c
     return d2, d3, d4, d5, d6, d7, d8, d9, d10
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+@njit(fastmath={"contract"}, _nrt=False)
 def restrained_steps(f, width):
     """Take Taylor steps as :func:`nonlinear_steps`; a step is also marked if phi may leave the moment's range."""
     for j in range(width):
@@ -124,7 +123,7 @@ MOST_STALLS = 8.0
 MOST_TURNS = 4
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def first_turn(c, h, slides):
     """Return tau in [0, h] at which `slides` times phi', positive at first, becomes zero; -1 if it does not."""
     low = h
@@ -138,7 +137,7 @@ def first_turn(c, h, slides):
     return bracketed_root(c, SPEED, 0.0, 0.0, low, -1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def resolve_restrained(f, j, c, block, lane, held):
     """Resolve a step as :func:`rocking.march.event.resolve_step`, up to the first impact or change of restraint."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
@@ -213,7 +212,7 @@ def resolve_restrained(f, j, c, block, lane, held):
         change_elements(f, j, block, lane, held, 1.0 if up >= 0.0 else (-1.0 if down >= 0.0 else 0.0))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def finish_restrained(f, i, width, c, lanes, held):
     """Finish the steps of the first `width` slots of restrained lanes (of `lanes` blocks), with impacts and changes."""
     finish_steps(f, width)
@@ -228,7 +227,7 @@ def finish_restrained(f, i, width, c, lanes, held):
             restraint_after_impact(f, j, lane % lanes, lane, held)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def motion_after(f, i, j, c, lanes, held, g):
     """March the motion after the record in the work space `g`; returns what corner_event.free_motion returns.
 

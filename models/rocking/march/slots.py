@@ -10,8 +10,8 @@ instructions. Row R of slot j is ``f[R + j]`` of a flat array, so that the compi
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from rocking.kernel_cache import njit
 from rocking.march.polynomial import ORDER
 
 #: Samples in a block, a power of two.
@@ -33,7 +33,7 @@ class Accelerogram(NamedTuple):
     dt: float  #: sampling interval [s]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def extremes(acceleration, vertical):
     """Rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, and zeros for the time after the record."""
     n = acceleration.size
@@ -54,7 +54,7 @@ def extremes(acceleration, vertical):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def largest_left(k, record):
     """Largest abs(a_g) from sample k of an :class:`Accelerogram` to its end [m/s2]."""
     block = k // BLOCK + 1
@@ -64,7 +64,7 @@ def largest_left(k, record):
     return largest
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def next_exceedance(k, record, factor, threshold):
     """First sample from k on at which a resting block may lift (abs(a_g)/g > threshold) or lose contact; n for none.
 
@@ -85,7 +85,7 @@ def next_exceedance(k, record, factor, threshold):
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
     """First sample from k on at which a resting block may lift about either corner or lose contact; n for none.
 
@@ -197,7 +197,7 @@ def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
     return slots
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def compact_slots(f, i, width):
     """Move the lanes of the last group into empty slots before it; return the number of slots in use."""
     empty = 0

@@ -5,8 +5,7 @@ Slots that need a decision are marked LOOK_CLOSER or ATTENTION for :mod:`rocking
 
 import math
 
-from numba import njit
-
+from rocking.kernel_cache import njit
 from rocking.march import slots as row
 from rocking.march.slots import BLOCK_BITS
 from rocking.response import IMPACT_CUTOFF
@@ -65,7 +64,7 @@ def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
     return newton * (1.0 + 0.5 * newton * inverse * pull)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+@njit(fastmath={"contract"}, _nrt=False)
 def finish_steps(f, width):
     """Write the end of the step of each of the first `width` slots: its state, EVENT, and ARRIVAL after an impact.
 
@@ -130,7 +129,7 @@ IMPACTS_PER_SAMPLE = 10_000
 REMNANT = 1e-9
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+@njit(fastmath={"contract"}, _nrt=False)
 def advance_steps(f, width, acceleration, left, fastest):
     """Advance the first `width` slots to their next step; impacts faster than `fastest` over alpha_c set ATTENTION."""
     last = acceleration.size - 1
@@ -176,7 +175,7 @@ def advance_steps(f, width, acceleration, left, fastest):
         f[row.ATTENTION + j] = 1.0 if attention else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def enter_vertical(f, j, vertical):
     """Load the vertical acceleration of the slot's sample; return False if it cancels gravity."""
     k = int(f[row.SAMPLE + j])
@@ -187,7 +186,7 @@ def enter_vertical(f, j, vertical):
     return start > 0.0 and end > 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def advance_vertical(f, i, width, vertical):
     """Advance the vertical acceleration as :func:`advance_steps` does; set FLIES to 1 if the block loses contact."""
     for j in range(width):
@@ -200,7 +199,7 @@ def advance_vertical(f, i, width, vertical):
         f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def keep_history(f, i, width, history):
     """Write theta [rad] and theta' [rad/s] of the slots that have reached a sample into `history` (lanes, n, 2)."""
     for j in range(width):

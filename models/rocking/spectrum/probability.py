@@ -19,11 +19,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from scipy.optimize import isotonic_regression
 from scipy.special import ndtr, owens_t
 
 from rocking.arguments import ArrayLike, numbers
+from rocking.kernel_cache import njit
 from rocking.pictures import one_line
 
 #: Smallest standard deviation of the factor [-]: a finite number of lanes cannot resolve a smaller one.
@@ -141,7 +141,7 @@ def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
     return sums
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def _add(counted, bells, sums):
     for row in range(counted.shape[0]):
         for lane in range(counted.shape[1]):

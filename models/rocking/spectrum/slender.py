@@ -10,7 +10,8 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from rocking.kernel_cache import njit
 
 #: Impacts slower than this, as u' [-], end the rocking if the ground does not lift the block: u would reach 5e-7.
 SLOWEST = 1e-3
@@ -20,7 +21,7 @@ STEPS, ACCURACY = 60, 1e-10
 MOST_IMPACTS = 100_000
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _turning(grow, fall, slope, growth, lowest):
     """e^tau at the highest (or `lowest`) point of u = grow e^tau + fall e^-tau + a line in a piece; 0 for none."""
     if grow == 0.0:
@@ -37,7 +38,7 @@ def _turning(grow, fall, slope, growth, lowest):
     return 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _impact(grow, fall, level, slope, above, below):
     """tau of an impact, u = 0, between `above` (u > 0) and `below` (u <= 0), by Newton steps inside this bracket."""
     tau = below
@@ -64,7 +65,7 @@ def _pushes(ground, wall):
     return max(-ground, 0.0) if wall else abs(ground)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _march(begin, strength, restitution, length, growth, ground, left, wall):
     """Largest u of one lane at rest until piece `begin`, inf if it overturns; with a `wall` C is the rebound e."""
     peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
@@ -134,7 +135,7 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
     return peak
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
     """Fill the largest u of lanes `first` to `last`, inf if they overturn.
 
@@ -148,7 +149,7 @@ def march_pieces(first, last, place, strength, restitution, length, growth, grou
         peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
     """E [m/s] of :mod:`rocking.march.demand` at the points (k,) of a piecewise linear ground, in one backward pass."""
     weighted = np.zeros(times.shape[0])
@@ -164,7 +165,7 @@ def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.n
     return weighted
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def lobe_tops(weighted: np.ndarray) -> np.ndarray:
     """Indices of the largest absolute value in every run of one sign of E (k,), in order; zeros belong to no run."""
     tops = np.empty(weighted.shape[0], dtype=np.int64)

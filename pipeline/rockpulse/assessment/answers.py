@@ -13,7 +13,7 @@ from rockpulse.assessment.site_demands import SiteDemand, stored_demands
 from rockpulse.earthquakes import members, probability_interval
 from rockpulse.model_table import fullest, is_full
 from rockpulse.selection.events import UNKNOWN
-from rockpulse.storage.hdf5.netcdf4 import slab, worded
+from rockpulse.storage.hdf5.netcdf4 import flags_as_words, slab
 from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 
@@ -55,7 +55,7 @@ class Motions:
         """Arrange values (records, ...) as (motions, directions, ...), with `missing` for directions not assessed."""
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
-    def anywhere(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
+    def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
         """Mask (motions, ...) of motions with a condition (records, ...) true in a direction; `missing` for others."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
@@ -176,7 +176,7 @@ class Answers:
     @cached_property
     def source(self) -> np.ndarray:
         """Source of each probability (records, bodies), as a word."""
-        return worded(self["probability_source"], dict(enumerate(SOURCES)))
+        return flags_as_words(self["probability_source"], dict(enumerate(SOURCES)))
 
     @property
     def searched(self) -> bool:
@@ -194,7 +194,7 @@ class Answers:
         return "factor_10" if self.probable else "safety_factor"
 
     @property
-    def told(self) -> bool:
+    def has_factor(self) -> bool:
         """Whether one of these factors is known."""
         return not bool(np.isnan(self[self.factor]).all())
 
@@ -211,12 +211,12 @@ class Answers:
     @cached_property
     def overturned(self) -> np.ndarray:
         """Mask (motions, bodies): a direction of the unscaled motion overturns the body."""
-        return self.motions.anywhere(self["outcome"] == Outcome.OVERTURNS)
+        return self.motions.in_any_direction(self["outcome"] == Outcome.OVERTURNS)
 
     @property
     def unresolved(self) -> list[int]:
         """Number of motions (bodies,) with a direction without a result."""
-        silent = self.motions.anywhere(self["outcome"] == Outcome.UNRESOLVED)
+        silent = self.motions.in_any_direction(self["outcome"] == Outcome.UNRESOLVED)
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:

@@ -14,7 +14,7 @@ from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import extract, solver_options
 from rockpulse.assessment.tree import EVENT, build_tree, empty_rows, empty_tree, record_part
-from rockpulse.config.bodies import Bodies, gather_bodies, refuse_aloft
+from rockpulse.config.bodies import Bodies, gather_bodies, refuse_floors
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.model_row import Scene
@@ -105,7 +105,7 @@ class Assessment(Analysis):
         return partial(assess_motion, bodies=self.bodies, config=self.config)
 
     @cached_property
-    def nothing(self) -> Part:
+    def empty_part(self) -> Part:
         """Empty variables of a record without results."""
         return empty_rows(self.bodies, self.config)
 
@@ -180,7 +180,7 @@ def assess_sequence(
     """
     asked_for = given_config(config)
     gathered = gather_bodies(asked_for.bodies if bodies is None else bodies)
-    refuse_aloft(gathered, "a design sequence is one of the ground")
+    refuse_floors(gathered, "a design sequence is one of the ground")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):

@@ -59,7 +59,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     slender = np.any(list(served.values()), axis=0) & (scene.vertical is None)
     asked, at_demand = rows["demand_factor"], rows["demand_probability"]
     near = (asked >= FARTHEST[0]) & (asked <= min(FARTHEST[1], limit))
-    rows["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_lanes"))
+    rows["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_motions"))
 
     def put(places: np.ndarray, factors: OverturningFactors) -> None:
         for name, own in READ.items():
@@ -101,7 +101,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         put(others, own)
         at_demand[others] = own.overturning(asked[others])
     at_demand[~near] = np.nan
-    worse = found.likelier(rows["overturning_probability"], rows["factor_10"])
+    worse = found.higher_probability(rows["overturning_probability"], rows["factor_10"])
     values.update({name: own[worse] for name, own in rows.items()})
     return stored
 

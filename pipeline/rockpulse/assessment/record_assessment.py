@@ -15,7 +15,7 @@ from rocking.search.capacity import uplift_scale
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.probability import record_probability
-from rockpulse.assessment.scene import aloft, joined_responses, places_of, senses, turned
+from rockpulse.assessment.scene import floor_scene, joined_responses, places_of, senses, turned
 from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
@@ -119,7 +119,7 @@ def assess_scene(
     parts, record = [], scene.record
     for place, numbers in places:
         below = turned(scene, place, pair, config)
-        there = aloft(below, place, config)
+        there = floor_scene(below, place, config)
         stronger = there.record.pga / below.record.pga
         parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
     warnings = dict.fromkeys(warning for part in parts for warning in part.record.warnings)

@@ -18,20 +18,19 @@ from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.model_table import RULE_POINT
 from rockpulse.record.components import Pair, align, uncovered
-from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
-from rockpulse.selection.directions import FACING_WITHIN
+from rockpulse.selection.directions import FACING_WITHIN, conditioned
 from rockpulse.sequences.estimators import record_sequence
 from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record and its vertical channel, and :func:`extract` the scene; raises RockpulseError if refused."""
-    up = None if vertical is None else condition(vertical, **config.conditioning)
-    return extract(condition(record, **config.conditioning), config, up)
+    """A record as read, and its vertical channel, conditioned and as :func:`extract`; RockpulseError if refused."""
+    up = None if vertical is None else conditioned(vertical, config)
+    return extract(conditioned(record, config), config, up)
 
 
 def extract(conditioned: Record, config: Config, up: Record | None = None) -> Scene:
@@ -91,7 +90,7 @@ def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -
     return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
 
 
-def aloft(scene: Scene, place: FeltMotion, config: Config) -> Scene:
+def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
     """Return the scene on the floor of a place; the vertical motion is that of the ground."""
     if not place.floors:
         return scene
@@ -152,7 +151,7 @@ class Senses:
         rank = -np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor)
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
-    def likelier(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
+    def higher_probability(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
         """Index in ``block`` of each lane's sense with the higher probability, or if equal with the smaller factor."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 

@@ -107,7 +107,7 @@ def standings(answers: Answers) -> np.ndarray:
     return found
 
 
-def why_unknown(answers: Answers) -> np.ndarray:
+def reasons_unknown(answers: Answers) -> np.ndarray:
     """Code (records, bodies) of the reason for a missing or unreliable result; empty for reliable results."""
     found = np.full(answers["outcome"].shape, "", dtype=object)
     for doubtful, why in _doubts(answers):
@@ -123,11 +123,11 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     motions, single = answers.motions, standings(answers)
     moved = answers["outcome"] != Outcome.AT_REST
     lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
-    lifted = motions.anywhere(lifted, missing=True)
+    lifted = motions.in_any_direction(lifted, missing=True)
     stays = np.full(len(answers.bodies), bool(motions.names)) & ~lifted.any(axis=0)
     of_demands = [_demand_verdicts(answers, demand) for demand in answers.demands]
-    fallen, resting = answers.overturnings(), (~motions.anywhere(moved, missing=True)).sum(axis=0).tolist()
-    shares = motions.shares(chances(answers))
+    fallen, resting = answers.overturnings(), (~motions.in_any_direction(moved, missing=True)).sum(axis=0).tolist()
+    shares = motions.shares(overturning_probabilities(answers))
     return [
         BodyVerdict(
             body=body,
@@ -157,7 +157,10 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
     """Return the verdict on every body for one demand."""
     motions, left_out = answers.motions, too_far(answers, demand)
     kept = motions.kept(left_out)
-    shares, events = motions.shares(chances(answers, demand), left_out), motions.event_counts(kept).tolist()
+    shares, events = (
+        motions.shares(overturning_probabilities(answers, demand), left_out),
+        motions.event_counts(kept).tolist(),
+    )
     lost = (~kept).sum(axis=0).tolist()
     found = []
     for lane, margin in enumerate(answers.margins(demand=demand)):
@@ -173,7 +176,7 @@ def too_far(answers: Answers, demand: str) -> np.ndarray:
     return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
 
 
-def chances(answers: Answers, demand: str | None = None) -> np.ndarray:
+def overturning_probabilities(answers: Answers, demand: str | None = None) -> np.ndarray:
     """Probability (records, bodies) that a record, unscaled or at a demand, overturns a body; NaN if unknown."""
     if answers.probable:
         return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
@@ -217,7 +220,7 @@ class Sliding(NamedTuple):
     friction: float
 
 
-def worse_screens(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
+def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
     """Return the name and the worse verdict of every body that is assessed with and without its pedestal."""
     whole = answers.summary["pedestal_of"].values.tolist()
     for alone in dict.fromkeys(filter(None, whole)):

@@ -73,9 +73,10 @@ VERB = Verb(
     options=(
         from_records("RESULTS"),
         {
-            "--sequence SITE": "assess the design sequence of this site file (rockpulse calibrate), no PATHS",
-            "--all-models": "every model side by side, from the upper bound of resonance to the nonlinear equation, in "
-            "place of [models] use",
+            "--sequence SITE": "assess the design sequence of this site file (rockpulse calibrate) instead of PATHS",
+            "--all-models": "all models side by side, from resonance (upper bound) to the nonlinear equation, "
+            "instead of "
+            "[models] use",
         },
         *BATCH,
     ),

@@ -30,19 +30,18 @@ VERB = Verb(
     summary="what codes say of the bodies, from their geometry and a design spectrum",
     description="Check each body by the kinematic analysis of Italian practice (Circolare 617/2009, Circolare 7/2019) "
     "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone; with results, "
-    "beside the probability of overturning of the same body. A check is no model of rocking: it passes some bodies "
-    "that overturn, and fails many that stand.",
+    "beside the probability of overturning of the same body. A check is not a model of rocking: some bodies pass and "
+    "overturn, many fail and do not overturn.",
     options=(
         {
             "RESULTS": (
-                "results of rockpulse assess: the probability of overturning of the same bodies stands beside the "
-                "codes",
+                "results of rockpulse assess, whose probability of overturning is shown beside the codes",
                 {"nargs": "?"},
             ),
             "--config CONFIG": "configuration with [[block]] and [check]; default: that of the results",
-            "--code CODE": (f"codes, of {', '.join(CODES)}; default: all of them", {"nargs": "*", "choices": CODES}),
-            "-o --output TABLE": "write the table too (CSV)",
-            "--overwrite": "replace a file that exists",
+            "--code CODE": (f"codes to check: {', '.join(CODES)}; default: all", {"nargs": "*", "choices": CODES}),
+            "-o --output TABLE": "also write the table (CSV)",
+            "--overwrite": "replace an existing file",
             "--quiet": QUIET,
         },
     ),

@@ -53,7 +53,7 @@ VERB = Verb(
     name="completion",
     summary="let a shell complete verbs, options and names",
     description="Print a script with which a shell completes verbs, options, kinds of pictures, units and file names. "
-    "Where to put it stands in the examples; it holds from the next shell on.",
+    "The examples show where to put it; it takes effect in the next shell.",
     options=({"shell": ("the shell", {"choices": tuple(HOW), "metavar": None})},),
     run=_run,
     examples=tuple(HOW.values()),

@@ -29,7 +29,7 @@ def _run(args: argparse.Namespace) -> int:
     if not args.quiet and failures:
         tell(rows_not_used(failures, more_in="", listed=LISTED), sys.stderr)
     if not records:
-        told = "rockpulse: not one record could be read, nothing was written"
+        told = "rockpulse: no record could be read, nothing was written"
         tell(f"{told}: {failed}" if failed else told, sys.stderr)
         return 1
     if failed:
@@ -62,16 +62,16 @@ VERB = Verb(
             "-o --output OUT !": "a file (.AT2, .csv, .mseed), or a folder for one AT2 or CSV file per channel; "
             "several channels in one AT2 or CSV name become OUT.CHANNEL.AT2",
             "--format FORMAT": (
-                "format of OUT; default: its suffix tells",
+                "format of OUT; default: by its suffix",
                 {"choices": ("at2", "csv", "mseed"), "metavar": None},
             ),
             **READING,
             "--response HOW": (
-                "how counts with a StationXML become m/s2: divided by the sensitivity, or the full response removed; "
-                "default: sensitivity",
+                "conversion of counts with a StationXML to m/s2: division by the sensitivity, or removal of the full "
+                "response; default: sensitivity",
                 {"choices": ("sensitivity", "remove"), "default": "sensitivity", "metavar": None},
             ),
-            "--overwrite": "replace files that exist; never one that a record came from",
+            "--overwrite": "replace existing files; never one that a record was read from",
             "--quiet": QUIET,
         },
     ),

@@ -30,30 +30,30 @@ VERB = Verb(
     name="diff",
     summary="what changed between two results files",
     description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
-    "verdicts that flipped, safety factors and capacities over demand that crossed 1, and variables beyond a "
-    "tolerance. The bodies, and what comes first in every list, are by the nonlinear model where it answered. Rows are "
-    "matched by name. Exit code 0 where the results are the same, 1 where they differ; differences of versions "
+    "verdicts that changed, scale factors and capacities over demand that crossed 1, and variables beyond a "
+    "tolerance. Bodies are compared by the nonlinear model if it answered; its changes come first in every list. Rows "
+    "are matched by name. Exit code 0: the results are the same, 1: they differ; differences of versions "
     "and configuration are listed, but do not change the exit code.",
     options=(
         {
             "first": ("results file", {"metavar": "BEFORE"}),
             "second": ("results file of the same kind", {"metavar": "AFTER"}),
             "--rtol R": (
-                "numbers may differ by R times the larger; default: %(default)g",
+                "relative tolerance; default: %(default)g",
                 {"type": _tolerance, "default": 1e-9},
             ),
             "--atol A": (
-                "and by A, in the unit of each variable; default: %(default)g",
+                "absolute tolerance, in the unit of each variable; default: %(default)g",
                 {"type": _tolerance, "default": 0.0},
             ),
-            "--ignore VARIABLE ...": "do not compare this variable, named as it is or as in the output (/summary/pga); "
+            "--ignore VARIABLE ...": "do not compare this variable, by its name or as in the output (/summary/pga); "
             "repeatable",
             "--limit N": (
-                "most flipped verdicts, factors and capacities that crossed 1, that are named; default: 3, with --full "
-                "20",
+                "list at most N changed verdicts, and scale factors and capacities that crossed 1; default: 3, with "
+                "--full 20",
                 {"type": parse_count},
             ),
-            "--full": "every variable, name and line that differs; default: one screen of them",
+            "--full": "list every variable, name and line that differs; default: one screen",
         },
     ),
     run=_run,

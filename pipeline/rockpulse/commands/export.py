@@ -62,20 +62,19 @@ VERB = Verb(
         {
             "RESULTS": "results file of any kind",
             "-o --output TABLE !": "name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install "
-            "'rockpulse[tables]'); name.README.md beside it says what the columns mean",
+            "'rockpulse[tables]'); name.README.md beside it explains the columns",
             "--group NAME": "group of the file: half_cycles, overturning_intervals, directions, failures, records ...; "
             "default: the one with the answers (summary)",
-            "--rows DIM[,DIM]": "one row per what: record, or record,block ...; default: one per answer "
-            "(record,block,model)",
-            "--columns NAME[,NAME]": "only these variables beside the names; default: all",
-            "--record ID ...": "only this record; * and ? stand for any letters; repeatable",
-            "--block NAME ...": "only this block; * and ? stand for any letters; repeatable",
+            "--rows DIM[,DIM]": "dimensions of a row: record, or record,block ...; default: record,block,model",
+            "--columns NAME[,NAME]": "only these variables, beside the names; default: all",
+            "--record ID ...": "only this record (* and ? are wildcards); repeatable",
+            "--block NAME ...": "only this body (* and ? are wildcards); repeatable",
             **SELECTION,
-            "--decimal-comma": "for a spreadsheet whose decimal sign is the comma (Italian, French, German ...): "
-            "semicolons between the columns, decimal commas; default: commas, decimal points",
-            "--raw": "texts as they are stored; default: control characters as escapes, and an apostrophe before what "
-            "a spreadsheet would compute",
-            "--overwrite": "replace a table and a README that exist",
+            "--decimal-comma": "decimal commas, and semicolons between columns, for a spreadsheet in Italian, French, "
+            "German ...; default: decimal points and commas",
+            "--raw": "texts as stored; default: control characters as escapes, and an apostrophe before a text that a "
+            "spreadsheet would take as a formula",
+            "--overwrite": "replace an existing table and its README",
         },
     ),
     run=_run,

@@ -11,6 +11,7 @@ from typing import Any
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError
+from rockpulse.files import write_files
 
 #: First and last column of the comments of the template.
 BEGIN, END = 28, 122
@@ -54,12 +55,11 @@ def _run(args: argparse.Namespace) -> int:
     if args.output is None:
         tell(text.removesuffix("\n"))
         return 0
-    try:
-        with Path(args.output).open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        found = "a folder of this name" if Path(args.output).is_dir() else "the file"
-        raise ConfigError(f"{args.output}: {found} exists; choose another name") from None
+    target = Path(args.output)
+    if target.exists():
+        found = "a folder of this name" if target.is_dir() else "the file"
+        raise ConfigError(f"{target}: {found} exists; choose another name")
+    write_files({target: text.encode()})
     tell(
         f"wrote {args.output}: fill in the blocks, then: rockpulse assess RECORDS --config {args.output} -o results.h5"
     )

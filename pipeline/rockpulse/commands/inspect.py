@@ -83,11 +83,11 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
     from dataclasses import replace
 
     from rockpulse.assessment.answers import Answers
-    from rockpulse.views.text.lists import case_list, worst_first
+    from rockpulse.views.text.lists import case_list, sorted_by_factor
 
     selection = read_selection(args)
     if args.worst or selection.sort is None:
-        selection = worst_first(Answers(summary), selection)
+        selection = sorted_by_factor(Answers(summary), selection)
     return case_list(summary, replace(selection, limit=args.worst or selection.limit or CASES))
 
 
@@ -112,19 +112,20 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
 VERB = Verb(
     name="inspect",
     summary="show a results file",
-    description="Show the verdict on every body and the worst records of a results file, or all of it; one record or "
-    "block in detail; the cases that meet a condition; or what was not assessed.",
+    description="Show the verdict on every body and the worst records of a results file; with options all of it, one "
+    "record or body in detail, the cases that meet a condition, or what was not assessed.",
     options=(
         {
             "RESULTS": "file of rockpulse assess, calibrate or fragility",
-            "--record ID ...": "one record in detail; a pattern such as '*CCC*' (* and ? stand for any letters) lists "
-            "cases; repeatable",
-            "--block NAME ...": "one block in detail, or a pattern likewise; repeatable",
-            "--all": "all of it: every model's verdict for every record and block",
+            "--record ID ...": "one record in detail, or the cases of a pattern such as '*CCC*' (* and ? are "
+            "wildcards); "
+            "repeatable",
+            "--block NAME ...": "one body in detail, or the cases of a pattern; repeatable",
+            "--all": "the verdict of every model for every record and body",
             "--failures": "what failed or was skipped, and why",
             "--records": "list the records",
-            "--blocks": "list the blocks",
-            "--worst N": ("the N cases of smallest safety factor", {"type": parse_count}),
+            "--blocks": "list the bodies",
+            "--worst N": ("the N cases with the smallest scale factor that overturns", {"type": parse_count}),
             **SELECTION,
         },
     ),

@@ -24,12 +24,12 @@ VERB = Verb(
     options=(
         {
             "RESULTS": "results file of rockpulse assess",
-            "--site SITE": "site file of rockpulse calibrate, shown beside the verdict",
-            "--fragility FILE": "fragility file of rockpulse fragility, shown likewise",
+            "--site SITE": "site file of rockpulse calibrate, added to the annex",
+            "--fragility FILE": "file of rockpulse fragility, added to the annex",
             "-o --output REPORT": ("file to write: .html, or .pdf; default: %(default)s", {"default": "report.html"}),
-            "--language LANGUAGE": ("of the report: en (default) or it", {"default": "en"}),
-            "--config FILE": "author, client, project and logo of its [report], not those stored",
-            "--overwrite": "replace a report that exists; never another file",
+            "--language LANGUAGE": ("language of the report: en (default) or it", {"default": "en"}),
+            "--config FILE": "configuration whose [report] (author, client, project, logo) replaces the stored one",
+            "--overwrite": "replace an existing report; never another file",
         },
     ),
     run=_run,

@@ -20,13 +20,14 @@ def _run(args: argparse.Namespace) -> int:
 
     if args.bodies is not None and (args.limit_state is not None or args.resamples is not None):
         raise ConfigError(
-            "--bodies: it does not go with --limit-state or --resamples: the spectra hold the probability of "
-            "overturning, and the band of an inventory is in closed form; drop them, or take a fragility file"
+            "--bodies: cannot be combined with --limit-state or --resamples, because the spectra hold the probability "
+            "of overturning only and the band of an inventory is in closed form; remove those options, or give a "
+            "fragility file"
         )
     limit_state = args.limit_state or "overturning"
     if args.age is not None and limit_state != "overturning":
         raise ConfigError(
-            f"--age: it says that bodies still stand, so expected --limit-state overturning, found {limit_state}"
+            f"--age: expected --limit-state overturning, because the bodies are still standing, found {limit_state}"
         )
     files = [] if args.output is None else [Path(args.output)]
     if files and args.bodies is None:  # share of each bin of levels
@@ -69,34 +70,38 @@ VERB = Verb(
     name="risk",
     summary="annual frequency of overturning from a fragility file and a hazard curve",
     description="Sum the fragility of each body over the hazard of its site: annual frequency of a limit state with a "
-    "band over earthquakes, probability in so many years, and the levels of the ground that contribute. The hazard is "
-    "taken as known; where much comes from levels that nothing was looked at, that is said.",
+    "band over earthquakes, probability in a number of years, and the levels of ground motion that contribute. The "
+    "hazard is taken as known; a warning says where much of the frequency comes from levels that were not analysed.",
     options=(
         {
             "FRAGILITY": "file of rockpulse fragility; with --bodies results of rockpulse assess with [uncertainty] "
             'spectrum = "all"',
-            "--bodies TABLE": "free bodies, any number, that the spectra of results stand for: a table (CSV) with the "
+            "--bodies TABLE": "any number of free bodies that the spectra of the results cover: a table (CSV) with the "
             'columns "name", "width [m]", "height [m]", perhaps "restitution", perhaps "longitude" and "latitude", for '
             'the hazard of each body\'s own site, and "soil_factor"',
             "--hazard CURVE": 'hazard curve (CSV): "pga [g],rate" or "pga [g],probability in 50 years", OpenQuake\'s '
             'hazard curves, or return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section '
             "[hazard]",
             "--site LONGITUDE": (
-                "site in a file of several places [degrees]; the nearest one up to 50 km away is taken, and told",
+                "site in a file of several places [degrees]; the nearest one within 50 km is taken",
                 {"nargs": 2, "type": float, "metavar": ("LONGITUDE", "LATITUDE")},
             ),
             "--soil-factor S": (
-                "by which the levels of a hazard on rock are multiplied; default: that of [hazard], 1",
+                "factor S on the levels of a hazard on rock; default: that of [hazard], 1",
                 {"type": float},
             ),
-            "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility",
-            "--limit-state STATE": "of a fragility; default: overturning",
-            "--years T": ("time for the probability; default: that of [hazard]", {"type": float}),
-            "--age YEARS": ("time for which the bodies have stood: does that contradict the hazard?", {"type": float}),
-            "--resamples N": ("draws for the bands of a fragility, 0 for none; default: 500", {"type": int}),
-            "-o --output TABLE": "write the table too (CSV), and of a fragility beside it TABLE_levels.csv, what each "
-            "range of levels contributes",
-            "--overwrite": "replace a file that exists",
+            "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility file",
+            "--limit-state STATE": "limit state of the fragility file; default: overturning",
+            "--years T": ("time [years] of the probability; default: that of [hazard]", {"type": float}),
+            "--age YEARS": (
+                "time that the bodies have survived: test whether it contradicts the hazard",
+                {"type": float},
+            ),
+            "--resamples N": ("resamples for the bands of a fragility file, 0 for none; default: 500", {"type": int}),
+            "-o --output TABLE": "also write the table (CSV) and, of a fragility file, TABLE_levels.csv with the "
+            "contribution "
+            "of each range of levels",
+            "--overwrite": "replace an existing file",
             "--quiet": QUIET,
         },
     ),

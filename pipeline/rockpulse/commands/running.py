@@ -14,7 +14,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from rockpulse.commands.terminal import compiling_told, progress_bars, tell
+from rockpulse.commands.terminal import progress_bars, tell
 from rockpulse.errors import ConfigError, Failure, alike
 from rockpulse.foreign_text import escaped
 
@@ -76,8 +76,7 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
             meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))
         if threading.current_thread() is threading.main_thread():  # only the main thread can handle signals
             meanwhile.callback(signal.signal, signal.SIGTERM, signal.signal(signal.SIGTERM, _end))
-        with compiling_told(args.quiet):
-            yield
+        yield
 
 
 @contextmanager
@@ -126,8 +125,8 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
     from rockpulse.views.text.left_out import rows_not_used
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
-    told = f"rockpulse: not one record could be {what}, nothing was written"
-    # If nothing failed, the records were too weak.
+    told = f"rockpulse: no record could be {what}, nothing was written"
+    # Where nothing failed, records that were too weak are why.
     weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
     why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))
     tell("\n".join(filter(None, (listed, f"{told}: {why}" if why else told))), sys.stderr)

@@ -5,7 +5,7 @@ import math
 
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.shared_options import QUIET
-from rockpulse.commands.terminal import compiling_told, tell
+from rockpulse.commands.terminal import tell
 
 #: Columns of the table and their widths.
 HEADS = {"case": -32, "kind": -13, "verdict": -10, "peak": 8, "error": 8, "bound": 6, "ns": 6}
@@ -13,10 +13,9 @@ HEADS |= {"solve_ivp: error": 17, "ns ": 9}
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.studies.selftest.selftest import stored_cases, tried
+    from rockpulse.studies.selftest.selftest import solve_case, stored_cases
 
-    with compiling_told(args.quiet):
-        found = [tried(case) for case in stored_cases()]
+    found = [solve_case(case) for case in stored_cases()]
     failed = [one for one in found if not one.passed]
     if not args.quiet:
         tell(_line(list(HEADS)))

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from rockpulse.storage.export.row_selection import RowSelection
 
 
-#: Help text of --quiet.
-QUIET = "print nothing but one line on what failed"
+#: What --quiet does.
+QUIET = "print only one line on what failed"
 
 #: Options for properties that a file may not state.
 READING: Options = {
     "--units UNIT": 'unit of files that do not state theirs: "g", "cm/s2", ...',
-    "--dt SECONDS": ("sampling interval of columns without times, in s; such as 0.01", {"type": float}),
+    "--dt SECONDS": ("sampling interval [s] of columns without times, such as 0.01", {"type": float}),
 }
 
 
@@ -31,16 +31,15 @@ def from_records(output: str) -> Options:
     return {
         "PATHS": ("files, folders, zips or globs; they replace the paths of the configuration", {"nargs": "*"}),
         f"-o --output {output} !": "file to write (HDF5)",
-        "--config FILE": "configuration (TOML) on the template of rockpulse init-config; default: every key as there, "
-        "no blocks",
-        "--block NAME=WIDTHxHEIGHT ...": "a block by its full width and height in m, beside those of the "
+        "--config FILE": "configuration (TOML), see rockpulse init-config; default: the default of every key, no "
+        "bodies",
+        "--block NAME=WIDTHxHEIGHT ...": "a body by its full width and height in m, in addition to those of the "
         "configuration; repeatable",
-        "--confirm-size": "take a --block that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than "
-        "high",
+        "--confirm-size": "accept a --block larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
         **READING,
-        "--confirm PATTERN ...": "a peak above 5 g is right in channels of this id, which fail without; * and ? stand "
-        "for any letters; repeatable",
-        "--overwrite": "replace results that exist; never any other file",
+        "--confirm PATTERN ...": "accept a peak above 5 g, a defect or a twin that differs in channels with this id "
+        "(* and ? are wildcards), which fail otherwise; repeatable",
+        "--overwrite": "replace an existing results file; never another file",
         "--quiet": QUIET,
     }
 
@@ -61,18 +60,17 @@ BATCH: tuple[Options, ...] = (
     Either(
         {
             "--workers N": (
-                'processes: a number, or "all" (one a core, none where files are few); default: [run] workers, by '
-                'default "all"',
+                'number of worker processes, or "all" (one per core; none for few files); default: [run] workers',
                 {"type": _workers},
             ),
-            "--scheduler ADDRESS": "let this dask.distributed cluster work, such as tcp://10.0.0.1:8786",
+            "--scheduler ADDRESS": "run on this dask.distributed cluster, such as tcp://10.0.0.1:8786",
         }
     ),
     {
-        "--resume": "go on with a run that was stopped, or begin",
-        "--strict": "stop at the first file or record that fails, also while the files are read; nothing is written to "
-        "the output then, and --resume goes on with what was finished",
-        "--log-file FILE": "add what happens, with its time, to the end of this file",
+        "--resume": "continue a run that was stopped, or start one",
+        "--strict": "stop at the first file or record that fails and write no output; --resume continues with what was "
+        "finished",
+        "--log-file FILE": "append a log with times to this file",
     },
 )
 
@@ -87,13 +85,14 @@ def parse_count(words: str) -> int:
 
 #: Options that select a part of results, for a verb with its own ``--record`` and ``--block``.
 SELECTION: Options = {
-    "--model NAME ...": "only this model; * and ? stand for any letters; repeatable",
+    "--model NAME ...": "only this model (* and ? are wildcards); repeatable",
     "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
-    "--where CONDITION ...": "only where a variable, or a column of the tables, is so: 'factor_10 < 1', 'SF < 1', 'P > "
-    "0.5', 'source = *.AT2'; repeatable, all have to hold",
-    "--sort VARIABLE": "by this variable or column, smallest first; what is not known last",
+    "--where CONDITION ...": "only where a variable or a column of the tables meets a condition: 'factor_10 < 1', "
+    "'SF < "
+    "1', 'P > 0.5', 'source = *.AT2'; repeatable, all must hold",
+    "--sort VARIABLE": "sort by this variable or column, smallest first, unknown values last",
     "--descending": "with --sort: largest first",
-    "--limit N": ("at most so many rows", {"type": parse_count}),
+    "--limit N": ("at most N rows", {"type": parse_count}),
 }
 
 
@@ -102,7 +101,7 @@ def read_selection(args: argparse.Namespace) -> RowSelection:
     from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
-        raise ResultsError("--descending goes with --sort VARIABLE")
+        raise ResultsError("--descending: expected --sort VARIABLE beside it, found none; add --sort VARIABLE")
     names = {dim: tuple(getattr(args, dim)) for dim in ("record", "block", "model") if getattr(args, dim)}
     conditions = [Condition.parse(words) for words in args.where]
     if args.outcome:
@@ -117,9 +116,9 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
     records = settings or RecordSettings()
     if args.units is not None:
-        canonical_unit(args.units, "option --units")
+        canonical_unit(args.units, "--units")
     elif records.units is not None:
-        canonical_unit(records.units, f"option [records] units of {args.config}")
+        canonical_unit(records.units, f"{args.config}: [records] units")
     try:
         return records.for_all(args.units, args.dt)
     except ConfigError as error:
@@ -149,7 +148,10 @@ def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
     config = configured(args)
     paths = args.paths or [str(path) for path in config.record_paths()]
     if not paths:
-        raise ConfigError("no records: name files, folders, zips or globs, or give paths in the [records] section")
+        raise ConfigError(
+            "no records: expected files, folders, zips or globs on the command line, or [records] paths in the "
+            "configuration"
+        )
     where = tuple(str(located(path, Path.cwd())) for path in paths)
     records = reading_options(args, config.records)
     confirm = tuple(dict.fromkeys((*records.confirm, *args.confirm)))

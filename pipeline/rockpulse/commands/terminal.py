@@ -2,6 +2,7 @@
 
 import argparse
 import errno
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -20,17 +21,14 @@ def tell(text: str, file: TextIO | None = None) -> None:
     try:
         print(escaped(text), file=file, flush=True)
     except BrokenPipeError:
-        forsake(file)
+        discard_output(file)
 
 
-def forsake(file: TextIO) -> None:
+def discard_output(file: TextIO) -> None:
     """Discard all further text to standard output or standard error."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, file.fileno())
     os.close(nowhere)
-
-
-COMPILING = "rockpulse: compiling the kernels, once (about 20 s); later runs load them"
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
@@ -42,39 +40,49 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
     return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": 80, "nrows": 24}))
 
 
+class _KernelLines(logging.Handler):
+    """Print the warnings of the kernel cache above a progress bar, and the start of a compilation on terminals only."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print the line of a record."""
+        from tqdm import tqdm
+
+        if record.levelno >= logging.WARNING or sys.stderr.isatty():
+            with tqdm.external_write_mode(file=sys.stderr):
+                tell(f"rockpulse: {record.getMessage()}", sys.stderr)
+
+
 @contextmanager
-def compiling_told(quiet: bool) -> Iterator[None]:
-    """Context manager that announces on a terminal the first kernel that is compiled, not one loaded from the cache."""
-    if quiet or not sys.stderr.isatty():
+def kernel_messages(quiet: bool) -> Iterator[None]:
+    """Context manager that prints the messages of the kernel cache on standard error, unless `quiet`."""
+    logger, handler = logging.getLogger("rockpulse.kernels"), _KernelLines()
+    if not quiet:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
         yield
-        return
-    from numba.core.event import Event, Listener, install_listener
-    from tqdm import tqdm
-
-    class Told(Listener):
-        told = False
-
-        def on_start(self, event: Event) -> None:
-            if not self.told:
-                self.told = True
-                tqdm.write(COMPILING, file=sys.stderr)  # above an existing bar
-
-        def on_end(self, event: Event) -> None:
-            pass
-
-    with install_listener("numba:compile", Told()):
-        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(logging.NOTSET)
 
 
 #: Command that makes a missing file, by the argument that names the file.
 MISSING = {
-    "config": "rockpulse init-config -o FILE writes one to fill in",
+    "config": "rockpulse init-config -o {file} writes one to fill in",
     "sequence": "rockpulse calibrate writes one",
     "site": "rockpulse calibrate writes one",
     "fragility": "rockpulse fragility writes one",
     "results": "rockpulse assess writes one",
     "first": "rockpulse assess writes one",
     "second": "rockpulse assess writes one",
+}
+
+#: Advice on a fault of a file, by the numbers of the error.
+ADVICE = {
+    (errno.ENOSPC, errno.EDQUOT): "; make room there, or choose another folder",
+    (errno.EACCES, errno.EPERM, errno.EROFS): "; check the permissions, or choose another folder",
+    (errno.ENAMETOOLONG,): "; choose a shorter name: most file systems take 255 bytes",
+    (errno.EAGAIN, errno.EBUSY, errno.ETXTBSY): "; another program holds the file: close it there, or wait",
 }
 
 #: Arguments that name results to read.
@@ -95,18 +103,21 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
     path = Path(shown).absolute()
     named = [name for name, value in vars(args).items() if isinstance(value, str) and Path(value).absolute() == path]
     option = named[0] if named else ""
+    path_given = getattr(args, option) if option else shown
     if option:
-        shown = getattr(args, option)
+        shown = path_given
         shown = shown if option in BARE else f"--{option.replace('_', '-')} {shown}"
     if error.errno == errno.EISDIR:
         return f"{shown}: expected a file, found a folder"
     if error.errno not in (errno.ENOENT, errno.ENOTDIR):
-        return f"{shown}: {error.strerror or error}"
+        advice = next((text for numbers, text in ADVICE.items() if error.errno in numbers), "")
+        return f"{shown}: {error.strerror or error}{advice}"
     if not path.parent.is_dir():
         return f"{shown}: there is no folder {path.parent}; check the path, or create it first"
     if option in WRITTEN:
         return f"{shown}: cannot be written ({error.strerror}); choose another folder"
-    return f"{shown}: no such file; check the path{f' ({MISSING[option]})' if option in MISSING else ''}"
+    command = f" ({MISSING[option].format(file=path_given)})" if option in MISSING else ""
+    return f"{shown}: no such file; check the path{command}"
 
 
 def differing_results(args: argparse.Namespace) -> str:

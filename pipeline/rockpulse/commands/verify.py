@@ -33,16 +33,16 @@ VERB = Verb(
     name="verify",
     summary="check that a results file and its inputs are unchanged",
     description="Compare every variable and all attributes of a results file with the checksums stored when it was "
-    "written, the file with its schema, and the record files with the SHA-256 of what was read. Exit code 0: all as it "
-    "was, 1: something differs, 2: no results file, or one that cannot be opened.",
+    "written, the file with its schema, and the record files with the SHA-256 of what was read. Exit code 0: "
+    "unchanged, 1: something differs, 2: not a results file, or one that cannot be opened.",
     options=(
         {
-            "RESULTS": "file that rockpulse wrote, of any verb",
+            "RESULTS": "results file of any verb",
             "--inputs": (
-                "read the record files again as well, as far as they are where they were; default: yes",
+                "also read the record files again, if they are still in place; default: yes",
                 {"action": argparse.BooleanOptionalAction, "default": True},
             ),
-            "--quiet": "print nothing but what differs",
+            "--quiet": "print only what differs",
         },
     ),
     run=_run,

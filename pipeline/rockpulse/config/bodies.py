@@ -112,9 +112,7 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
         given |= dict(zip(own, [one, *(replace(one, friction=part.friction) for part in one.pedestals)], strict=True))
         alone |= {name: one.name for name in own if name != one.name}
     if not named:
-        raise ConfigError(
-            "no block to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT"
-        )
+        raise ConfigError("no body to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT")
     lengths = {name: block.shape[0] for name, block in named.items() if block.shape}
     if len(set(lengths.values())) > 1:
         raise ConfigError(f"restitution: expected lists of one length in all blocks, found {lengths}")
@@ -128,7 +126,7 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
                 f'block "{name}": its lanes may differ in restitution only; give other sizes another name'
             )
 
-    facing, azimuth = _told(given, named, "facing"), _told(given, named, "azimuth")
+    facing, azimuth = _values_of_key(given, named, "facing"), _values_of_key(given, named, "azimuth")
     return Bodies(
         names=tuple(named),
         lanes=Block.stack([block.lanes(cases) for block in named.values()]),
@@ -137,7 +135,7 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
         height=np.array([np.max(block.height) for block in named.values()]),
         facing=facing,
         azimuth=np.where(np.isnan(azimuth), facing, azimuth),
-        friction=_told(given, named, "friction"),
+        friction=_values_of_key(given, named, "friction"),
         floors=tuple(given[name].floors if name in given else () for name in named),
         pedestal_of=tuple(alone.get(name, "") for name in named),
         warnings=tuple(
@@ -147,14 +145,14 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
     )
 
 
-def refuse_aloft(bodies: Bodies, why: str) -> None:
+def refuse_floors(bodies: Bodies, why: str) -> None:
     """Raise ConfigError with the reason `why` if a body stands on a floor."""
     names = [name for name, floors in zip(bodies.names, bodies.floors, strict=True) if floors]
     if names:
         raise ConfigError(f"[[block.floor]] of {', '.join(names)}: {why}; leave such bodies out, or their floors")
 
 
-def _told(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
+def _values_of_key(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
     """Return the value of a key for each body; NaN if it was not given or the body is a Block."""
     values = [given[name][key] if name in given else None for name in named]
     return np.array([np.nan if value is None else value for value in values], dtype=float)

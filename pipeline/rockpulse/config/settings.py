@@ -42,8 +42,8 @@ class SiteSettings(Section):
 class RecordSettings(Section):
     """The records to read, their unit if the file does not state it, and the stored part of them.
 
-    `confirm` has patterns of the ids of channels whose peak above 5 g is correct; `files` has units and intervals of
-    single files, in TOML [[records.file]].
+    `confirm` holds patterns of the ids of channels that are right in spite of a doubt (a peak above 5 g, a defect, a
+    twin that differs); `files` the units and intervals of some files only, in TOML [[records.file]].
 
     The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, 45 degrees for a
     façade that faces north-east. 45 and 225 are the same for a body that rocks to both sides.

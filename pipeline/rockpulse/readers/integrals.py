@@ -11,6 +11,7 @@ from rockpulse.errors import Failure
 from rockpulse.record.record import Record
 
 _POINTS, _FEWEST = 128, 50  # samples at which two files are compared, and fewest samples of a file
+_BLOCK = 64  # files that are compared with all others at once
 _ALIKE = 0.98  # correlation of the slope of one file with the values of another at which it is its integral
 
 
@@ -48,17 +49,23 @@ def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Fai
 
 def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
     """A row for each record whose slopes are the values of another one, by its identity."""
-    values, slopes = (np.array([getattr(one, name) for one in group]) for name in ("values", "slopes"))
-    centred = [table - table.mean(axis=1, keepdims=True) for table in (slopes, values)]
-    with np.errstate(all="ignore"):
-        unit = [table / np.linalg.norm(table, axis=1, keepdims=True) for table in centred]
-        alike = np.nan_to_num(unit[0] @ unit[1].T)
-    np.fill_diagonal(alike, 0.0)
+    values, slopes = (_unit_vectors(np.array([getattr(one, name) for one in group])) for name in ("values", "slopes"))
     rows = {}
     for place, record in enumerate(group):
-        other = int(np.argmax(alike[place]))
-        if alike[place, other] > _ALIKE and alike[other, place] <= _ALIKE:
-            told = f"no acceleration: its derivative are the samples of {PurePath(group[other].source).name}"
+        if place % _BLOCK == 0:
+            block = slopes[place : place + _BLOCK] @ values.T
+        alike = block[place % _BLOCK]
+        alike[place] = 0.0
+        other = int(np.argmax(alike))
+        if alike[other] > _ALIKE and slopes[other] @ values[place] <= _ALIKE:
+            told = f"no acceleration: its derivative is {PurePath(group[other].source).name}"
             reason = f"{record.source}: {told}, so it holds a velocity or a displacement; name the files by their kind"
             rows[id(record)] = Failure(record.source, "read", reason, "skipped")
     return rows
+
+
+def _unit_vectors(table: np.ndarray) -> np.ndarray:
+    """The rows (n, m) without their means, of length 1; zero where they are constant."""
+    centred = table - table.mean(axis=1, keepdims=True)
+    size = np.linalg.norm(centred, axis=1, keepdims=True)
+    return np.divide(centred, size, out=np.zeros_like(centred), where=size > 0.0)

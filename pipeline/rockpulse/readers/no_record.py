@@ -20,7 +20,7 @@ _SEARCH_RESULTS = "_searchresults"
 #: Suffixes of pictures, documents, maps and programs; of .log and .ini files the content decides, as of texts.
 _SUFFIXES = (
     ".avi .bib .bmp .cpg .db .dbf .dll .doc .docx .eps .exe .gif .heic .htm .html .ipynb .jpeg .jpg .kml .kmz .lnk .md "
-    ".mov .mp4 .odt .pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
+    ".mov .mp4 .odt .parquet .pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
 )
 _DOCUMENTS = frozenset(_SUFFIXES.split())
 #: Beginnings of files that hold no record whatever they are called: pictures, documents, programs, data bases, logs
@@ -34,7 +34,8 @@ _SEARCH_LINE = b"-- Summary of Metadata of Selected Records"
 #: First two headings of the tables that the program writes (``rockpulse export``) or takes (events, weights). One
 #: word alone would not do: a series may be headed "event,NS,EW".
 _OWN_TABLE = re.compile(
-    rb"(?:\xef\xbb\xbf)?(?:record[,;] *(?:block|case|model|demand|source|event|weight)|(?:event|weight)[,;] *record|"
+    rb"(?:\xef\xbb\xbf)?(?:record[,;] *(?:block|case|model|demand|source|event|weight|wave|sample|rotation|pair|"
+    rb"direction|half_cycle)|(?:event|weight)[,;] *record|"
     rb"block[,;] *(?:case|model|demand|limit_state|measure|width)|pair[,;] *(?:direction|block|case|model|pga_median)|"
     rb"file[,;] *stage)\b",
     re.IGNORECASE,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import ConfigError
+from rockpulse.record.defects import DRIFT, checked, slow_velocity
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
@@ -106,7 +107,7 @@ def condition(
     ([0.0, -1.0, 1.0, 0.0], ('baseline: mean of all samples, 2 m/s2, subtracted',))
     """
     _check(record, baseline, highpass_hz, lowpass_hz, order, taper_s, resample_s, pre_event_s)
-    record = BASELINES[baseline](record, pre_event_s)
+    record = BASELINES[baseline](checked(record), pre_event_s)
     corner, unfiltered = highpass_hz or lowpass_hz, record
     if taper_s is None:
         taper_s = 0.0 if corner is None else min(1.0 / corner, TAPER_SHARE * record.duration)
@@ -116,7 +117,7 @@ def condition(
         record = _filter(record, highpass_hz, lowpass_hz, order, unfiltered)
     if resample_s is not None and not math.isclose(resample_s, record.dt, rel_tol=1e-9):
         record = _resample(record, resample_s)
-    return _watched(record)
+    return replace(_watched(record), stage="conditioned")
 
 
 def _check(
@@ -170,8 +171,9 @@ def _watched(record: Record) -> Record:
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
     record = record if warnings == record.warnings else replace(record, warnings=warnings)
-    drifts = abs(final) > DRIFT_SHARE * peak
-    return _warned(record, WarningText("baseline_drift", velocity=final, pgv=peak)) if drifts else record
+    slow, rest = slow_velocity(record.acceleration, record.dt)
+    drifts = abs(final) > DRIFT_SHARE * peak or slow > DRIFT * rest
+    return _warned(record, WarningText("baseline_drift", velocity=final, slow=slow, pgv=peak)) if drifts else record
 
 
 def _warned(record: Record, warning: WarningText) -> Record:

@@ -173,7 +173,7 @@ _TABLE = (
         "uplift_ratio",
         "PGA/(g tan alpha_c)",
         lambda on: on.record.pga / on.lifting,
-        heading="a/a_up",
+        heading="uplift ratio",
         stored="",
         explanation="over `uplift_acceleration`; of a body on a floor the PGA is the floor's",
     ),

@@ -24,10 +24,22 @@ BETWEEN = "; "
 STRONGEST = 1e9
 #: Fields whose texts many records of a batch have in common.
 SHARED = frozenset(
-    ("network", "channel", "component", "orientation", "format", "source_unit", "event", "event_id", "magnitude_type")
+    (
+        "network",
+        "channel",
+        "component",
+        "orientation",
+        "format",
+        "source_unit",
+        "event",
+        "event_id",
+        "magnitude_type",
+        "stage",
+    )
 )
 
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
+Stage = Literal["read", "checked", "conditioned"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -81,6 +93,10 @@ class Record(Shown):
         Time-averaged velocity of shear waves in the upper 30 m [m/s], NaN where unknown, and class of the ground.
     sensor_depth : float
         Depth of the sensor below the ground [m]; NaN where the file does not state it.
+    stage : {"read", "checked", "conditioned"}
+        How far it has come: its samples are checked for defects once, and it is conditioned for a verdict once.
+    outline : tuple of float
+        What :func:`outline_of` returns, of a record that has its samples no more; else empty.
 
     Examples
     --------
@@ -123,6 +139,8 @@ class Record(Shown):
     vs30: float = float("nan")
     site_class: str = ""
     sensor_depth: float = float("nan")
+    stage: Stage = "read"
+    outline: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         where = self.source or self.id
@@ -158,7 +176,7 @@ class Record(Shown):
 
     def without_samples(self) -> "Record":
         """The same record with zeros that take no memory in place of its samples."""
-        return replace(self, acceleration=np.broadcast_to(0.0, self.npts))
+        return replace(self, acceleration=np.broadcast_to(0.0, self.npts), outline=outline_of(self))
 
     def with_warning(self, warning: str) -> "Record":
         """The same record with one more warning."""
@@ -211,6 +229,19 @@ class Record(Shown):
         picture.words(f"{self.pga:.3g} m/s2", 0.0, reach, "start")
         picture.words(f"{end:.4g} s", end, -reach, "end")
         return picture
+
+
+def outline_of(record: Record) -> tuple[float, ...]:
+    """Number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % of the energy [s]; empty if flat."""
+    if _spread(record.acceleration):
+        return record.outline if record.outline[:1] == (record.npts,) else ()
+    if not np.ptp(record.acceleration):
+        return ()
+    about = record.acceleration - np.mean(record.acceleration)
+    peak = float(np.max(np.abs(about)))
+    energy = np.cumsum(about**2)
+    times = np.searchsorted(energy, energy[-1] * np.array((0.05, 0.25, 0.5, 0.75, 0.95))) * record.dt
+    return (record.npts, peak, *times.tolist())
 
 
 def _restored(kind: type[Record], values: list[Any]) -> Record:

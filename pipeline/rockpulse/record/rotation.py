@@ -20,6 +20,7 @@ import numpy as np
 from rockpulse.errors import RecordRefused
 from rockpulse.record.components import Pair, offset
 from rockpulse.record.conditioning import QUIET_LENGTH, condition, quiet_samples
+from rockpulse.record.defects import checked
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.warning_text import WarningText, code_of, has_warning
@@ -87,6 +88,7 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         source_unit=first.source_unit if same_unit else "",
         unit_factor=first.unit_factor if same_unit else float("nan"),
         header_peak=float("nan"),
+        stage="checked",  # the defects are those of the channels
         # Whether the velocity drifts is a matter of the direction.
         warnings=tuple(
             text for text in _of_both(first, second, "warnings") if not has_warning(code_of(text), "baseline_drift")
@@ -251,12 +253,15 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
             f"{pair.first.id}, {pair.second.id}: one of them is a corrected volume and the other is not; "
             "take both channels from one volume"
         )
-    cut = Pair(_cut(pair.first, pair.second), _cut(pair.second, pair.first))
+    first, second = map(checked, pair.channels)
+    cut = Pair(_cut(first, second), _cut(second, first))
+    if all(channel.stage == "conditioned" for channel in pair.channels):
+        return Pair(*_same_samples(*cut.channels))
     options, note = _with_common_window(cut, options)
     noted = [channel.with_note(note) if note else channel for channel in cut.channels]
     if pair.first.source != pair.second.source and None in (pair.first.start_time, pair.second.start_time):
         noted = [channel.with_warning(WarningText("start_assumed")) for channel in noted]
-    first, second = (condition(channel, **options) for channel in noted)
+    first, second = (channel if channel.stage == "conditioned" else condition(channel, **options) for channel in noted)
     if not math.isclose(first.dt, second.dt, rel_tol=1e-9):
         raise RecordRefused(
             f"{first.id}, {second.id}: expected one sampling interval, found {first.dt:g} and {second.dt:g} s; "

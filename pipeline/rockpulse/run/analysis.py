@@ -24,9 +24,10 @@ from rockpulse.selection.directions import (
     VerticalRefused,
     conditioned_motions,
     plan_motions,
-    unconfirmed_peaks,
+    unconfirmed_channels,
 )
 from rockpulse.selection.events import event_table, events_by_id
+from rockpulse.selection.twins import clock_twin
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 __all__ = ["Analysis", "Blocks", "Part", "Plan", "Records", "Watch", "Work", "joined", "run", "worked"]
@@ -70,7 +71,7 @@ class Analysis(ABC):
 
     @property
     @abstractmethod
-    def nothing(self) -> Part:
+    def empty_part(self) -> Part:
         """Return every array of a part, and the earthquake, with their types and shapes and zero rows."""
 
     @abstractmethod
@@ -95,8 +96,8 @@ class Analysis(ABC):
         unmatched = unmatched_patterns(
             "[records] confirm", self.config.records.confirm, [record.id for record in every], rows
         )
-        selected, duplicates = one_vote_each(every, self.config.records, rows)
-        planned, left_out = plan_motions(selected, self.config)
+        selected, duplicates, twins = one_vote_each(every, self.config.records, rows)
+        planned, left_out = plan_motions(selected, self.config, twins)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
         return Plan(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
 
@@ -106,7 +107,7 @@ class Analysis(ABC):
 
     def fits(self, part: Part) -> bool:
         """Whether arrays have the names, types and shapes of a part of this analysis."""
-        expected = {name: array for name, array in self.nothing.items() if name != self.event_name}
+        expected = {name: array for name, array in self.empty_part.items() if name != self.event_name}
         if part.keys() != expected.keys():
             return False
         lengths: dict[str, set[int]] = defaultdict(set)
@@ -169,6 +170,10 @@ def worked(
     """Yield the part of every record of a channel or pair, or a failure for each channel that is not used."""
     try:
         with watch("condition"):
+            copies = clock_twin(planned.channels, planned.comparisons, config.records.confirm, "select")
+            if copies:
+                yield from copies
+                return
             motions = conditioned_motions(planned, config)
     except VerticalRefused as error:
         refused = [channel for channel in (planned.vertical, *planned.channels) if channel is not None]
@@ -183,7 +188,7 @@ def worked(
         yield from (Failure(channel.source, "rotate", str(error), "failed") for channel in planned.channels)
         return
     with watch("condition"):
-        doubtful = unconfirmed_peaks(planned, motions, config, stage)
+        doubtful = unconfirmed_channels(planned, motions, config, stage)
     if doubtful:
         yield from doubtful
         return

@@ -112,7 +112,7 @@ def assemble(
     check_described(template, path)
     attrs = provenance(template.attrs) | dict(run or {})
     with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
-        _lay_out(writer, template, lengths, failures, len(pairs))
+        _create_variables(writer, template, lengths, failures, len(pairs))
         _write_parts(writer, parts, chunk)
         if directions is not None:
             _write_directions(writer, directions, pairs, records, chunk)
@@ -141,7 +141,7 @@ def _stored_bytes(values: np.ndarray) -> int:
     return sum(PER_TEXT + len(text.encode("utf-8", "surrogateescape")) for text in values.ravel().tolist())
 
 
-def _lay_out(
+def _create_variables(
     writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
 ) -> None:
     """Create every variable in its full size, and write those that do not grow."""

@@ -2,11 +2,13 @@
 
 import logging
 import os
+import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rocking.lanes import available_cores, thread_limit
 from rockpulse.assessment.assessment import Assessment
@@ -15,12 +17,12 @@ from rockpulse.errors import Failure, RecordRefused, ResultsError, StoppedAtFail
 from rockpulse.readers.folders import Found, check_patterns, find_files
 from rockpulse.run.analysis import Analysis
 from rockpulse.run.assembly import JournalParts, run_of, write_results
-from rockpulse.run.crew import Crew, WorkerLost
 from rockpulse.run.frames import unpack
-from rockpulse.run.journal import UNFINISHED, Journal, journal_path
-from rockpulse.run.options import BatchOptions, BatchReport, Interrupted
+from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
+from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
 from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
+from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 logger = logging.getLogger("rockpulse")
@@ -70,7 +72,7 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
     >>> rp.load("batch.h5").rockpulse
     <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
-    return _Batch(Assessment(config), output, options or BatchOptions()).carried_out(paths)
+    return _Batch(Assessment(config), output, options or BatchOptions()).run(paths)
 
 
 def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
@@ -86,7 +88,7 @@ def calibrate_files(paths: Paths, config: Config, output: PathLike, options: Bat
     # Imports scipy.stats, which would add a third to the start time of a worker.
     from rockpulse.studies.site.calibration import SiteCalibration
 
-    return _Batch(SiteCalibration(config), output, options or BatchOptions()).carried_out(paths)
+    return _Batch(SiteCalibration(config), output, options or BatchOptions()).run(paths)
 
 
 def fragility_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
@@ -100,7 +102,7 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
     """
     from rockpulse.studies.fragility.fragility import FragilityAnalysis
 
-    return _Batch(FragilityAnalysis(config), output, options or BatchOptions()).carried_out(paths)
+    return _Batch(FragilityAnalysis(config), output, options or BatchOptions()).run(paths)
 
 
 class _Batch:
@@ -113,7 +115,7 @@ class _Batch:
         self.analysis, self.output, self.options = analysis, output, options
         self.report = BatchReport()
 
-    def carried_out(self, paths: Paths) -> BatchReport:
+    def run(self, paths: Paths) -> BatchReport:
         """Run the whole batch from the paths to the file."""
         output, options = self.output, self.options
         # A resumed run may find its own file, even finished.
@@ -130,7 +132,7 @@ class _Batch:
                 if self.worked(found, rows, resources):
                     return self.report
             except RecordRefused:  # the records give no design
-                self.leave_without_output()
+                self.drop_empty_journal()
                 raise
             except BaseException as error:
                 left = self.kept(strict=isinstance(error, StoppedAtFailure))
@@ -143,11 +145,11 @@ class _Batch:
                 raise
             report = self.report
             if not report.records:
-                self.leave_without_output()
+                self.drop_empty_journal()
             elif report.broken_off:
                 counted = "1 file or record" if report.broken_off == 1 else f"{report.broken_off} files or records"
                 again = f"the same command with --resume tries them again, for which {journal.path} is kept"
-                self.tell_all(f"{counted} broke off: {again}")
+                self.log_and_tell(f"{counted} broke off: {again}")
             else:
                 journal.remove()
         report.path = Path(output) if report.records else None
@@ -164,8 +166,8 @@ class _Batch:
         replace = options.overwrite or run_id == journal.run_id
         before = "" if replace else before
         check_target(output, replace or bool(before), analysis.kind)
-        crew = self.crew_for(len(found), resources)
-        every, rows, unread = self.surveyed(crew, found, rows)
+        pool = self.pool_for(len(found), resources)
+        every, rows, unread = self.surveyed(pool, found, rows)
         plan = analysis.plan([one.record for one in every], rows)
         self.tasks = tasks_of(plan.planned, every, analysis.config, analysis.name)
         del every  # the tasks contain all of it; this frees memory
@@ -183,7 +185,7 @@ class _Batch:
             self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(plan.failures))
             return True
         missing = self.missing()
-        self.work(self.crew_for(len(missing), resources, crew), missing)
+        self.work(self.pool_for(len(missing), resources, pool), missing)
         self.report.failures = [*plan.failures, *self.report.failures]
         keys = self.finished()
         self.report.broken_off = unread + len(self.tasks) - len(keys)
@@ -191,13 +193,13 @@ class _Batch:
         self.report.records = write_results(output, parts, plan, self.report.failures, replace, asked)
         return False
 
-    def crew_for(self, items: int, resources: ExitStack, before: Crew | None = None) -> Crew:
+    def pool_for(self, items: int, resources: ExitStack, before: WorkerPool | None = None) -> WorkerPool:
         """Return workers for a number of items, with compiled kernels; the workers `before` are kept if enough."""
         options = self.options
         if options.executor is not None:
-            return before or resources.enter_context(Crew.through(options.executor))
+            return before or resources.enter_context(WorkerPool.through(options.executor))
         if options.scheduler is not None:
-            return before or resources.enter_context(Crew.scheduler(options.scheduler))
+            return before or resources.enter_context(WorkerPool.scheduler(options.scheduler))
         workers = self.analysis.config.run.workers if options.workers is None else options.workers
         if workers == "all":
             workers = max(1, min(available_cores(), items // ITEMS_PER_WORKER))
@@ -206,21 +208,21 @@ class _Batch:
         if before is not None and before.size >= int(workers):
             return before
         if workers == 1:
-            return resources.enter_context(Crew.inline())
+            return resources.enter_context(WorkerPool.inline())
         resources.close()  # of the earlier workers
         warm_up(self.analysis)  # compile here once instead of in every worker
-        return resources.enter_context(Crew.local(int(workers)))
+        return resources.enter_context(WorkerPool.local(int(workers)))
 
     def surveyed(
-        self, crew: Crew, found: Sequence[Found], failures: Sequence[Failure]
+        self, pool: WorkerPool, found: Sequence[Found], failures: Sequence[Failure]
     ) -> tuple[list[Located], list[Failure], int]:
         """Return all channels without samples, the rows of failures, and the number of files that may be read again."""
         look = partial(survey_file, options=read_options(self.analysis.config))
         surveys, rows, unread = [], list(failures), 0
         self.stop_at(rows)
         logger.info("reading %d files", len(found))
-        with self.options.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
-            for one, survey in crew.run(look, found):
+        with self.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
+            for one, survey in pool.run(look, found):
                 if isinstance(survey, WorkerLost):
                     rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
                     unread += 1
@@ -247,7 +249,7 @@ class _Batch:
             results = f"the results of {some(damaged, 5)}" if damaged else ""
             places = f"what stood in {journal.gaps} place{'s' * (journal.gaps != 1)}" if journal.gaps else ""
             lost = " and ".join(filter(None, (results, places)))
-            self.tell_all(f"{journal.path} is damaged: {lost} cannot be used; what is missing is done again")
+            self.log_and_tell(f"{journal.path} is damaged: {lost} cannot be used; what is missing is done again")
         before = journal.finished()
         missing = [task for task in self.tasks if before.get(task.key) != task.fingerprint]
         resumed = self.report.resumed = len(self.tasks) - len(missing)
@@ -263,14 +265,14 @@ class _Batch:
             self.stop_at(rows.get(key, ()))
         return missing
 
-    def work(self, crew: Crew, missing: Sequence[Task]) -> None:
+    def work(self, pool: WorkerPool, missing: Sequence[Task]) -> None:
         """Execute the missing tasks and store them in the journal; a task whose worker dies is a row of failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
         lost: dict[str, list[Failure]] = {}
         total = len(self.tasks)
-        with self.options.bar(total=total, initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
-            for task, done in crew.run(work, missing):
+        with self.bar(total=total, initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
+            for task, done in pool.run(work, missing):
                 if isinstance(done, WorkerLost):
                     reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
                     lost[task.key] = [Failure(task.source, analysis.name, reason, "failed")]
@@ -294,7 +296,7 @@ class _Batch:
     def kept(self, strict: bool = False) -> str:
         """Return the message of a run that stops; remove a journal without finished records."""
         journal, every = self.journal, self.journal.complete
-        if not journal.in_place:
+        if not journal.is_current:
             return f"nothing is kept, for {journal.path} was removed while the run was at work"
         if not every:
             journal.remove()
@@ -307,18 +309,39 @@ class _Batch:
         past = ", past this failure without --strict" if strict else ""
         return f"{count} finished {are} kept in {journal.path}: the same command with --resume goes on from there{past}"
 
-    def leave_without_output(self) -> None:
+    def drop_empty_journal(self) -> None:
         """Remove the journal of a run that writes no file, unless it contains other records."""
         others = self.journal.complete - {task.key for task in self.tasks}
         if others:
             are = f"{self.journal.path} keeps {len(others)} finished records of other files"
-            self.tell_all(f"{are}: give --resume with the paths of these")
+            self.log_and_tell(f"{are}: give --resume with the paths of these")
         elif 0 < len(self.finished()) < len(self.tasks):
-            self.tell_all(self.kept())
+            self.log_and_tell(self.kept())
         else:
             self.journal.remove()
 
-    def tell_all(self, text: str) -> None:
+    @contextmanager
+    def bar(self, **about: Any) -> Iterator[Any]:
+        """Context manager of a progress bar; messages that would be printed between its updates follow its end."""
+        held: list[logging.LogRecord] = []
+
+        def hold(record: logging.LogRecord) -> bool:
+            if _is_printed():
+                held.append(record)
+                return False
+            return True
+
+        if self.options.bar is not no_bar:
+            logger.filters.insert(0, hold)
+        try:
+            with self.options.bar(**about) as bar:
+                yield bar
+        finally:
+            logger.removeFilter(hold)
+            for record in held:
+                logger.handle(record)
+
+    def log_and_tell(self, text: str) -> None:
         """Write a message to the log and to the user."""
         logger.warning("%s", text)
         self.options.tell(text)
@@ -337,6 +360,18 @@ def _is_part(packed: bytes, analysis: Analysis) -> bool:  # bytes with a correct
         return False
 
 
-def _log(messages: Iterable[tuple[int, str]]) -> None:
-    for level, text in messages:
-        logger.log(level, text)
+def _is_printed() -> bool:
+    """Whether messages of the logger appear on standard output or error."""
+    if not logger.hasHandlers():
+        return True  # Python's handler of last resort
+    place: logging.Logger | None = logger
+    while place is not None:
+        if any(getattr(handler, "stream", None) in (sys.stdout, sys.stderr) for handler in place.handlers):
+            return True
+        place = place.parent if place.propagate else None
+    return False
+
+
+def _log(messages: Iterable[Message]) -> None:
+    for name, level, text in messages:
+        logging.getLogger(name).log(level, "%s", text)

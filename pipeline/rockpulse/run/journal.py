@@ -76,6 +76,10 @@ def holder(path: Path) -> str:
     return "another process"
 
 
+#: A log line: name of the logger, level and text.
+Message = tuple[str, int, str]
+
+
 @dataclass(frozen=True)
 class Done:
     """The result of a task."""
@@ -84,7 +88,7 @@ class Done:
     fingerprint: str  # fingerprint of the task, or UNFINISHED
     parts: tuple[bytes, ...] = ()  # packed Part (rockpulse.run.analysis) of each record
     failures: tuple[Failure, ...] = ()  # a row for each failure; a single row for an aborted task
-    messages: tuple[tuple[int, str], ...] = ()  # level and text of every log line
+    messages: tuple[Message, ...] = ()  # every log line
     seconds: dict[str, float] = field(default_factory=dict)  # time of each step [s]
 
 
@@ -147,7 +151,7 @@ class Journal:
         return journal
 
     @property
-    def in_place(self) -> bool:
+    def is_current(self) -> bool:
         """Whether the path still refers to the opened file."""
         return _identity_of(self.path) == self._identity
 
@@ -164,11 +168,11 @@ class Journal:
 
     def remove(self) -> None:
         """Close the file and remove it, unless another file has replaced it."""
-        in_place = self.in_place
-        if in_place and os.name == "posix":  # before another run can get the lock
+        is_current = self.is_current
+        if is_current and os.name == "posix":  # before another run can get the lock
             self.path.unlink(missing_ok=True)
         self._file.close()
-        if in_place and os.name != "posix":  # an open file cannot be removed
+        if is_current and os.name != "posix":  # an open file cannot be removed
             self.path.unlink(missing_ok=True)
 
     def finished(self) -> dict[str, str]:
@@ -182,7 +186,7 @@ class Journal:
 
     def add(self, done: Done) -> None:
         """Store the result of a task durably, replacing an earlier one; JournalError if it cannot be written."""
-        if not self.in_place:
+        if not self.is_current:
             raise JournalError(
                 f"{self.path}: the journal was removed while the run was at work, and what was finished with it; begin "
                 "anew"

@@ -17,6 +17,11 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a batch; the message says what is kept and how to continue."""
 
 
+def no_bar(**_: Any) -> AbstractContextManager[Any]:
+    """Return a progress bar that shows nothing."""
+    return nullcontext(SimpleNamespace(update=int))
+
+
 @dataclass(frozen=True)
 class BatchOptions:
     """Options of a batch; the results do not depend on them.
@@ -59,7 +64,7 @@ class BatchOptions:
     overwrite: bool = False
     strict: bool = False
     written: tuple[str | os.PathLike[str], ...] = ()
-    bar: Callable[..., AbstractContextManager[Any]] = lambda **_: nullcontext(SimpleNamespace(update=int))
+    bar: Callable[..., AbstractContextManager[Any]] = no_bar
     tell: Callable[[str], object] = str
 
 

@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
 import threading
 import traceback
 from collections.abc import Callable
@@ -140,6 +141,11 @@ class WorkerProcesses(ThreadPoolExecutor):
                 return process, ours
             except (EOFError, OSError):
                 code = self._end(process, ours)
+            if code >= 0 and str(getattr(sys.modules["__main__"], "__file__", "")).endswith("<stdin>"):
+                raise ChildProcessError(
+                    "worker processes cannot be started by a script on standard input: write it to a file and run that "
+                    "file, or use one worker"
+                )
             if code >= 0:
                 raise ChildProcessError(
                     f"a worker process {_fate(code)} while it started; its own message is above. A script that starts "

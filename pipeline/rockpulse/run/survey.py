@@ -16,6 +16,7 @@ from rockpulse.readers.archive import Archive
 from rockpulse.readers.folders import Found, in_order, open_files, read_failure, read_opened, sample_digest, settled
 from rockpulse.readers.source import folder_station_files, open_source
 from rockpulse.record.record import Record
+from rockpulse.run.journal import Message
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +89,7 @@ class FileSurvey:
 
     located: tuple[Located, ...] = ()  # the channels in order
     failures: tuple[Failure, ...] = ()  # failures of the file or its members
-    messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
+    messages: tuple[Message, ...] = ()  # every log line
     broken_off: int = 0  # number of files and members to read again after an error of the file system or memory
 
 
@@ -96,14 +97,14 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
     """Read a file or every member of an archive without keeping samples; every error becomes a row of failures."""
     located: list[Located] = []
     failures: list[Failure] = []
-    messages: list[tuple[int, str]] = []
+    messages: list[Message] = []
     broken_off: list[str] = []
 
     def leave_out(name: str, fault: Exception) -> None:
         if isinstance(fault, MemoryError) or (isinstance(fault, OSError) and fault.errno is not None):
             broken_off.append(name)  # an OSError without a number concerns the content of the file
         if not isinstance(fault, RockpulseError | OSError):
-            messages.append((logging.ERROR, f"{name}: {traceback.format_exc()}"))
+            messages.append(("rockpulse", logging.ERROR, f"{name}: {traceback.format_exc()}"))
             fault = unexpected_fault(fault)
         failures.append(read_failure(found, name, fault))
 

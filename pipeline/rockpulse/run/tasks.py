@@ -16,6 +16,7 @@ import numpy as np
 
 import rocking
 from rocking.body.block import Block
+from rocking.kernel_cache import logger as kernel_logger
 from rocking.march.demand import ground_demand
 from rockpulse.config.configuration import SECTIONS, Config, located
 from rockpulse.config.settings import CalibrationSettings
@@ -24,7 +25,7 @@ from rockpulse.readers import ReadOptions
 from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.run.analysis import Analysis, Work, worked
 from rockpulse.run.frames import pack
-from rockpulse.run.journal import UNFINISHED, Done
+from rockpulse.run.journal import UNFINISHED, Done, Message
 from rockpulse.run.survey import Located, SamplesLocation, unexpected_fault
 from rockpulse.selection.directions import PlannedMotion, conditioned_motions
 from rockpulse.selection.tables import selection_of
@@ -69,7 +70,15 @@ class Task:
             None if one is None else Located(one, self.places[one.id]).read(options)
             for one in (planned.vertical, planned.partner)
         )
-        return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner)
+        comparisons = tuple(
+            replace(
+                one,
+                other=Located(one.other, self.places[one.other.id]).read(options),
+                beside=tuple(Located(each, self.places[each.id]).read(options) for each in one.beside),
+            )
+            for one in planned.comparisons
+        )
+        return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner, comparisons=comparisons)
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
@@ -78,7 +87,8 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
     tasks = []
     for one in planned:
-        acting = [record for record in (*one.channels, one.vertical, one.partner) if record is not None]
+        compared = [record for comparison in one.comparisons for record in comparison.records]
+        acting = [record for record in (*one.channels, one.vertical, one.partner, *compared) if record is not None]
         told = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
@@ -167,7 +177,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
     parts: list[bytes] = []
     failures: list[Failure] = []
     at, fingerprint = "read", task.fingerprint
-    with _heard() as messages:
+    with _log_lines() as messages:
         try:
             with watch("read"):
                 planned = task.read(read_options(config))
@@ -180,7 +190,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
                         parts.append(pack(outcome))
         except Exception as fault:
             if not isinstance(fault, RockpulseError | OSError):
-                messages.append((logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
+                messages.append(("rockpulse", logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
                 fault = unexpected_fault(fault)
             fingerprint, parts = UNFINISHED, []
             failures = [Failure(task.source, at, f"{task.key}: {fault}", "failed")]
@@ -188,23 +198,25 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
 
 @contextmanager
-def _heard() -> Iterator[list[tuple[int, str]]]:
-    """Collect level and text of the log lines of this thread, which the parent process writes."""
-    messages: list[tuple[int, str]] = []
+def _log_lines() -> Iterator[list[Message]]:
+    """Collect the log lines of this thread, which the parent process writes, without the start of a compilation."""
+    messages: list[Message] = []
     thread = get_ident()
 
     def take(record: logging.LogRecord) -> bool:
-        if record.thread != thread:
+        if record.thread != thread or (record.name == kernel_logger.name and record.levelno < logging.WARNING):
             return True
-        messages.append((record.levelno, record.getMessage()))
+        messages.append((record.name, record.levelno, record.getMessage()))
         return False
 
-    logger = logging.getLogger("rockpulse")
-    logger.addFilter(take)
+    loggers = [logging.getLogger("rockpulse"), kernel_logger]
+    for logger in loggers:
+        logger.filters.insert(0, take)  # before the filter that lets a text pass once
     try:
         yield messages
     finally:
-        logger.removeFilter(take)
+        for logger in loggers:
+            logger.removeFilter(take)
 
 
 def warm_up(analysis: Analysis) -> None:

@@ -13,8 +13,17 @@ from rockpulse.errors import Failure, RecordRefused, RockpulseError
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G, odd_peak
 from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
 from rockpulse.record.conditioning import condition
+from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
+from rockpulse.selection.twins import (
+    Comparison,
+    clock_candidates,
+    compared,
+    component_comparisons,
+    partners,
+)
+from rockpulse.selection.votes import Twin
 from rockpulse.warning_text import WarningText
 
 logger = logging.getLogger("rockpulse")
@@ -34,6 +43,7 @@ class PlannedMotion:
     partner: Record | None = None  # as read: the other channel of its pair, whose strength counts beside its own
     warnings: tuple[str, ...] = ()  # warnings for every motion that comes of it
     copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
+    comparisons: tuple[Comparison, ...] = ()  # other records that its channels are compared with
 
     @property
     def rotated(self) -> bool:
@@ -65,7 +75,9 @@ class VerticalRefused(RecordRefused):
     """The vertical channel that acts with a motion cannot be conditioned."""
 
 
-def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
+def plan_motions(
+    records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
+) -> tuple[list[PlannedMotion], list[Failure]]:
     """The channels and pairs that section [records] asks for, in order, and a row for each other channel.
 
     A channel within :data:`FACING_WITHIN` of the azimuth asked for needs no partner; if there is a demand it gets it.
@@ -88,6 +100,7 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
         place = {id(record): number for number, record in enumerate(horizontal)}
         planned += [one for one in facing if one is not None]
         planned.sort(key=lambda one: place[id(one.channels[0])])
+    planned = _with_comparisons(planned, horizontal, twins)
     if config.demands:
         planned = _with_partners(planned, horizontal)
     if not config.records.include_vertical:
@@ -99,27 +112,33 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """The conditioned channel, or the pair in every direction asked for; RockpulseError if one is refused."""
     up = _conditioned_vertical(planned, config)
+    planned = replace(planned, channels=tuple(compared(planned.channels, planned.comparisons)), comparisons=())
     if not planned.rotated:  # with the warnings first: conditioning adds its own behind them
         warnings, partner = planned.warnings, None
         if planned.partner is not None:
             try:
-                partner = condition(planned.partner, **config.conditioning)
+                partner = conditioned(planned.partner, config)
             except RockpulseError as error:
                 reason = f"the other channel, {planned.partner.id}, fails: {error}"
                 warnings = (*warnings, WarningText("scaled_alone", reason=reason))
-        conditioned = condition(_warned(planned.channels[0], warnings), **config.conditioning)
-        return [Motion(conditioned, up, (conditioned,), partner)]
+        motion = conditioned(_warned(planned.channels[0], warnings), config)
+        return [Motion(motion, up, (motion,), partner)]
     pair = condition_pair(Pair(*planned.channels), **config.conditioning)
     azimuths = DIRECTIONS[config.records.components](pair, config)
     turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
     return [Motion(_warned(record, planned.warnings), up, pair.channels) for record in turned]
 
 
+def conditioned(record: Record, config: Config) -> Record:
+    """The record conditioned as section [conditioning] says; as it is if it was conditioned before."""
+    return record if record.stage == "conditioned" else condition(record, **config.conditioning)
+
+
 def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | None:
     if planned.vertical is None:
         return None
     try:
-        return condition(planned.vertical, **config.conditioning)
+        return conditioned(planned.vertical, config)
     except RockpulseError as error:
         raise VerticalRefused(
             f"the vertical channel {planned.vertical.id} of {planned.name} cannot be conditioned: {error}. "
@@ -146,6 +165,25 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
     return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
+def _with_comparisons(
+    planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
+) -> list[PlannedMotion]:
+    """Return the planned motions with the records that they are compared with."""
+    of_voter: dict[str, list[Twin]] = defaultdict(list)
+    for twin in twins:
+        of_voter[twin.voter.id].append(twin)
+    partner, clocks = partners(horizontal), clock_candidates(horizontal)
+    found = []
+    for one in planned:
+        comparisons = list(component_comparisons(one.channels, partner))
+        for place, channel in enumerate(one.channels):
+            comparisons += [Comparison("volume", place, twin.record, twin.beside) for twin in of_voter[channel.id]]
+            if id(channel) in clocks:
+                comparisons.append(Comparison("clock", place, clocks[id(channel)]))
+        found.append(replace(one, comparisons=tuple(comparisons)))
+    return found
+
+
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
     """A channel without a partner that faces the direction asked for, or its opposite; else None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
@@ -157,10 +195,8 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Channels with the other one of their pair, or with a warning that there is none; pairs as they are."""
-    partner = {
-        id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])
-    }
+    """Channels with the other one of their pair, or with a remark that there is none; pairs as they are."""
+    partner = partners(horizontal)
     alone = WarningText("scaled_alone", reason="no other horizontal channel is known to go with it")
 
     def partnered(one: PlannedMotion) -> PlannedMotion:
@@ -202,16 +238,25 @@ def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
     return [(name, next(seen[name])) for name in names]
 
 
-def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = True) -> str:
-    """Why a channel with an unconfirmed peak above 5 g does not count, and what to do; empty for every other one."""
-    if not conditioned.pga > LARGEST or id_matches(conditioned.id, confirm):
+def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
+    """Why a channel in doubt (a peak above 5 g, a defect that decides) does not count, what to do; empty for others."""
+    if id_matches(conditioned.id, confirm):
         return ""
-    found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
-    return f"{conditioned.id}: {found}. {_advice([conditioned], configured)}"
+    if conditioned.pga > LARGEST:
+        found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
+        return f"{conditioned.id}: {found}. {_advice([conditioned])}"
+    if defects := deciding(conditioned):
+        return (
+            f"{conditioned.id}: {'; '.join(defects)}. It does not count before it is confirmed: correct or leave out "
+            f"the file, or, if it is right, give {_options([conditioned])}"
+        )
+    return ""
 
 
-def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
-    """A row for each channel left out for an unconfirmed peak: its own, one acting with it, or the pair's."""
+def unconfirmed_channels(
+    planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
+) -> list[Failure]:
+    """A row for each channel left out with one in doubt: its own, one acting with it, or the pair's."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""
@@ -225,9 +270,11 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     rows = [Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed") for whose, one in causes]
     if causes:
         cause = causes[0][1]
-        peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g nobody has confirmed"
+        peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g" if cause.pga > LARGEST else "whose defect"
         rows += [
-            Failure(one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak}", "failed")
+            Failure(
+                one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak} nobody has confirmed", "failed"
+            )
             for one in channels
             if id(one) not in doubted
         ]
@@ -241,12 +288,15 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     return rows
 
 
-def _advice(channels: Sequence[Record], configured: bool = True) -> str:
+def _options(channels: Sequence[Record]) -> str:
     options = " ".join(f"--confirm {one.id}" for one in channels)
     names = ", ".join(f'"{one.id}"' for one in channels)
-    units = "--units, units under [records] or [[records.file]], or the file" if configured else "--units, or the file"
-    confirm = f"{options}, or confirm = [{names}] under [records]" if configured else options
+    return f"{options}, or confirm = [{names}] under [records]"
+
+
+def _advice(channels: Sequence[Record]) -> str:
     return (
-        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
-        f"unit ({units}), or, if it is right, give {confirm}"
+        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning is rejected unless it is confirmed: correct the "
+        "unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
+        f"{_options(channels)}"
     )

@@ -7,6 +7,7 @@ that is rotated holds every direction. The choice is among volumes, the channels
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from operator import attrgetter, itemgetter
 from pathlib import PurePath
@@ -19,6 +20,17 @@ from rockpulse.warning_text import find
 
 #: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
 SAME_DIRECTION = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """A record that is left out for another one of its motion."""
+
+    voter: Record
+    record: Record
+    beside: tuple[Record, ...]  # the other channels of its volume
+
+
 _PROCESSED = {True: "a processed volume", None: "one that may be processed", False: "a raw one"}
 
 
@@ -27,13 +39,13 @@ def one_vote_each(
     settings: RecordSettings | None = None,
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
-) -> tuple[list[Record], list[Failure]]:
-    """The records that are assessed, one of each motion, in the order given, and rows, with `advice`, for the others.
+) -> tuple[list[Record], list[Failure], list[Twin]]:
+    """The records that are assessed, one of each motion, in the order given, rows for the others, and twins.
 
-    Preferred are volumes at the surface; whose horizontal channels can all be used; with a pair or a vertical channel
-    where these are asked for; processed; of the higher sampling rate; longer; first by path. A dead channel, and one
-    with an odd peak that is not confirmed, yield to any other. Records of ``[records] keep`` are assessed beside the
-    one chosen.
+    Preferred are volumes at the surface; that are confirmed; whose horizontal channels can all be used; with a pair or
+    a vertical channel where these are asked for; processed; of the higher sampling rate; longer; first by path. A dead
+    channel, and one with an odd peak that is not confirmed, yield to any other. Records of ``[records] keep`` are
+    assessed beside the one chosen. A row ends with `advice`.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -43,11 +55,14 @@ def one_vote_each(
         if site is not None:
             sites[site].append(record)
     outvoted: dict[int, Failure] = {}
+    twins: list[Twin] = []
     for members in sites.values():
         for at_once in _at_once(members):
-            outvoted |= _Poll(at_once, settings, advice).outvoted
+            poll = _Poll(at_once, settings, advice)
+            outvoted |= poll.outvoted
+            twins += poll.twins
     voting = [record for record in records if id(record) not in outvoted]
-    return voting, [*rows, *(outvoted[id(record)] for record in records if id(record) in outvoted)]
+    return voting, [*rows, *(outvoted[id(record)] for record in records if id(record) in outvoted)], twins
 
 
 def unmatched_patterns(
@@ -57,9 +72,9 @@ def unmatched_patterns(
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
-    reason = f"{option}: no record has an id that fits {', '.join(idle)}; the ids are {some(ids, 3)}"
+    reason = f"{option}: no record id matches {', '.join(idle)}; the ids are {some(ids, 3)}"
     if not unread(failures):
-        raise ConfigError(f"{reason}; correct the pattern or take it out")
+        raise ConfigError(f"{reason}; correct or remove the pattern")
     told = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
     return [Failure(option, "select", told, "failed")]
 
@@ -112,6 +127,7 @@ class _Volume:
         """Key that sorts volumes by their claim to vote."""
         return (
             self.level,
+            not any(id_matches(one.id, self.confirm) for one in self.horizontal),
             any(_fault(one, self.confirm) for one in self.horizontal),
             settings.components != "horizontal" and not self.pair,
             settings.include_vertical and all(_fault(one, self.confirm) for one in self.vertical),
@@ -128,6 +144,7 @@ class _Poll:
     def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
         self.settings, self.advice = settings, advice
         self.outvoted: dict[int, Failure] = {}
+        self.twins: list[Twin] = []
         if len(records) == 1:
             return
         self.volumes = sorted(_volumes(records, settings.confirm), key=lambda volume: volume.rank(settings))
@@ -153,6 +170,11 @@ class _Poll:
         elif not id_matches(record.id, self.settings.keep):
             nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
             self.outvoted[id(record)] = self._row(record, volume, *nearest)
+            voter, elected = nearest
+            faults = [bool(_fault(one, self.settings.confirm)) for one in (record, voter)]
+            alike = _one_direction(record, voter) and volume.level == elected.level and record.orientation != "vertical"
+            if alike and faults[0] <= faults[1]:
+                self.twins.append(Twin(voter, record, tuple(one for one in volume.channels if one is not record)))
 
     def _same(self, record: Record, voter: Record, elected: _Volume, volume: _Volume) -> bool:
         """Whether a record and one that votes, each in its volume, are of one motion."""
@@ -165,11 +187,11 @@ class _Poll:
 
     def _row(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> Failure:
         deeper = volume.level > elected.level
-        how = "the same motion as" if _one_direction(record, voter) else "held by the pair with"
-        told = f"{record.id}: {how} {voter.id} of {voter.source}, which is assessed in its place: "
+        how = "duplicate of" if _one_direction(record, voter) else "duplicate of the pair with"
+        told = f"{record.id}: {how} {voter.id} in {voter.source}, which is used instead: "
         told += self._why(record, volume, voter, elected)
         if (bare := uncovered(voter, record)) > 0.5 * record.duration:
-            told += f"; {bare:.0f} of the {record.duration:.0f} s of this one are not in it"
+            told += f"; {bare:.0f} s of the {record.duration:.0f} s of this record are not in it"
         told += f"; {self.advice}" if self.advice else ""
         return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
 
@@ -185,6 +207,7 @@ class _Poll:
         depth = "at the bottom of a borehole" if math.isinf(volume.level) else f"{volume.level:g} m below the ground"
         rules = (
             f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
+            "its volume is confirmed ([records] confirm), that of this one is not",
             "all horizontal channels of its volume can be used, of the volume of this one not all",
             "its volume holds a pair of horizontal channels that can be used, that of this one does not",
             "its volume holds a vertical channel that can be used, that of this one does not",

@@ -241,7 +241,7 @@ def test_restitutions_from_0_to_1_are_taken_and_the_most_where_it_is_not_negativ
             restitution_of("housner", np.array([0.5, -1e-9]), own=own)
 
 
-def test_the_restitution_furthest_above_its_bound_is_told():
+def test_the_restitution_furthest_above_its_bound_is_reported():
     """Bounds of 1 - 1.5 sin^2 alpha: 0.985, 0.9408 and 0.9408."""
     (remark,) = Block.from_parameters(2.0, [0.1, 0.2, 0.2], [0.99, 0.95, 0.94]).warnings
     assert remark.startswith("restitution 0.95 is above Housner's 0.9408 of a rectangle with this alpha; ")

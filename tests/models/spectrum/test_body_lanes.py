@@ -184,7 +184,7 @@ def test_a_body_without_loss_is_drawn_as_one_that_loses_a_little():
         assert max(seen) <= 0.999
 
 
-def test_what_flies_overturns_and_is_told():
+def test_what_flies_overturns_and_is_reported():
     march = march_of((2.0, 2.5))
     march.free_flight = 2.9
     march.evenly(np.array([1]), np.array([1.5]), np.array([3.1]), 64, 0)

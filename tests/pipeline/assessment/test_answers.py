@@ -115,10 +115,10 @@ def test_every_model_has_answers_under_the_same_motions():
         np.testing.assert_array_equal(one["outcome"], summary["outcome"].sel(model=name))
 
 
-def test_without_a_search_or_a_probability_nothing_is_told():
+def test_without_a_search_or_a_probability_nothing_is_reported():
     found = Answers(summary_of([np.nan, np.nan]))
     assert (found.motions.kind, found.motions.event_count) == ("record", 1)
-    assert (found.searched, found.told, found.probable, found.factor) == (False, False, False, "safety_factor")
+    assert (found.searched, found.has_factor, found.probable, found.factor) == (False, False, False, "safety_factor")
     assert (found.source.tolist(), found.demands) == ([["none"]] * 2, {})
 
 
@@ -148,13 +148,13 @@ def test_factors_are_taken_over_what_brings_a_record_to_each_demand():
     assert found.at_demand("SLC").tolist() == [[0.2], [0.15]]
     assert found.ratios("ULS") == pytest.approx(np.array([[0.35], [INF]]))
     assert found.proven("ULS") == pytest.approx(np.array([[0.35], [16.0]]))
-    assert (found.probable, found.factor, found.told, found.searched) == (True, "factor_10", True, False)
+    assert (found.probable, found.factor, found.has_factor, found.searched) == (True, "factor_10", True, False)
 
 
 def test_a_bound_is_where_the_model_cannot_answer():
     found = answers(summary_of([2.0, 3.0, 4.0], resolved=[0, 1, -1]))
     assert found.bound.tolist() == [[True], [False], [False]]
-    assert (found.searched, found.told) == (True, True)
+    assert (found.searched, found.has_factor) == (True, True)
     likely = probable([0.1, 0.2], resolved=[0, 1])
     assert answers(likely).bound.tolist() == [[False], [False]]
     assert answers(likely.assign_coords(model=["linear"]), model="linear").probable is False

@@ -248,7 +248,7 @@ def test_vertical_offset_is_removed_before_the_channel_is_cut_to_the_record():
     assert np.all(scene.vertical[:200] == 0.0)
     assert scene.vertical[200:] == pytest.approx(late.acceleration - late.acceleration.mean())
     assert any("up" in step for step in scene.record.processing)
-    assert any("taken as zero for 2 s" in warning for warning in scene.record.warnings)
+    assert any("taken as zero in the 2 s" in warning for warning in scene.record.warnings)
 
 
 @pytest.mark.sweep

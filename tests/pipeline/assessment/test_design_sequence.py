@@ -101,7 +101,7 @@ def test_a_configuration_without_a_sequence_model_is_refused():
 def test_several_sequences_and_no_body_are_refused():
     with pytest.raises(ConfigError, match="expected one sequence, found 2"):
         rp.assess_sequence(SEQUENCE.scaled([1.0, 2.0]), bodies=BLOCKS)
-    with pytest.raises(ConfigError, match="no block to assess"):
+    with pytest.raises(ConfigError, match="no body to assess"):
         rp.assess_sequence(SEQUENCE)
 
 

@@ -9,7 +9,7 @@ import rockpulse as rp
 from rocking.response import HalfCycles, Response
 from rockpulse import models
 from rockpulse.assessment.record_assessment import assess_scene
-from rockpulse.assessment.scene import aloft, extract, floor_record, joined_responses, places_of
+from rockpulse.assessment.scene import extract, floor_record, floor_scene, joined_responses, places_of
 from rockpulse.config.bodies import FeltMotion, gather_bodies
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
@@ -129,12 +129,12 @@ def test_responses_are_joined_at_the_places_of_their_lanes():
 def test_the_vertical_of_a_floor_is_that_of_the_ground_and_ends_with_it():
     asked = config(body("one"))
     ground = replace(extract(RECORD, asked), vertical=1.0 + RECORD.time)
-    there = aloft(ground, FeltMotion(None, (FLOOR,)), asked)
+    there = floor_scene(ground, FeltMotion(None, (FLOOR,)), asked)
     times = there.record.time
     inside = times <= RECORD.duration + 1e-9
     assert not inside.all()
     assert there.vertical == pytest.approx(np.where(inside, 1.0 + times, 0.0))
-    assert aloft(replace(ground, vertical=None), FeltMotion(None, (FLOOR,)), asked).vertical is None
+    assert floor_scene(replace(ground, vertical=None), FeltMotion(None, (FLOOR,)), asked).vertical is None
 
 
 def test_a_body_has_a_direction_of_its_own_where_it_differs_from_the_record():

@@ -78,7 +78,7 @@ def test_no_record_is_named_where_none_counts():
     assert found.margin()["motion"].tolist() == [""]
 
 
-def test_a_demand_that_is_not_there_is_told(tree):
+def test_a_demand_that_is_not_there_is_reported(tree):
     with pytest.raises(ResultsError, match=r"no demand 'SLX'; did you mean \"SLV\"|no demand 'SLX'"):
         tree.rockpulse.margin("SLX")
     with pytest.raises(ResultsError, match=r"no demand 'earthquake'.*there are: SLV"):
@@ -144,7 +144,7 @@ def test_opened_results_are_read_when_they_are_asked_for(path):
         pga.values  # noqa: B018
 
 
-def test_what_cannot_be_opened_is_told(tmp_path):
+def test_what_cannot_be_opened_is_reported(tmp_path):
     broken = tmp_path / "broken.h5"
     broken.write_bytes(b"no results")
     with pytest.raises(ResultsError, match="expected a results file"), rp.open_results(broken):

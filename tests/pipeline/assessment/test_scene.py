@@ -18,7 +18,7 @@ def codes(record):
 
 
 @pytest.mark.parametrize(("samples", "short"), [(600, False), (599, False), (598, True), (300, True)])
-def test_a_vertical_that_ends_more_than_a_sample_early_is_told(samples, short):
+def test_a_vertical_that_ends_more_than_a_sample_early_is_reported(samples, short):
     up = rp.Record(np.cos(T[:samples]), dt=0.01, id="up", processed=True, warnings=("clipped",))
     scene = extract(RECORD, CONFIG, up)
     np.testing.assert_allclose(scene.vertical, np.where(np.arange(600) < samples, np.cos(T), 0.0), atol=1e-12)

@@ -185,8 +185,8 @@ def test_overturning_is_worse_than_no_answer_and_that_than_rocking(outcomes, pea
 def test_the_likelier_sense_is_that_of_the_smaller_factor_where_both_are_alike():
     both = lanes_of([0, 2])
     factor = np.array([2.0, 1.0, 3.0, 1.5, 3.5])
-    assert both.likelier(np.array([0.2, 0.9, 0.1, 0.1, 0.3]), factor).tolist() == [0, 1, 4]
-    assert both.likelier(np.zeros(5), factor).tolist() == [3, 1, 2]
+    assert both.higher_probability(np.array([0.2, 0.9, 0.1, 0.1, 0.3]), factor).tolist() == [0, 1, 4]
+    assert both.higher_probability(np.zeros(5), factor).tolist() == [3, 1, 2]
 
 
 def test_the_intervals_of_the_smaller_factor_are_kept_in_the_order_of_the_lanes():

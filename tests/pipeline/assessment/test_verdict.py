@@ -14,11 +14,11 @@ from rockpulse.assessment.verdict import (
     Grade,
     Sliding,
     Standing,
+    reasons_unknown,
     sliding,
     standings,
     verdicts,
-    why_unknown,
-    worse_screens,
+    worse_with_pedestal,
 )
 
 OF = ("record", "block", "model")
@@ -71,7 +71,7 @@ def test_the_standing_of_an_answer(answers, expected):
 )
 def test_why_it_is_not_known(answers, words):
     summary = one(**answers)
-    assert str(why_unknown(Answers(summary))[0, 0]) == words
+    assert str(reasons_unknown(Answers(summary))[0, 0]) == words
 
 
 @pytest.mark.parametrize(
@@ -318,7 +318,7 @@ def test_the_worse_of_both_screens_counts(shares, worse):
     found = answers(summary)
     every = verdicts(found)
     # Of the last one there is the screen with its pedestal alone.
-    assert list(worse_screens(found, every)) == [("statue", every[worse])]
+    assert list(worse_with_pedestal(found, every)) == [("statue", every[worse])]
 
 
 def test_a_body_slides_under_the_records_that_ask_for_more_friction_than_it_has():

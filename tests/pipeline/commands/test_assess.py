@@ -17,7 +17,7 @@ def folder(tmp_path_factory):
     """Two good records, one that is cut short, one that is no record."""
     folder = tmp_path_factory.mktemp("records")
     write_at2(folder / "strong.AT2", STRONG)
-    write_at2(folder / "weak.AT2", 0.02 * STRONG, component="180")
+    write_at2(folder / "weak.AT2", 0.02 * STRONG, component="90")
     cut = write_at2(folder / "cut.AT2", STRONG).read_text().splitlines()
     (folder / "cut.AT2").write_text("\n".join(cut[:30]) + "\n")
     (folder / "notes.txt").write_text("no record at all\n")
@@ -102,7 +102,7 @@ def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_ass
 def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, capsys, name):
     assert assess(folder / name, "-o", tmp_path / "results.h5") == 1
     captured = capsys.readouterr()
-    assert "not one record could be assessed, nothing was written" in captured.err
+    assert "no record could be assessed, nothing was written" in captured.err
     assert name in captured.err
     assert list(tmp_path.iterdir()) == []
 

@@ -51,7 +51,7 @@ def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, quick, t
     assert assess(*again, config) == 0
     capsys.readouterr()
     assert assess(*again, quick, "--confirm", "nothing") == 2
-    assert "no record has an id that fits nothing; the ids are" in capsys.readouterr().err
+    assert "no record id matches nothing; the ids are" in capsys.readouterr().err
 
 
 @pytest.mark.sweep

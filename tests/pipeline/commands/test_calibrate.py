@@ -186,7 +186,7 @@ def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, ca
     given = ["--config", str(config), "--units", "m/s2", "--dt", "0.01", "-o", str(tmp_path / "site.h5"), "--quiet"]
     assert main(["calibrate", str(tmp_path / "still.txt"), *given]) == 1
     said = capsys.readouterr().err
-    assert said.startswith("rockpulse: not one record could be calibrated, nothing was written: ")
+    assert said.startswith("rockpulse: no record could be calibrated, nothing was written: ")
     assert "no impulse sequence" in said
     assert said.count("\n") == 1
 

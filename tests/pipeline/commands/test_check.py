@@ -52,7 +52,7 @@ def test_bodies_are_checked_from_the_configuration_alone(site, tmp_path, capsys)
 def test_results_bring_the_probability_of_the_same_bodies(golden, loaded_once, capsys):
     assert main(["check", str(golden.results), "--code", "circolare_2019"]) == 0
     shown = capsys.readouterr().out
-    assert "f_50" in shown
+    assert "P = 50 %" in shown
     row = next(line for line in shown.splitlines() if "Circolare 7/2019" in line)
     assert 0.0 <= float(row.split()[-2]) <= 1.0
 
@@ -76,7 +76,7 @@ def test_a_file_of_another_kind_is_refused(golden, capsys):
     assert "site.h5: expected an assessment of rockpulse, found a site calibration" in capsys.readouterr().err
 
 
-def test_wrong_arguments_are_told(site, tmp_path, capsys):
+def test_wrong_arguments_are_reported(site, tmp_path, capsys):
     assert main(["check"]) == 2
     assert "expected a results file or --config" in capsys.readouterr().err
     with pytest.raises(SystemExit) as error:

@@ -18,7 +18,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_a_file_becomes_another_and_its_loss_is_told(folder, capsys):
+def test_a_file_becomes_another_and_its_loss_is_reported(folder, capsys):
     out = folder / "out.mseed"
     assert main(["convert", str(folder / "a.AT2"), "-o", str(out)]) == 0
     text = capsys.readouterr().out
@@ -45,7 +45,7 @@ def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
     assert main(arguments) == 1
     captured = capsys.readouterr()
     assert "do not state their unit" in captured.err
-    assert "not one record could be read" in captured.err
+    assert "no record could be read" in captured.err
     assert not (tmp_path / "out.AT2").exists()
     assert main([*arguments, "--units", "g", "--dt", "0.02"]) == 0
     assert read(tmp_path / "out.AT2")[0].dt == 0.02
@@ -83,7 +83,7 @@ def test_the_response_is_removed_where_asked_for(records_folder, tmp_path, capsy
     assert record.npts == 39000
 
 
-def test_of_what_is_no_record_the_names_are_told(samples, tmp_path, capsys):
+def test_of_what_is_no_record_the_names_are_reported(samples, tmp_path, capsys):
     (tmp_path / "a.v1").write_bytes((samples.parent / "formats" / "CLC_NEW.V1").read_bytes())
     for number in range(8):
         (tmp_path / f"note{number}.txt").write_text("nothing to read\n")

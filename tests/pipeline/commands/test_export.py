@@ -27,7 +27,7 @@ def test_a_table_and_its_readme(results, tmp_path, capsys):
     ]
     readme = (tmp_path / "table.README.md").read_text()
     assert "| column | unit | empty cells of 1 | meaning |" in readme
-    assert "`inf`: without limit" in readme
+    assert "`inf`: no limit" in readme
     assert "From `results.h5` (Borgo;" in readme
     assert "Selection: model nonlinear; outcome = overturns; sorted by safety_factor, smallest first." in readme
 

@@ -74,7 +74,7 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
         == 0
     )
     out = capsys.readouterr().out
-    assert "4 cases with model resonance; outcome = overturns, smallest pga first; 3 shown (--limit shows more)" in out
+    assert "4 cases with model resonance; outcome = overturns, smallest pga first; 3 shown (--limit N for more)" in out
     assert main(["inspect", results, "--records", "--where", "pga > 4.7"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("1 record\n")

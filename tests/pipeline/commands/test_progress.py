@@ -4,9 +4,8 @@ import io
 import os
 import sys
 
-import pytest
-
-from rockpulse.commands.terminal import COMPILING, compiling_told, progress_bars
+from rocking import kernel_cache
+from rockpulse.commands.terminal import kernel_messages, progress_bars
 
 
 class Terminal(io.StringIO):
@@ -49,25 +48,26 @@ def test_quiet_is_quiet_and_so_is_what_is_no_terminal(monkeypatch):
     assert shown(terminal) == []
 
 
-def test_compiling_is_told_once_and_loading_never(monkeypatch):
-    terminal = on_terminal(monkeypatch)
-    event = pytest.importorskip("numba.core.event")
-    with compiling_told(quiet=False):
-        assert terminal.getvalue() == ""
+def told_by_kernels(quiet=False):
+    """What happens while a verb runs: the kernels say twice that they are compiled, and that they cannot be kept."""
+    kernel_cache.logged.clear()
+    with kernel_messages(quiet):
         for _ in range(2):
-            with event.trigger_event("numba:compile"):
-                pass
-    assert terminal.getvalue() == f"{COMPILING}\n"
-    with event.trigger_event("numba:compile"):
-        pass
-    assert terminal.getvalue() == f"{COMPILING}\n"
+            kernel_cache.logger.info(kernel_cache.COMPILING)
+        kernel_cache.logger.warning("not kept")
+    kernel_cache.logger.warning("after the verb")
 
 
-def test_a_kernel_that_is_compiled_is_such_an_event(monkeypatch):
+def test_a_terminal_is_told_once_that_kernels_are_compiled(monkeypatch):
     terminal = on_terminal(monkeypatch)
-    numba = pytest.importorskip("numba")
-    if numba.config.DISABLE_JIT:
-        pytest.skip("nothing is compiled without the compiler")
-    with compiling_told(quiet=False):
-        numba.njit(lambda x: x + 1)(2)
-    assert terminal.getvalue() == f"{COMPILING}\n"
+    told_by_kernels()
+    assert terminal.getvalue() == f"rockpulse: {kernel_cache.COMPILING}\nrockpulse: not kept\n"
+
+
+def test_a_file_gets_the_faults_alone_and_quiet_nothing(monkeypatch):
+    terminal = on_terminal(monkeypatch)
+    told_by_kernels(quiet=True)
+    assert terminal.getvalue() == ""
+    monkeypatch.setattr(terminal, "isatty", lambda: False)
+    told_by_kernels()
+    assert terminal.getvalue() == "rockpulse: not kept\n"

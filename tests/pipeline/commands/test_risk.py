@@ -47,7 +47,7 @@ def test_a_tail_is_told_in_the_row_in_the_notes_and_on_standard_error(fragility,
     assert "pga [g]" in out
 
 
-def test_a_site_far_away_is_refused_and_the_soil_is_told(fragility, tmp_path, capsys):
+def test_a_site_far_away_is_refused_and_the_soil_is_reported(fragility, tmp_path, capsys):
     curve = tmp_path / "curve.csv"
     curve.write_text("# investigation_time=1.0, imt='PGA'\nlon,lat,poe-0.1,poe-1.0\n13,42,0.1,0.001\n")
     assert main(["risk", str(fragility), "--hazard", str(curve), "--site", "8", "45"]) == 2
@@ -67,20 +67,20 @@ def test_bodies_that_have_stood_are_a_test_of_the_hazard(fragility, capsys):
     # At three times the age at which lambda T is one: exp(-3) = 0.0498, ln 20 = 2.9957 and the factor 0.99858.
     assert main(["risk", str(fragility), "--resamples", "0", "--age", f"{3.0 / frequency:.8g}"]) == 0
     shown = capsys.readouterr().out
-    row = shown.split("Bodies that have stood")[1].split("stele")[1].splitlines()[0].split()
+    row = shown.split("Bodies that have survived")[1].split("stele")[1].splitlines()[0].split()
     assert float(row[0]) == pytest.approx(0.0498, rel=2e-2)
     assert float(row[2]) == pytest.approx(0.9986, rel=6e-3)
     assert main(["risk", str(fragility), "--age", "100", "--limit-state", "uplift"]) == 2
-    assert "--age: it says that bodies still stand" in capsys.readouterr().err
+    assert "--age: expected --limit-state overturning" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("option", [["--limit-state", "0.4"], ["--resamples", "3"]])
 def test_what_an_inventory_does_not_know_is_refused(fragility, option, capsys):
     assert main(["risk", str(fragility), "--bodies", "bodies.csv", *option]) == 2
-    assert "--bodies: it does not go with --limit-state or --resamples" in capsys.readouterr().err
+    assert "--bodies: cannot be combined with --limit-state or --resamples" in capsys.readouterr().err
 
 
-def test_wrong_arguments_are_told(fragility, tmp_path, capsys):
+def test_wrong_arguments_are_reported(fragility, tmp_path, capsys):
     assert main(["risk", str(fragility), "--hazard", str(tmp_path / "none.csv")]) == 2
     assert "expected a file with a hazard curve, found none" in capsys.readouterr().err
     (tmp_path / "bare.toml").write_text("")
@@ -160,7 +160,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
         ("name,width [m],height [m],soil factor\na,0.4,3,\n", "column 'soil_factor': expected a number, found ''"),
     ],
 )
-def test_wrong_inventories_are_told(fragility, tmp_path, capsys, text, told):
+def test_wrong_inventories_are_reported(fragility, tmp_path, capsys, text, told):
     (tmp_path / "bodies.csv").write_text(text)
     assert main(["risk", str(fragility), "--bodies", str(tmp_path / "bodies.csv")]) == 2
     assert told in capsys.readouterr().err

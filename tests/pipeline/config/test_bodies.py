@@ -65,7 +65,7 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
 @pytest.mark.parametrize(
     ("blocks", "message"),
     [
-        ({}, "no block to assess"),
+        ({}, "no body to assess"),
         (
             {"a": Block(1.0, 4.0, restitution=[0.8, 0.9]), "b": Block(1.0, 4.0, restitution=[0.7, 0.8, 0.9])},
             "one length",

@@ -7,6 +7,7 @@ from record_writers import pulse
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
+from rockpulse.readers.format import FileSettings
 from rockpulse.readers.source import NotAcceleration, Table
 from rockpulse.warning_text import code_of
 
@@ -53,6 +54,9 @@ def test_two_units_are_refused_and_both_named(put, header):
         "units: V\n",
         "Unit: counts\n",
         "Units = mm\n",
+        "time,N\ns,V\n",
+        "time,counts\n",
+        "t [s],acc_volts\n",
         "t [s],acc [V]\n",
         "t [s],acc N (mV)\n",
     ],
@@ -135,12 +139,24 @@ def test_dates_and_times_are_a_column_of_times(put, stamp):
     assert (record.start_time is None) == (not stamp.strip('"').startswith("2024"))
 
 
+def test_of_two_columns_of_times_that_in_seconds_is_taken(put):
+    rows = "".join(
+        f"{1700000000000000000 + 10**7 * at},{0.01 * at:.6f},{value:.5f}\n" for at, value in enumerate(VALUES)
+    )
+    (record,) = read(put("time,seconds_elapsed,z (cm/s2)\n" + rows))
+    assert (record.dt, record.npts) == (0.01, 400)
+    assert "columns of times left out: time" in record.warnings[0]
+
+
 FLAT = "file,NPTS,DT,PGA\nm.AT2,2000,0.01,0.43\nn.AT2,4000,0.005,0.21\n"
 NUMBERS = "RSN,Magnitude,Rrup,Vs30\n" + "".join(f"{at},6.{at % 10},{at}.5,3{at:02d}\n" for at in range(60))
 OWN = "record,block,model,npts,dt,pga,factor_10\nm.acc_N,wall,sequence,2000,0.01,4.2,0.5\n"
 
 
-@pytest.mark.parametrize("text", [FLAT, NUMBERS, OWN], ids=["flat", "numbers", "own"])
+WAVES = "record,wave,start\n" + "m.acc_N,1,0.5\n" * 60
+
+
+@pytest.mark.parametrize("text", [FLAT, NUMBERS, OWN, WAVES], ids=["flat", "numbers", "own", "half-waves"])
 def test_tables_beside_the_records_are_skipped_also_where_they_are_named(put, text):
     path = put(text, "beside.csv")
     with pytest.raises(Table, match="no record"):
@@ -160,3 +176,26 @@ def test_a_series_with_a_station_in_its_headings_is_none_of_them(put):
         )
         == 1
     )
+
+
+@pytest.mark.parametrize(("count", "timed"), [(3, False), (2, False), (4, True)])
+def test_the_example_of_the_hint_typed_above_the_file_names_its_columns(put, count, timed):
+    noise = 1e-3 * np.random.default_rng(4).normal(size=(400, count))
+    values = np.outer(0.01 * VALUES, 1.0 + 0.1 * np.arange(count)) + noise
+    cells = np.column_stack([0.01 * np.arange(400), values]) if timed else values
+    text = "".join(" ".join(f"{value:.5f}" for value in row) + "\n" for row in cells)
+    with pytest.raises(RecordFormatError, match="name the columns in the line above") as told:
+        read(put(text), units="g", dt=0.01)
+    example = str(told.value).rpartition("such as '")[2].partition("'")[0]
+    assert len(example.split()) == count + timed
+    assert len(read(put(f"{example}\n{text}"), units="g", dt=0.01)) == count
+
+
+def test_the_hint_for_files_of_one_suffix_is_a_row_of_the_configuration(put):
+    path = put("".join(f"{value:.5f}\n" for value in VALUES), "a.dat")
+    with pytest.raises(UnitError, match=r"match = '\*.dat', units = 'g'"):
+        read(path)
+    with pytest.raises(RecordFormatError, match=r"match = '\*.dat', dt = 0.01"):
+        read(path, units="gal")
+    chosen = FileSettings(match="*.dat", units="gal", dt=0.01)
+    assert len(read_all(path, files=[chosen])[0]) == 1

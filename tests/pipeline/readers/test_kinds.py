@@ -48,6 +48,11 @@ def test_a_letter_is_a_kind_where_the_two_others_lie_beside():
     assert kind_of_name(named("r_v.txt", "r_a.txt")) == ""
 
 
+def test_an_ordinate_is_a_spectrum_where_accelerations_of_the_name_lie_beside():
+    assert kind_of_name(named("Sa_N.txt", "acc_N.txt")) == "spectrum"
+    assert kind_of_name(named("SA_N.txt")) == ""
+
+
 @pytest.mark.parametrize("heading", ["Скорость (м/с)", "velocità", "brzina", "Ταχύτητα", "速度"])
 def test_headings_of_other_languages_name_velocities(heading):
     assert kinds_of(heading)[0] == "velocity"
@@ -84,7 +89,7 @@ def test_the_integrals_of_a_file_without_words_are_skipped(tmp_path):
     records, failures = read_all(tmp_path, units="m/s2", dt=STEP)
     assert [Path(one.source).stem for one in records] == ["x3", "x4"]
     assert [(Path(row.file).stem, row.kind) for row in failures] == [("x1", "skipped"), ("x2", "skipped")]
-    assert "the samples of x3.txt" in failures[1].reason
+    assert "its derivative is x3.txt" in failures[1].reason
 
 
 def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
@@ -109,6 +114,7 @@ def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
         *(("a_vert.csv", "vertical", np.nan), ("a_N-S.txt", "horizontal", 0.0), ("accEW.txt", "horizontal", 90.0)),
         *(("KUZEY.txt", "horizontal", 0.0), ("a_EW1.txt", "horizontal", 90.0), ("a_E_raw.txt", "horizontal", 90.0)),
         *(("TCU068.txt", "unknown", np.nan), ("TCU068-V.txt", "vertical", np.nan), ("SETUP.txt", "unknown", np.nan)),
+        *(("rec.V", "vertical", np.nan), ("rec.L", "horizontal", np.nan), ("rec_T.txt", "horizontal", np.nan)),
         *(("120111.txt", "unknown", np.nan), ("San_E_Street.txt", "unknown", np.nan)),
     ],
 )

@@ -77,7 +77,7 @@ LEFT_OUT = {"renadic/curico1002271parte1.v1": [0, 1, 2]}
 #: Warnings of all channels together; the other files have none.
 WARNINGS = {
     "columns/ARL360.g3": 1,  # rows of five read as one series
-    "cosmos/Cosmos12TimeSeriesTest2.v1": 3,  # two intervals, of both channels; a direction that contradicts itself
+    "cosmos/Cosmos12TimeSeriesTest2.v1": 5,  # two intervals, of both channels; a direction that contradicts itself
     "csmip_v1/LA116TH.RAW": 3,  # unequal steps
     "dyna_asc/20101114230825_3104_ap_RawAcc_E.asc": 1,  # processing without corner frequencies
     "dyna_asc_afad/20230206011732_0201_ap_AAD_Acc_E.asc": 1,  # the peak of the header is 2 % off

@@ -199,7 +199,7 @@ def test_structures_are_assessed_where_asked_for_but_not_what_may_be_vertical(az
     assert "[records]" not in select_horizontal([channel], configured=False)[1][0].reason
     chosen, failures = select_horizontal([channel], structural=True)
     assert len(chosen) == kept
-    assert all("as if this were ground motion" in one.warnings[0] for one in chosen)
+    assert all("assessed as ground motion" in one.warnings[0] for one in chosen)
     assert all("vertical or in an unknown direction" in failure.reason for failure in failures)
 
 

@@ -14,6 +14,7 @@ from rockpulse.record.conditioning import BASELINES, condition, quiet_samples
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.warning_text import find
 
 properties = settings(derandomize=True, deadline=None, max_examples=25)
 coefficients = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
@@ -116,7 +117,7 @@ def test_auto_takes_the_mean_with_one_warning_where_nothing_is_known(caplog):
         conditioned = condition(condition(motion))
     assert np.mean(conditioned.acceleration) == pytest.approx(0.0, abs=1e-13)
     assert [warning.partition(":")[0] for warning in conditioned.warnings] == [
-        "the format does not say whether the record is processed"
+        "the format does not state whether the record is processed"
     ]
     assert len(caplog.records) == 1
 
@@ -183,7 +184,7 @@ def test_drift_is_the_velocity_at_the_last_sample():
     """By trapezoids: 0.1 s x (2/2 + 1 + 5/2) m/s2, which is the PGV too."""
     (warning,) = condition(record([2.0, 1.0, 5.0], 0.1), "none").warnings
     assert "ends at 0.45 m/s" in warning
-    assert condition(record(np.zeros(9)), "none").warnings == ()
+    assert find(condition(record(np.zeros(9)), "none").warnings, "baseline_drift") is None
 
 
 def test_given_pre_event_window_is_taken():
@@ -313,7 +314,7 @@ def test_intervals_in_a_ratio_of_a_thousand_are_taken(new, taken):
 
 def test_resampling_to_the_interval_it_has_does_nothing():
     motion = event()
-    assert condition(motion, "none", resample_s=0.01) is motion
+    assert np.array_equal(condition(motion, "none", resample_s=0.01).acceleration, motion.acceleration)
 
 
 def test_steps_are_written_down_in_their_order_and_the_rest_is_kept():

@@ -33,7 +33,9 @@ class Largest(Analysis):
     kind = "measure"
 
     work = staticmethod(largest)
-    nothing = MappingProxyType({"record": np.zeros(0, dtype=str), "event": np.zeros(0, dtype=str), "pga": np.zeros(0)})
+    empty_part = MappingProxyType(
+        {"record": np.zeros(0, dtype=str), "event": np.zeros(0, dtype=str), "pga": np.zeros(0)}
+    )
 
     def collect(self, parts, planned, failures):
         tree = xr.DataTree()
@@ -103,12 +105,12 @@ def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
     assert (file, stage, kind) == (odd.source, "measure", "failed")
     assert reason == (
         "XX.A..HNE@20230206T011732: peak 62.3 g in the unit g; the values would be 0.0635 g if it were cm/s2 or "
-        "0.00635 g if it were mm/s2. A peak above 5 g after conditioning does not count before it is confirmed: "
+        "0.00635 g if it were mm/s2. A peak above 5 g after conditioning is rejected unless it is confirmed: "
         "correct the unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
         '--confirm XX.A..HNE@20230206T011732, or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
     )
     assert seen([odd], confirm=("XX.A*",)) == ([odd.id], [])
-    with pytest.raises(ConfigError, match=r"confirm: no record has an id that fits XX.A; the ids are XX.A\.\."):
+    with pytest.raises(ConfigError, match=r"confirm: no record id matches XX.A; the ids are XX.A\.\."):
         seen([odd], confirm=("XX.A",))
 
 
@@ -138,7 +140,7 @@ def pair(first, second):
 
 def test_a_pair_counts_where_each_channel_above_five_g_is_confirmed():
     turned = {"components": "azimuth", "azimuth": 0.0}
-    names, rows = seen(pair(60.0, 2.0), **turned)
+    names, rows = seen(pair(60.0, 20.0), **turned)
     name = ".A..HNE-HNN@20230206T000000"
     assert (names, [row[3][:40] for row in rows]) == ([], [f"{name}: a.E: peak 6", f"{name}: a.N: left o"])
     rows = seen(pair(60.0, 60.0), **turned, confirm=("a.E",))[1]
@@ -155,7 +157,7 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
     assert 'give --confirm a.E --confirm a.N, or confirm = ["a.E", "a.N"] under [records]' in row[3]
     assert "give --confirm a.N, or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
     assert len(seen(pair(40.0, 39.0), **swept, confirm=("a.*",))[0]) == 3  # at 135 degrees nothing is left
-    assert len(seen(pair(40.0, 4.0), **swept)[0]) == 4
+    assert len(seen(pair(40.0, 5.0), **swept)[0]) == 4
 
 
 def test_two_records_of_one_id_are_refused():

@@ -120,25 +120,29 @@ def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, ve
 
 @pytest.mark.sweep
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
-    hired = []
+    started = []
     without_results(monkeypatch)
     monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
-    monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
+    monkeypatch.setattr(
+        run.WorkerPool, "local", lambda workers: started.append(workers) or run.WorkerPool(None, lambda: workers)
+    )
     for workers in (1, 3):
         config = replace(CONFIG, run=replace(CONFIG.run, workers=workers))
         assess_files(folder / "r0.AT2", config, tmp_path / f"{workers}.h5")
     assess_files(folder / "r0.AT2", config, tmp_path / "two.h5", BatchOptions(workers=2))
     assess_files(folder / "r0.AT2", config, tmp_path / "all.h5", BatchOptions(workers="all"))  # one file: no process
-    assert hired == [3, 2]
+    assert started == [3, 2]
 
 
 @pytest.mark.slow
 def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_of_a_folder(tmp_path, monkeypatch):
-    hired = []
+    started = []
     without_results(monkeypatch)
     monkeypatch.setattr(run, "available_cores", lambda: 2)
     monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
-    monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
+    monkeypatch.setattr(
+        run.WorkerPool, "local", lambda workers: started.append(workers) or run.WorkerPool(None, lambda: workers)
+    )
     members = {f"r{number}.AT2": at2(pulse(400, 0.2 + 0.01 * number)) for number in range(16)}
     (tmp_path / "folder").mkdir()
     with zipfile.ZipFile(tmp_path / "all.zip", "w") as archive:
@@ -146,9 +150,9 @@ def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_o
             archive.writestr(name, content)
             (tmp_path / "folder" / name).write_bytes(content)
     report = assess_files(tmp_path / "all.zip", CONFIG, tmp_path / "a.h5")
-    assert (hired, report.records) == ([2], 16)  # for the work; one file is read by this process
+    assert (started, report.records) == ([2], 16)  # for the work; one file is read by this process
     assess_files(tmp_path / "folder", CONFIG, tmp_path / "b.h5")
-    assert hired == [2, 2]  # one crew reads and works
+    assert started == [2, 2]  # one pool reads and works
 
 
 class Bars:
@@ -204,7 +208,7 @@ def test_nothing_assessed_writes_nothing_and_leaves_nothing(folder, tmp_path, ca
     assert (report.path, report.records) == (None, 0)
     assert [row.stage for row in report.failures] == ["read", "find"]
     assert f"{output}: nothing was written; left out: failed 2" in caplog.text
-    with pytest.raises(RecordRefused, match="not one record could be calibrated"):
+    with pytest.raises(RecordRefused, match="no record could be calibrated"):
         calibrate_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1))
     assert fragility_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1)).path is None
     assert list(tmp_path.iterdir()) == []

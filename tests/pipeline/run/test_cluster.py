@@ -1,4 +1,4 @@
-"""The crew on a real dask scheduler: the same answers, whichever worker dies; clear words where there is no cluster."""
+"""The pool on a real dask scheduler: the same answers, whichever worker dies; clear words where there is no cluster."""
 
 import os
 import re
@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 
-import crew_functions as toys
+import pool_functions as toys
 import pytest
 import xarray as xr
 from dask_cluster import dask_cluster, wait_for_workers
@@ -18,8 +18,8 @@ from record_writers import at2, pulse
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
 from rockpulse.errors import ConfigError
-from rockpulse.run import crew as crews
-from rockpulse.run.crew import Crew, WorkerLost
+from rockpulse.run import worker_pool
+from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 
 SQUARES = [(number, number**2) for number in range(40)]
 
@@ -41,41 +41,44 @@ def needs_distributed(monkeypatch):
 @pytest.mark.usefixtures("needs_distributed")
 def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_changes_nothing(tmp_path, monkeypatch):
     with dask_cluster(tmp_path) as (address, _, _):
-        with Crew.scheduler(address, timeout=300.0) as crew:
-            wait_for_workers(crew, 2)
-            assert sorted(crew.run(toys.square, range(40))) == SQUARES
+        with WorkerPool.scheduler(address, timeout=300.0) as pool:
+            wait_for_workers(pool, 2)
+            assert sorted(pool.run(toys.square, range(40))) == SQUARES
             # Equal items are answered as often as they are given.
-            assert list(crew.run(toys.square, [7, 7, 7])) == [(7, 49)] * 3
-            assert list(crew.run(toys.kernel_threads, [0])) == [(0, 1)]
+            assert list(pool.run(toys.square, [7, 7, 7])) == [(7, 49)] * 3
+            assert list(pool.run(toys.kernel_threads, [0])) == [(0, 1)]
             with pytest.raises(KeyError, match="three"):
-                list(crew.run(toys.refuse, range(8)))
-            workers = {process for _, process in crew.run(toys.process_id, range(8))}
+                list(pool.run(toys.refuse, range(8)))
+            workers = {process for _, process in pool.run(toys.process_id, range(8))}
             assert len(workers) == 2
 
             answers = []
-            for answer in crew.run(toys.slow_square, range(40)):
+            for answer in pool.run(toys.slow_square, range(40)):
                 answers.append(answer)
                 if len(answers) == 10:
                     os.kill(workers.pop(), signal.SIGKILL)
             assert sorted(answers) == SQUARES
-            wait_for_workers(crew, 1)
-        with Crew.scheduler(address, timeout=300.0) as crew:  # the cluster is still there for the next
-            assert sorted(crew.run(toys.square, range(40))) == SQUARES
-        monkeypatch.setattr(crews, "__version__", "99.0")
+            wait_for_workers(pool, 1)
+        with WorkerPool.scheduler(address, timeout=300.0) as pool:  # the cluster is still there for the next
+            assert sorted(pool.run(toys.square, range(40))) == SQUARES
+        monkeypatch.setattr(worker_pool, "__version__", "99.0")
         with pytest.raises(ConfigError, match=r"dask worker tcp://.* expected rockpulse 99\.0, found '\d"):
-            Crew.scheduler(address, timeout=300.0)
+            WorkerPool.scheduler(address, timeout=300.0)
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("needs_distributed")
 def test_an_item_that_kills_its_workers_is_lost_and_a_lost_scheduler_is_an_error(tmp_path):
-    with dask_cluster(tmp_path, workers=3) as (address, scheduler, _), Crew.scheduler(address, timeout=300.0) as crew:
-        wait_for_workers(crew, 3)
-        ((_, lost),) = crew.run(toys.kill_itself, [3])
+    with (
+        dask_cluster(tmp_path, workers=3) as (address, scheduler, _),
+        WorkerPool.scheduler(address, timeout=300.0) as pool,
+    ):
+        wait_for_workers(pool, 3)
+        ((_, lost),) = pool.run(toys.kill_itself, [3])
         assert isinstance(lost, WorkerLost)
         assert "died" in lost.reason
-        wait_for_workers(crew, 1)
-        results = crew.run(toys.slow_square, range(1000))
+        wait_for_workers(pool, 1)
+        results = pool.run(toys.slow_square, range(1000))
         next(results)
         scheduler.kill()
         with pytest.raises(ConnectionError, match="scheduler"):
@@ -88,13 +91,13 @@ def test_an_address_where_no_scheduler_answers_is_a_clear_error(address):
     with pytest.raises(
         ConfigError, match=rf"--scheduler {address}: expected .* none answers within 0\.5 s .*dask worker"
     ):
-        Crew.scheduler(address, timeout=0.5)
+        WorkerPool.scheduler(address, timeout=0.5)
 
 
 def test_without_the_package_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ConfigError, match=r'pip install "rockpulse\[distributed\]"'):
-        Crew.scheduler("tcp://127.0.0.1:8786")
+        WorkerPool.scheduler("tcp://127.0.0.1:8786")
 
 
 @pytest.mark.slow

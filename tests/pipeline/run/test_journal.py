@@ -58,7 +58,7 @@ def test_what_has_taken_the_place_of_a_journal_stays(target):
     with Journal.open(target) as journal:
         journal.add(done("a"))
         journal_path(target).unlink()
-        assert not journal.in_place
+        assert not journal.is_current
         with pytest.raises(ResultsError, match="removed while the run was at work"):
             journal.add(done("b"))
         journal_path(target).write_text("another's")

@@ -27,7 +27,7 @@ def folder(tmp_path_factory):
 
 
 def test_a_lost_worker_is_a_row_of_its_record(folder, tmp_path, monkeypatch):
-    class Losing(run.Crew):
+    class Losing(run.WorkerPool):
         def run(self, function, items):
             for item, result in super().run(function, items):
                 lost = getattr(item, "key", "").startswith("r1")
@@ -35,7 +35,7 @@ def test_a_lost_worker_is_a_row_of_its_record(folder, tmp_path, monkeypatch):
 
     paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
     with monkeypatch.context() as patch:
-        patch.setattr(run.Crew, "inline", classmethod(lambda cls: Losing(None, lambda: 1)))
+        patch.setattr(run.WorkerPool, "inline", classmethod(lambda cls: Losing(None, lambda: 1)))
         without_results(patch)
         report: BatchReport = assess_files(paths, CONFIG, output, BatchOptions(workers=1))
     (row,) = report.failures

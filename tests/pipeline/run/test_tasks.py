@@ -206,7 +206,7 @@ def test_a_fault_of_the_program_is_a_row_with_its_traceback_in_the_log(one_task,
     (row,) = done.failures
     assert (row.file, row.stage, row.kind) == (str(path), "assess", "failed")
     assert reason in row.reason
-    assert any(level == logging.ERROR and "Traceback" in text for level, text in done.messages)
+    assert any(level == logging.ERROR and "Traceback" in text for _, level, text in done.messages)
 
 
 def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
@@ -215,7 +215,7 @@ def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
     analysis = Assessment(replace(CHEAP, conditioning=ConditioningSettings(baseline="none")))
     ((task,), _) = planned(path, analysis)
     done = function_of(analysis)(task)
-    assert [(level, "baseline drift" in text) for level, text in done.messages] == [(logging.WARNING, True)]
+    assert [(level, "baseline drift" in text) for _, level, text in done.messages] == [(logging.WARNING, True)]
     assert caplog.records == []
     logging.getLogger("rockpulse").warning("heard again")
     assert [record.message for record in caplog.records] == ["heard again"]

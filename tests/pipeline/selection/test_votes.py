@@ -33,7 +33,7 @@ def volume(source, *azimuths, **options):
 
 def vote(*records, settings=None):
     """Ids of those that are assessed, and the kind of each that is not, by id."""
-    voting, rows = one_vote_each(records, settings)
+    voting, rows, _ = one_vote_each(records, settings)
     assert [one for one in records if one in voting] == voting
     assert all(row.stage == "select" for row in rows)
     return [one.id for one in voting], {row.reason.split(": ")[0]: row.kind for row in rows}
@@ -54,7 +54,7 @@ def test_the_processed_volume_votes_and_the_raw_one_is_left_out_with_its_vertica
     assert vote(*raw, *processed) == (ids("b.V2A"), dict.fromkeys(ids("a.V1A"), "duplicate"))
     told = reason(raw[0], processed[0])
     assert told == (
-        "a.V1A.0: the same motion as b.V2A.0 of b.V2A, which is assessed in its place: a processed volume goes before "
+        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is used instead: a processed volume goes before "
         "a raw one; [records] keep with this id assesses both"
     )
 
@@ -170,7 +170,7 @@ def test_a_pair_holds_the_motion_in_every_direction():
     turned = volume("b", 30.0, 120.0)
     assert vote(*volume("a", 0.0, 90.0), *turned)[1] == {}
     assert vote(*volume("a", 0.0, 90.0), *turned, settings=PAIRS)[1] == {"b.30": "duplicate", "b.120": "duplicate"}
-    assert "b.30: held by the pair with a.0 of a" in reason(*volume("a", 0.0, 90.0), turned[0], settings=PAIRS)
+    assert "b.30: duplicate of the pair with a.0 in a" in reason(*volume("a", 0.0, 90.0), turned[0], settings=PAIRS)
     # What the pair does not cover in time votes.
     early = volume("b", 30.0, 120.0, late=-40.0)
     assert vote(*volume("a", 0.0, 90.0), *early, settings=PAIRS)[1] == {}
@@ -246,7 +246,7 @@ def test_records_that_are_kept_are_assessed_beside_the_one_that_votes():
 
 def test_a_pattern_that_fits_no_record_is_an_error_where_every_file_was_read():
     settings = RecordSettings(keep=("a.*", "x.*"))
-    with pytest.raises(ConfigError, match=r"\[records\] keep: no record has an id that fits x\.\*; the ids are a\.0"):
+    with pytest.raises(ConfigError, match=r"\[records\] keep: no record id matches x\.\*; the ids are a\.0"):
         one_vote_each(volume("a"), settings, [Failure("n.txt", "read", "no record", "skipped")])
     (row,) = one_vote_each(volume("a"), settings, [Failure("x", "read", "x: damaged", "failed")])[1]
     assert (row.file, row.stage, row.kind) == ("[records] keep", "select", "failed")
@@ -257,7 +257,7 @@ def test_a_pattern_that_fits_no_record_is_an_error_where_every_file_was_read():
 
 def test_a_long_record_that_is_left_out_for_a_short_one_is_told_as_such():
     told = reason(channel(seconds=3600.0), channel(0.0, "b", processed=True, late=1000.0))
-    assert "3540 of the 3600 s of this one are not in it" in told
+    assert "3540 s of the 3600 s of this record are not in it" in told
     assert "are not in it" not in reason(channel(), channel(0.0, "b", processed=True))
 
 
@@ -269,6 +269,6 @@ def test_thousands_of_records_of_many_stations_and_times_are_settled_at_once():
         for source in "ab"
         for azimuth in (0.0, 90.0)
     ]
-    voting, rows = one_vote_each(records)
+    voting, rows, _ = one_vote_each(records)
     assert {one.source[0] for one in voting} == {"a"}
     assert (len(voting), len(rows)) == (800, 800)

@@ -163,7 +163,8 @@ def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
     for index in range(len(title) - 1, max(event - 1, len(title) - 4, 0), -1):
         words = _BEHIND.sub("", title[index])
         found = _component_direction(words)
-        if found.orientation != "unknown" or (words and not component):
+        last = index == len(title) - 1 or title[index + 1].startswith("(")
+        if found.orientation != "unknown" or (words and last and not component):
             at, component, facing = index, words, found
         if found.orientation != "unknown":
             break

@@ -11,7 +11,7 @@ from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.integrals import of_unstated_kind
 from rockpulse.readers.kit.columns import column_directions, column_units, same_directions, stated_peak
-from rockpulse.readers.kit.direction import BRACKET, is_direction
+from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
 from rockpulse.readers.kit.headings import Heading, column_headings
 from rockpulse.readers.kit.kinds import means_size
 from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
@@ -93,6 +93,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     columns = _columns(file.name, lines[:stop], layout, headings, numbered, prose, lacking, lines[stop:])
     if columns.width > 1 and counts_rows(columns.table, columns.headings):
         columns = columns.picked(range(1, columns.width), "the first column counts the rows; it was left out")
+    columns = _with_one_time(columns)
     kinds = [heading.kind for heading in columns.headings]
     at = kinds.index("time") if "time" in kinds else 0
     if climbs(columns.table[:, 0]) and not climbs(columns.table[:, at]):
@@ -144,7 +145,10 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             processed=None,
             component=heading.name or toward.label,
             facing=toward,
-            channel=BRACKET.sub(_direction_in, heading.name).strip() or toward.label or str(number),
+            channel=BRACKET.sub(_direction_in, heading.name).strip()
+            or toward.label
+            or name_suffix(file)
+            or str(number),
             station_name=kit.stated_station(prose),
             start_time=start_time or kit.stated_start(prose),
             warnings=notes,
@@ -157,6 +161,18 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
     stated = worded or kit.kind_of_name(file)
     return records if stated else [of_unstated_kind(record) for record in records]
+
+
+def _with_one_time(columns: _Columns) -> _Columns:
+    """The columns with one of several that are headed as time and rise, that of seconds if one is."""
+    headed = [at for at, heading in enumerate(columns.headings) if heading.kind == "time"]
+    times = [at for at in headed if len(headed) > 1 and np.all(np.diff(columns.table[:, at]) > 0.0)]
+    if len(times) < 2:
+        return columns
+    kept = next((at for at in times if "sec" in columns.headings[at].name.lower()), times[0])
+    left = ", ".join(columns.headings[at].name for at in times if at != kept)
+    order = [at for at in range(columns.width) if at == kept or at not in times]
+    return columns.picked(order, f"further columns of times left out: {left}")
 
 
 def _direction_in(bracket: re.Match[str]) -> str:

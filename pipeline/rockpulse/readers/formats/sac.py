@@ -16,6 +16,7 @@ _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
 _STATED = {"delta": 0, "depmin": 4, "depmax": 8, "b": 20, "e": 24}
 _UNDEFINED = -12345.0
 _COORDINATES = {"STLA": 31, "STLO": 32, "EVLA": 35, "EVLO": 36}
+_ACCELERATION = 8  # value of IDEP
 _SERIES = {6: "displacement", 7: "velocity"}  # values of IDEP that exclude acceleration
 _LAST_STEPS = 2.0  # E may be off by so many steps
 
@@ -52,6 +53,8 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         found = f"IFTYPE {header.get('iftype')}, LEVEN {header.get('leven')}"
         raise kit.unexpected(file.name, expected, found, "export the record again")
     series = _SERIES.get(header.get("idep"))
+    if header.get("idep") not in (*_SERIES, _ACCELERATION) and kit.kind_of_name(file) not in ("", "acceleration"):
+        raise kit.other_kind(file.name, kit.kind_of_name(file))
     if series:
         raise kit.NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
     if options.units is None:

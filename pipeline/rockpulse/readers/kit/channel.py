@@ -54,8 +54,6 @@ def odd_peak(peak: float, unit: str, factor: float) -> WarningText:
 
 
 def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, rounding: float) -> list[WarningText]:
-    if peak == 0.0:
-        return [WarningText("dead_channel")]
     warnings = []
     g, stated = STANDARD_GRAVITY, abs(header_peak)
     gap = abs(stated - peak)
@@ -121,7 +119,9 @@ def build_record(
     # A reader that filters the samples has looked at them before; the words are the same.
     clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
     notes = [*warnings, *clipped]
-    notes += _peak_warnings(samples_peak * abs(factor), unit, factor, stated_peak, rounding)
+    dead = not np.ptp(samples)
+    peak = samples_peak * abs(factor)
+    notes += [WarningText("dead_channel")] if dead else _peak_warnings(peak, unit, factor, stated_peak, rounding)
     if dt > CREDIBLE_INTERVAL:
         notes.append(WarningText("long_interval", interval=dt))
     fault = clock_fault(start_time) if start_time is not None else ""

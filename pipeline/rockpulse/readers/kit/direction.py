@@ -209,7 +209,7 @@ def name_direction(file: SourceFile) -> Direction:
         suffix = ""
     numbered = _SUFFIX.fullmatch(suffix)
     facing = direction(suffix.rstrip("0123456789") if suffix.isalnum() and not suffix.isdecimal() else "")
-    if facing.orientation != "unknown" and suffix.upper() != "V":
+    if facing.orientation != "unknown":
         return facing
     if numbered:
         facing = direction(numbered[2])
@@ -221,6 +221,8 @@ def name_direction(file: SourceFile) -> Direction:
     words += [word for word in {*ends[:1], *ends[-1:]} if word in _NAME_LETTERS]
     words += [axis[0]] if axis else []
     found = [direction(re.sub(r"(?<=[A-Za-z])\d$", "", word) if len(word) > 2 else word) for word in words]
+    if not found or _one_of(found).orientation == "unknown":  # longitudinal, transverse
+        found += [direction(word) for word in ends[-1:] if word in ("L", "T")]
     facing = _one_of(found)
     glued = _GLUED.search(stem)
     if facing.orientation != "unknown" or not glued:
@@ -228,6 +230,12 @@ def name_direction(file: SourceFile) -> Direction:
     if not glued[1].isdecimal():
         return direction(glued[1])
     return direction(glued[1]) if _has_partner(file, glued) else Direction()
+
+
+def name_suffix(file: SourceFile) -> str:
+    """The suffix of a file's name that tells it from others of its stem: L of rec.L; empty for that of a text."""
+    suffix = file.path.suffix[1:]
+    return suffix if suffix.isalpha() and suffix.lower() not in _TEXT_SUFFIXES else ""
 
 
 def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:

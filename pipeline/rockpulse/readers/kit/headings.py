@@ -16,6 +16,9 @@ _COMMENT = " \t#%!*/"
 _IN_G = re.compile(r"(?<![a-z])g$", re.IGNORECASE)
 #: Volts, which in round brackets may be the vertical direction.
 _VOLTS = re.compile(r"([\[(])\s*([mµu]?V)\s*[\])]")
+_VOLT = re.compile(r"[mµu]?V")
+#: Words for the output of a sensor, which no option turns into an acceleration.
+_SIGNALS = frozenset({"counts", "count", "volts", "volt", "mv", "lsb", "adc"})
 _TIME_UNIT = re.compile(r"(?:^|[\W_])(m(?:illi)?s(?:ec\w*)?|us|µs|min(?:s|ut\w*)?)(?=$|[\W_])", re.IGNORECASE)
 #: Labels that may stand in one column of a heading and name no motion.
 _LABEL = re.compile(
@@ -50,7 +53,12 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Headin
     units: Sequence[str] = [""] * layout.width
     prose = len(header)
     for fields, _ in _splits(header[rows[-1]], layout) if rows else ():
-        quantities = [quantity_of(field.strip("[]() ")) for field in fields]
+        pieces = [field.strip("[]() ") for field in fields]
+        quantities = [quantity_of(piece) for piece in pieces]
+        if any(quantities):  # a V alone is a direction
+            quantities = [
+                kind or piece * bool(_VOLT.fullmatch(piece)) for kind, piece in zip(quantities, pieces, strict=True)
+            ]
         if len(fields) == layout.width and all(quantities) and {*quantities} - {"time"}:
             units, prose = [field.strip("[]() ") for field in fields], rows.pop()
             break
@@ -136,6 +144,8 @@ def _heading(name: str, unit: str) -> Heading:
     mentioned = [wording for _, wording, _ in mentioned_units(name)]
     if not unit:
         unit = next(iter((*measures, *brackets, *mentioned)), "")
+    if not unit:
+        unit = next((word for word in re.split(r"[\W_]+", name) if word.lower() in _SIGNALS), "")
     if not unit and kind == "acceleration" and _IN_G.search(name.replace("_", " ").strip()):
         unit = "g"
     if not unit and kind == "time":

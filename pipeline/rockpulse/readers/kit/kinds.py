@@ -59,6 +59,7 @@ _SUFFIXES |= {"acl": "acceleration", "rs": "spectrum"}
 _PLAIN_FOLDER = re.compile(r"data|files?|time|hist(?:ory|ories)?|series|records?|txt|csv|the|of|de|in|cm|m|s|g")
 #: The letters a, v and d name the kinds only where files of the other letters lie beside.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
+_ORDINATE = re.compile(r"(?<![A-Za-z])(?:Sa|Sv|Sd|SA|SV|SD|sa|sv|sd)(?![A-Za-z])")
 _LETTER = re.compile(r"(?<![A-Za-z])([avdAVD])(?![A-Za-z])|(?<=[a-z0-9])([AVD])(?![A-Za-z])")
 
 
@@ -121,7 +122,7 @@ def kind_of_name(file: SourceFile) -> str:
     kinds = kinds or _kinds_of_words(name_words(path.stem))
     if kinds:
         return kinds[0] if len(kinds) == 1 else ""
-    letter = _letter_of_three(file, path)
+    letter = _letter_of_three(file, path) or _spectrum_beside(file, path)
     if letter:
         return letter
     words = [word for word in name_words(path.parent.name) if not _PLAIN_FOLDER.fullmatch(word.lower())]
@@ -132,6 +133,15 @@ def kind_of_name(file: SourceFile) -> str:
 def _kinds_of_words(words: list[str]) -> list[str]:
     """Kinds that the words of a name say; a spectrum only by a word that is nothing else."""
     return list(dict.fromkeys(prose_kinds(plain(" ".join(words)), name=True)))
+
+
+def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
+    """A spectrum by the letters Sa, Sv or Sd in a name that is else that of a file of accelerations beside it."""
+    for match in _ORDINATE.finditer(path.stem):
+        names = (f"{path.stem[: match.start()]}{acc}{path.name[match.end() :]}" for acc in ("acc", "Acc", "ACC"))
+        if any(file.beside(name) is not None for name in names):
+            return "spectrum"
+    return ""
 
 
 def _letter_of_three(file: SourceFile, path: PurePosixPath) -> str:

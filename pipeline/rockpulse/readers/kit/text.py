@@ -200,8 +200,12 @@ def canonical_unit(text: str, where: str) -> str:
     if unit not in UNITS:
         quantity = quantity_of(text)
         of = f" ({quantity})" if quantity else ""
-        advice = "" if where.startswith("option") else "; correct the file, or write columns and give their unit"
-        near = "".join(f'; did you mean "{close}"?' for close in get_close_matches(unit, UNITS, n=1))
+        advice = (
+            ""
+            if where.startswith(("option", "--")) or "[records]" in where
+            else "; correct the file, or write columns and give their unit"
+        )
+        near = "".join(f' (did you mean "{close}"?)' for close in get_close_matches(unit, UNITS, n=1))
         found = f"unknown unit of acceleration {text[:40]!r}{of}{near}"
         raise UnitError(f"{where}: {found}; expected one of {', '.join(UNITS)}{advice}")
     return unit

@@ -13,7 +13,7 @@ import xarray as xr
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.storage.export.row_selection import Condition, RowSelection, positions_matching, rows
-from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
+from rockpulse.storage.hdf5.netcdf4 import flag_words, flags_as_words, pointwise
 from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class TableColumn:
         if self.labels is not None:
             return np.where(found < 0, "", self.labels[found])
         if self.words:
-            return worded(found, self.words)
+            return flags_as_words(found, self.words)
         return found.astype(object) if found.dtype.kind == "U" else found
 
 

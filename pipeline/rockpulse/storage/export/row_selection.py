@@ -22,11 +22,9 @@ LISTED = 12
 SHOWN = {
     "P": "overturning_probability",
     "SF": "safety_factor",
-    "f_10": "factor_10",
-    "factor of 10 %": "factor_10",
-    "f_50": "factor_50",
-    "of 50 %": "factor_50",
-    "mean capacity": "capacity_mean",
+    "scale factor at P = 10 %": "factor_10",
+    "scale factor at P = 50 %": "factor_50",
+    "mean scale factor": "capacity_mean",
     "I": "main_impulse",
     "C": "restitution",
     "I/I_1c": "impulse_ratio",
@@ -54,9 +52,11 @@ class Condition:
     def parse(cls, words: str) -> Self:
         """Parse a condition: name of a variable or heading of a table, comparison, value.
 
-        >>> Condition.parse("factor of 10 % < 1")
+        >>> Condition.parse("scale factor at P = 10 % < 1")
         Condition(name='factor_10', comparison='<', value='1')
         """
+        heading = next((one for one in SHOWN if "=" in one and words.strip().startswith(one)), "")
+        words = words.replace(heading, SHOWN[heading], 1) if heading else words
         found = re.fullmatch(r"\s*([A-Za-z][^<>=!]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", words)
         if found is None:
             raise ResultsError(
@@ -187,9 +187,9 @@ def rows(
     for item, variable in used:
         values = slab(variable, among)
         if values.dtype.kind == "f" and values.size and np.isnan(values).all():
-            beside = " (factor_10 tells it by its probability, [search] intervals searches it)"
+            beside = "; use factor_10, or assess with [search] intervals = true"
             why = beside if item.name == "safety_factor" else ""
-            raise ResultsError(f"{item.name} is known of none of these answers{why}: nothing can be said of it")
+            raise ResultsError(f"{item.name}: expected a variable with values, found it unknown in every answer{why}")
         mask &= xr.DataArray(item.holds(variable, values), dims=variable.dims)
     for along, held in masks:
         mask &= xr.DataArray(held[np.ix_(*(among[dim] for dim in along))], dims=along)

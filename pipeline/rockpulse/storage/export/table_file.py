@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import gzip
+import shutil
+from codecs import BOM_UTF8
 from collections.abc import Callable
+from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
@@ -97,7 +100,9 @@ def write_table(
     readme = readme_of(target)
     empty = {column.name: 0 for column in table.columns}
     if decimal_comma and target.suffix in TYPED:
-        raise ResultsError(f"{path}: a table of this kind holds numbers, not how they are written: no decimal commas")
+        raise ResultsError(
+            f"{path}: --decimal-comma: expected a CSV file, found a format that stores numbers; remove the option"
+        )
 
     def seen(frame: pd.DataFrame) -> None:
         for name in empty:
@@ -112,11 +117,14 @@ def write_table(
                 write_typed(table, part, target.suffix, seen)
             else:
                 sep, decimal = (";", ",") if decimal_comma else (",", ".")
-                with _opened(part, target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
+                encoding = "utf-8-sig" if decimal_comma else "utf-8"
+                with _opened(part, target.name.endswith(".gz"), encoding) as file:
                     for number, frame in enumerate(table.frames()):
                         shown = one_line(frame) if raw else safe_texts(frame)
                         shown.to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
                         seen(frame)
+                if not raw and encoding == "utf-8":
+                    _mark_encoding(part, target.name.endswith(".gz"))
             files.add(readme, _readme(table, target.name, about, empty, decimal_comma).encode())
             files.commit()
     except OSError as error:
@@ -130,6 +138,22 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
     if compressed:
         return gzip.open(path, "wt", encoding=encoding, newline="", compresslevel=4)
     return Path(path).open("w", encoding=encoding, newline="")
+
+
+def _mark_encoding(path: Path, compressed: bool) -> None:
+    """Put a byte order mark, by which spreadsheets recognise UTF-8, before a text that is not ASCII."""
+    opened = gzip.open if compressed else open
+    marked = path.with_name(f"{path.name}.marked")
+    with ExitStack() as stack:
+        stack.callback(marked.unlink, missing_ok=True)
+        with opened(path, "rb") as text:
+            if all(line.isascii() for line in text):
+                return
+            text.seek(0)
+            with opened(marked, "wb") as file:
+                file.write(BOM_UTF8)
+                shutil.copyfileobj(text, file)
+        marked.replace(path)
 
 
 def one_line(frame: pd.DataFrame) -> pd.DataFrame:
@@ -149,8 +173,12 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def table_csv(table: pd.DataFrame) -> bytes:
-    """Return a table as CSV with one header line, all digits of numbers, and texts made safe by :func:`safe_texts`."""
-    return safe_texts(table).to_csv(index=False).encode()
+    """Return a table as CSV with one header line, all digits of numbers, and texts made safe by :func:`safe_texts`.
+
+    A text that is not ASCII begins with a byte order mark, by which spreadsheets recognise UTF-8.
+    """
+    text = safe_texts(table).to_csv(index=False)
+    return text.encode("utf-8" if text.isascii() else "utf-8-sig")
 
 
 def _texts(frame: pd.DataFrame) -> list[str]:
@@ -165,9 +193,9 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         options = 'sep=";", decimal=",", '
     in_pandas = (
         f'In pandas: `pandas.read_csv(name, {options}keep_default_na=False, na_values=[""])`, so that a network "NA" '
-        "stays one."
+        "is kept."
     )
-    digits, line_ends = "all their", f" `{LINE.strip()}` stands between the lines of a text."
+    digits, line_ends = "all", f" `{LINE.strip()}` separates the lines of a text."
     if name.endswith(tuple(TYPED)):
         line_ends = ""
     if name.endswith(".parquet"):
@@ -180,10 +208,12 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         "",
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
-        f"{written}, SI units, numbers with {digits} digits. An empty cell: not known or not computed, or no text; how "
-        "many a column has is counted below. `inf`: without limit, such as the safety factor of a block that no factor "
-        "tried overturns, or the peak of one that overturned. -1 in whole numbers: none, or not known, as the meaning "
-        f"says.{line_ends}",
+        f"{written}, SI units, numbers with {digits} digits. Empty cell: unknown, not computed, or an empty text; "
+        f"their "
+        "number in each column is given below. `inf`: no limit, such as the scale factor of a body that no scale "
+        "factor "
+        "overturned, or the peak rotation of a body that overturned. -1 in an integer column: none or unknown, see its "
+        f"meaning.{line_ends}",
         "",
         in_pandas,
         "",
@@ -200,6 +230,6 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         names = ", ".join(f"`{name}`" for name in table.left_out)
         lines += [
             "",
-            f"Not in this table, because their dimensions are others: {names} (`--rows` takes other dimensions).",
+            f"Not in this table, because their dimensions differ: {names} (`--rows` selects other dimensions).",
         ]
     return "\n".join(lines) + "\n"

@@ -63,6 +63,8 @@ def replacing(
         yield part
         flush(part, os.O_RDWR)
         check_target(path, overwrite, kind)  # another process may have written it during the run
+        if target.exists():
+            shutil.copymode(target, part)
         part.replace(target)
     except OSError as error:
         hidden = re.search(r"errno = (\d+)", str(error))  # HDF5 gives the error number only in a long text

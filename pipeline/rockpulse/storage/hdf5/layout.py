@@ -8,7 +8,7 @@ import numpy as np
 
 from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
-from rockpulse.storage.hdf5.netcdf4 import NOT_A_COORDINATE, says_no_variable
+from rockpulse.storage.hdf5.netcdf4 import NOT_A_COORDINATE, is_bare_dimension
 from rockpulse.storage.variables import Declared, StoredVariable
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
@@ -28,7 +28,7 @@ ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/r
 def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
     """Return a sentence on each variable (by path) whose type, shape or, with `units`, unit is not as declared."""
     for path, variable in variables.items():
-        if says_no_variable(variable.attrs.get("NAME")):
+        if is_bare_dimension(variable.attrs.get("NAME")):
             continue
         group, _, name = path.rpartition("/")
         name = name.removeprefix(NOT_A_COORDINATE)
@@ -81,7 +81,7 @@ PACKED, FREE = 1100, 1024**2
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
 
 
-def contained(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
+def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
     """Return every dataset of an open file by path; raise ResultsError for unsafe content before it is read."""
     found: dict[str, h5py.Dataset] = {}
     waiting, seen = [hdf5["/"]], {h5py.h5o.get_info(hdf5["/"].id).addr}
@@ -116,7 +116,7 @@ def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
     filters = [created.get_filter(number) for number in range(created.get_nfilters())]
     if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
         raise ResultsError(f"{where}: packed by {', '.join(foreign)}, which results are not")
-    if h5py.h5ds.is_scale(dataset.id) and says_no_variable(dataset.attrs.get("NAME")):
+    if h5py.h5ds.is_scale(dataset.id) and is_bare_dimension(dataset.attrs.get("NAME")):
         return  # a dimension without a variable has a length but no values, and is never read
     declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()
     if declared > FREE + PACKED * held:

@@ -110,7 +110,7 @@ def variables_of(group: h5py.Group) -> list[Variable]:
     return [
         Variable(name.removeprefix(NOT_A_COORDINATE), item, scales)
         for name, item in datasets.items()
-        if not (item in scales and says_no_variable(item.attrs.get("NAME")))
+        if not (item in scales and is_bare_dimension(item.attrs.get("NAME")))
     ]
 
 
@@ -120,7 +120,7 @@ def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
     return {name: _plain(held[name]) for name in held if name not in HIDDEN}
 
 
-def says_no_variable(name: Any) -> bool:
+def is_bare_dimension(name: Any) -> bool:
     """Whether the attribute NAME of a dataset marks it as a dimension without a variable."""
     return isinstance(name, bytes) and name.startswith(NO_VARIABLE.encode())
 
@@ -167,7 +167,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
     return dict(zip(values, str(variable.attrs["flag_meanings"]).split(), strict=True))
 
 
-def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
+def flags_as_words(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
     """Replace integer values of a flag by the words of :func:`flag_words`; numbers without a word stay numbers."""
     codes, inverse = np.unique(values, return_inverse=True)
     names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)

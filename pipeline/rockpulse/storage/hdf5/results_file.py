@@ -102,17 +102,21 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
     """Open a results file of this schema; return it with its kind (a key of `KINDS`) and its datasets by path."""
     import h5py
 
-    from rockpulse.storage.hdf5.layout import contained
+    from rockpulse.storage.hdf5.layout import checked_datasets
 
     check_regular(path, ResultsError)
     Path(path).open("rb").close()
     with ExitStack() as stack:
         try:
             hdf5 = stack.enter_context(h5py.File(path, "r"))
-            datasets = contained(hdf5)
+            datasets = checked_datasets(hdf5)
             found = hdf5.attrs.get("schema_version")
             kind = str(hdf5.attrs.get("kind", ASSESSMENT))
             known = KINDS.get(kind, "?") in hdf5 and isinstance(found, str)
+        except BlockingIOError as error:  # a lock on the file
+            raise ResultsError(
+                f"{path}: another process has this file open for writing; wait until it ends, or close the file there"
+            ) from error
         except (OSError, RuntimeError, KeyError) as error:
             raise ResultsError(
                 f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file "

@@ -60,7 +60,7 @@ def verify(
         stored = stored_checksums(hdf5) if inputs else []
         folders = record_folders(str(root.get("configuration", "")))
     sources = input_files(stored)
-    places = {in_place(name, folders): name for name in sources}
+    places = {existing_path(name, folders): name for name in sources}
     absent: list[str] = []
     for place, found in input_checksums(progress(sorted(places))):
         name = places[place]
@@ -157,7 +157,7 @@ def record_folders(configuration: str) -> list[Path]:
     return list(dict.fromkeys(folder for path in paths for folder in (path, *path.parents)))
 
 
-def in_place(source: str, folders: Iterable[Path]) -> str:
+def existing_path(source: str, folders: Iterable[Path]) -> str:
     """Return a file's path as stored, or its path below one of the folders if it exists only there."""
     named = (source, *(str(folder / source) for folder in folders))
     return next((name for name in named if _there(_location(name)[0])), source)

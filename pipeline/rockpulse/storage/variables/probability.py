@@ -13,7 +13,7 @@ from rockpulse.storage.variables import Declared, StoredVariable, along, flag, r
 #: Mean over direction of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
 #: Sources of the probability, in the order of the flag.
-SOURCES = ("none", "spectrum", "own_lanes")
+SOURCES = ("none", "spectrum", "own_motions")
 
 #: Variables by their names in :class:`rocking.OverturningFactors`.
 READ = {
@@ -36,8 +36,9 @@ def _comment(config: Config) -> str:
     known = config.uncertainty
     least, most = known.restitution
     return (
-        f"nonlinear model; factor {100.0 * known.factor:g} % lognormal, C {least:g} to {most:g} of nominal or the "
-        f"range of its list, angle less {100.0 * known.geometry:g} % |N|; factors up to {config.search.factor_max:g}"
+        f"nonlinear model; scale factor lognormal ({100.0 * known.factor:g} %), C uniform ({least:g} to {most:g} of "
+        f"nominal, or its list), critical angle reduced by {100.0 * known.geometry:g} % |N|; scale factors up to "
+        f"{config.search.factor_max:g}"
     )
 
 
@@ -84,10 +85,10 @@ PROBABILITY: Declared = {
     ),
     "probability_source": flag(
         SOURCES,
-        "what the probability of overturning was read from",
+        "source of the probability of overturning",
         _of_lanes("probability_source"),
         explanation="spectrum: the overturning spectrum of the record, which is the same for all slender bodies; own "
-        "lanes: motions of the body itself, where the spectrum does not hold (slenderness below 3.5, p or C outside "
+        "motions: those of the body itself, where the spectrum does not hold (slenderness below 3.5, p or C outside "
         "it, vertical acceleration)",
     ),
 }
@@ -95,7 +96,7 @@ PROBABILITY: Declared = {
 #: Variables at the demands of the site, along `demand`.
 AT_DEMAND: Declared = {
     "demand_factor": real(
-        "factor on the record that brings it to the demand",
+        "scale factor on the record that brings it to the demand",
         take=_of_lanes("demand_factor"),
         of_ground=True,
         explanation="the demand over the strength of the motion, of a pair of horizontal channels over the geometric "
@@ -125,9 +126,11 @@ SPECTRUM_AXES: Declared = {
         "nominal restitution C of the blocks",
         take=_fixed(RESTITUTIONS),
         dims=("restitution",),
-        explanation="that of a draw lies between the shares of it that `[uncertainty] restitution` tells",
+        explanation="that of a draw lies between the shares of it given by `[uncertainty] restitution`",
     ),
-    "level": real("factor on the record over the mean capacity of the block", take=_fixed(LEVELS), dims=("level",)),
+    "level": real(
+        "scale factor on the record over the mean capacity of the block", take=_fixed(LEVELS), dims=("level",)
+    ),
     "rotation": real("limit state of rotation, theta/alpha_c", take=_fixed(ROTATIONS), dims=("rotation",)),
 }
 

@@ -9,6 +9,7 @@ from rocking.response import Outcome, Reason
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import SPACINGS
+from rockpulse.record.defects import drifts
 from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
 from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.bodies import BLOCK, CASE
@@ -121,7 +122,7 @@ def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..
                 ("reliable", "drift"),
                 f"whether the ground velocity does not come back to zero, so that the {one.title} may be off by as "
                 "much",
-                lambda one: find(one.record.warnings, "baseline_drift") is not None,
+                lambda one: drifts(one.record),
             )
     return found
 

@@ -98,7 +98,7 @@ def check(
     weakest = [min(senses, key=lambda one: one.multiplier) if senses else None for senses, _ in found.values()]
     values = {
         **{name: np.array([getattr(one, name, math.nan) for one in weakest]) for name in ("multiplier", "share")},
-        **({} if tree is None else of_histories(tree, config, names)),
+        **({} if tree is None else history_results(tree, config, names)),
         **{
             name: np.array([[getattr(one, name) for one in row] for _, row in found.values()])
             for name in (*Checked._fields, "activation_ratio")
@@ -125,7 +125,7 @@ def _checked(
         return Checked(statement=str(error))
 
 
-def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
+def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
     """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies found equal in the results."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)

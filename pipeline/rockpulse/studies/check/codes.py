@@ -3,7 +3,7 @@
 .. note:: With the multiplier alpha_0, e* and d_0 of :mod:`rockpulse.studies.check.mechanism`, q, FC and the modes T_k,
    xi_k, gamma_k psi_k of the building. Circolare 617/2009, C8A.4: a_0* = alpha_0 g/(e* FC) (C8A.4.4); linear, a_0* >=
    a_g S/q and on floors S_e(T_1) psi gamma/q; nonlinear on the ground, d_u* = 0.4 d_0* >= S_De(T_s), T_s = 2 pi
-   sqrt(d_s*/ a_s*) at d_s* = 0.4 d_u*. Circolare 7/2019: linear, the same with a_Z(z) on floors (C8.7.1.8, C7.2.8);
+   sqrt(d_s*/a_s*) at d_s* = 0.4 d_u*. Circolare 7/2019: linear, the same with a_Z(z) on floors (C8.7.1.8, C7.2.8);
    displacement, d_SLV = 0.4 d_0 or d_SLC = 0.6 d_0 against S_De(T), T = 1.68 pi or 1.56 pi sqrt(d/a(d)) (C8.7.1.10,
    .11), with a damping of 8 or 10 %, on floors with the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12. EN 1998-1,
    4.3.5.2: F_a = S_a W_a gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at least alpha S
@@ -72,7 +72,7 @@ def circolare_2009(
             asked / settings.q,
             statement="of Circolare 617/2009 the displacement aloft is left out: its formula could not be established",
         )
-    allowed = ULTIMATE * body.furthest
+    allowed = ULTIMATE * body.collapse_displacement
     slowest = SECANT * allowed
     pull = body.capacity(slowest) * body.gravity / (body.share * settings.confidence_factor)
     period = 2.0 * math.pi * math.sqrt(slowest / pull)
@@ -89,7 +89,7 @@ def circolare_2019(
     """Analysis with q, and displacement check, of Circolare 7/2019, C8.7.1.2.1."""
     activation, asked = _activation(body, settings), max(spectrum.ground, floor_peak(spectrum, floors))
     part, factor, damping = STATES[settings.limit_state]
-    allowed = part * body.furthest
+    allowed = part * body.collapse_displacement
     pull = body.capacity(allowed) * body.gravity / (body.share * settings.confidence_factor)
     if pull <= 0.0:  # a tie breaks before the displacement that the weights alone allow
         return Checked(activation, asked / settings.q, allowed, statement="no resistance is left at the displacement")

@@ -80,7 +80,7 @@ class Mechanism:
         return held / self._driving
 
     @property
-    def furthest(self) -> float:
+    def collapse_displacement(self) -> float:
         """Spectral displacement d_0 at zero resistance, with the forces that act until collapse [m]."""
         weights = sum(one.weight * one.height for one in self.weights)
         knots = sorted({0.0, *(one.begins / one.height for one in self.forces if one.begins > 0.0)})

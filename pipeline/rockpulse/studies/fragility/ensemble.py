@@ -37,7 +37,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
     """Slope d ln median/d ln u [-] for a property u, and its p-value, from the jackknife over events; or NaN."""
     nothing = np.nan, np.nan
-    known = rows.having(column)
+    known = rows.with_property(column)
     if not np.all(known):
         rows = rows.only(known)
         if missing(rows) != Status.FITTED:

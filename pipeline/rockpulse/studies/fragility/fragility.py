@@ -101,7 +101,7 @@ class FragilityAnalysis(Analysis):
         return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
 
     @cached_property
-    def nothing(self) -> Part:
+    def empty_part(self) -> Part:
         """Empty arrays of capacities, for a record without results."""
         return empty_capacity(len(self.block_names), self.config, self.selection)
 

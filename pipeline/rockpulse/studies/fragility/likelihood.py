@@ -66,7 +66,7 @@ class Observations:
         """Number of records."""
         return int(np.unique(self.record).size)
 
-    def having(self, column: int) -> np.ndarray:
+    def with_property(self, column: int) -> np.ndarray:
         """Mask (n,) of the rows whose property in a column has a finite logarithm."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
@@ -129,7 +129,7 @@ FAMILIES: dict[str, Family] = {
 
 
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Mask (q,) of data sets whose likelihood has a maximum at finite a and b, as the data are not separated.
+    """Mask (q,) of data sets whose likelihood has a maximum at finite a and b, so that a curve can be fitted.
 
     `x` (n,) are logarithms of levels of a `kind` (n,), `weights` (q, n) the weights of q data sets. Without exact
     capacities both kinds of rows have to overlap (Albert & Anderson 1984). With exact ones, b is unbounded only if they

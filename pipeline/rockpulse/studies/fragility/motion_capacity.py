@@ -11,7 +11,7 @@ from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.search.capacity import critical_scale, uplift_scale
-from rockpulse.assessment.scene import aloft, extract, places_of, turned
+from rockpulse.assessment.scene import extract, floor_scene, places_of, turned
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
@@ -138,7 +138,7 @@ def motion_capacity(
                 ground = turned(scene, place, pair, config)
                 # A body beside a wall falls to one side only, and either direction of the record is possible.
                 ground = _reversed(ground) if reverse else ground
-                there = aloft(ground, place, config)
+                there = floor_scene(ground, place, config)
             own = np.flatnonzero(np.isin(lanes.owner, numbers))
             with watch("solve"):
                 values = _capacity(ground, there, lanes.block.take(own), config, selection)

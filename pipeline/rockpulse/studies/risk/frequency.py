@@ -71,7 +71,7 @@ def fragility_assumed(config: Config, model: str, records: int, events: int) -> 
     return f"of {of}; {model}, {settings.equation} equation, {shown}, in which records count {alike}"
 
 
-class _Asked(NamedTuple):
+class _RiskOptions(NamedTuple):
     """The arguments that hold for every body."""
 
     family: Family
@@ -115,7 +115,7 @@ def fragility_frequency(
     ensemble = stored_ensemble(fragility)
     settings = ensemble.config.fragility
     model = settings.overturning_model if limit_state == OVERTURNING else settings.model
-    asked = _Asked(FAMILIES[model], hazard, years, level, resamples, seed, limit_state == UPLIFT)
+    asked = _RiskOptions(FAMILIES[model], hazard, years, level, resamples, seed, limit_state == UPLIFT)
     place = states.index(limit_state), measures.index(hazard.measure)
     found = [
         _of_body(ensemble.observations(*place, [lane]), floor, asked)
@@ -137,12 +137,12 @@ def fragility_frequency(
     return risk
 
 
-def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
+def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str, Any]:
     """Compute the variables of one body, which does not move below the level exp(floor)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
-    if asked.uplift and _lifted_from(rows, floor):
+    if asked.uplift and _uplift_level_known(rows, floor):
         with np.errstate(divide="ignore"):
             low, high = np.log(asked.hazard.covered).tolist()
         whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
@@ -168,7 +168,7 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
 
 
-def _frequency(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, Any]:
+def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
     """Return a frequency with its contributions by level, and a warning of those beyond ln levels `low` and `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
@@ -196,7 +196,7 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
     return "; ".join(told)
 
 
-def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _Asked) -> dict[str, Any]:
+def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _RiskOptions) -> dict[str, Any]:
     """Return the limits of the frequency and of the probability, with a statement if they are missing."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
@@ -219,7 +219,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     return found
 
 
-def _lifted_from(rows: Observations, floor: float) -> bool:
+def _uplift_level_known(rows: Observations, floor: float) -> bool:
     """Whether the uplift level is known and no observation contradicts it."""
     lifted, level = math.exp(floor), rows.level
     against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)

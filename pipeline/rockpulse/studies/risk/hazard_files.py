@@ -309,7 +309,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
     # A spreadsheet may write a row of commas before the comment.
-    told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[0-9.eE+-]+)", lines[0]))
+    told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[^\s,\"']+)", lines[0]))
     if set(told) != {"investigation_time", "imt"}:
         raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
     years = float(told["investigation_time"].strip("'\""))

@@ -87,7 +87,7 @@ def risk(
     tree = given_results(fragility)
     if hazard is not None and config is not None:
         raise ConfigError("hazard, config: expected one source of the hazard, found both")
-    asked = config_from_text(str(tree.attrs["configuration"])) if config is None else given_config(config)
+    asked = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else given_config(config)
     settings, folder = asked.hazard, asked.folder
     given = None if isinstance(hazard, str | os.PathLike) else hazard
     if given is not None and (site is not None or soil_factor is not None):

@@ -22,7 +22,7 @@ from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 
-__all__ = ["COLUMNS", "TABLE", "AnsweredCase", "Case", "Tried", "stored_cases", "tried"]
+__all__ = ["COLUMNS", "TABLE", "AnsweredCase", "Case", "CaseResult", "solve_case", "stored_cases"]
 TABLE = Path(__file__).with_name("cases.csv")
 #: Number of scale factors of a case that are solved in one call to measure its run time.
 FACTORS = np.linspace(0.9, 1.1, 64)
@@ -91,7 +91,7 @@ class AnsweredCase(NamedTuple):
     bound: float
 
 
-class Tried(NamedTuple):
+class CaseResult(NamedTuple):
     """The result of a case on this machine."""
 
     stored: AnsweredCase
@@ -125,7 +125,7 @@ def stored_cases(path: Path = TABLE) -> list[AnsweredCase]:
         ]
 
 
-def tried(stored: AnsweredCase) -> Tried:
+def solve_case(stored: AnsweredCase) -> CaseResult:
     """Solve a case on this machine with one thread."""
     case, block = stored.case, stored.case.block()
     ground, up = case.motions()
@@ -141,12 +141,12 @@ def tried(stored: AnsweredCase) -> Tried:
     cost = _cost(start, int(np.sum(np.asarray(many.active_samples))))
     error = _error(stored, outcome, peak)
     if case.kind != "plain" or ground.size > FEW_SAMPLES:
-        return Tried(stored, outcome, error, cost, np.nan, np.nan)
+        return CaseResult(stored, outcome, error, cost, np.nan, np.nan)
     start = time.perf_counter()
     given = float(block.p), float(block.alpha_c), case.restitution
     other = by_solve_ivp(*given, ground, dt, case.equation, case.scale, block.gravity)
     spent = _cost(start, other.active_samples)
-    return Tried(stored, outcome, error, cost, _error(stored, other.outcome, other.peak_rotation_ratio), spent)
+    return CaseResult(stored, outcome, error, cost, _error(stored, other.outcome, other.peak_rotation_ratio), spent)
 
 
 def _cost(start: float, active: int) -> float:

@@ -11,7 +11,7 @@ import xarray as xr
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rockpulse.config.bodies import gather_bodies, refuse_aloft
+from rockpulse.config.bodies import gather_bodies, refuse_floors
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
 from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, reasons_in_words
@@ -25,8 +25,8 @@ from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.sequence_design import sequence_design
-from rockpulse.studies.site.site_records import block_family, no_site_record, site_record
-from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
+from rockpulse.studies.site.site_records import block_family, empty_site_record, site_record
+from rockpulse.studies.site.spectrum_design import empty_spectrum_record, site_spectrum_record, spectrum_design
 
 
 def calibrate(
@@ -113,11 +113,11 @@ class SiteCalibration(Analysis):
         return self.config.calibration.method == "spectrum"
 
     @cached_property
-    def nothing(self) -> Part:
+    def empty_part(self) -> Part:
         """Empty arrays of spectra or sequences, for a record without results."""
         if self.lanes is None or self.by_spectrum:
-            return no_spectrum_record()
-        return no_site_record(self.lanes)
+            return empty_spectrum_record()
+        return empty_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
         """Return names and lanes of the bodies, or 100 standard bodies for a sequence without bodies."""
@@ -128,7 +128,7 @@ class SiteCalibration(Analysis):
             named = np.column_stack([lanes.p, lanes.alpha_c, lanes.restitution])
             return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
         bodies = gather_bodies(blocks)
-        refuse_aloft(bodies, "a site is calibrated on the motion of its ground")
+        refuse_floors(bodies, "a site is calibrated on the motion of its ground")
         names, lanes, _ = bodies.apart()
         others = [name for name, free in zip(names, np.asarray(lanes.free), strict=True) if not free]
         if others and not self.by_spectrum:
@@ -151,7 +151,7 @@ class SiteCalibration(Analysis):
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
-            what = f"not one record could be calibrated, so there is no site to describe{reasons}"
+            what = f"no record could be calibrated, so there is no site to describe{reasons}"
             raise NothingCalibrated(what, failures)
         done = joined(parts)
         ids, events = done["record"].tolist(), done["event"].tolist()

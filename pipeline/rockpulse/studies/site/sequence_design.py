@@ -57,7 +57,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
     return Coverage(marks, mains)
 
 
-def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
+def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
     """Mask (n, m) of the pairs of record and block that count in :func:`coverage_of`."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
@@ -69,16 +69,20 @@ def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
     """Weighted share of covered pairs (of surviving blocks if `standing`), with its event-clustered interval."""
-    counted = judged(marks, sample, standing)
+    counted = counted_pairs(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
         return math.nan, math.nan, math.nan
     return share_interval(np.minimum(marks[counted], 1.0), sample.weights[rows], sample.events[rows], confidence)
 
 
-def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
+def untested_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
     """Return the events that could not be tested on surviving blocks, with the code of the reason."""
-    rests, lifts, counted = judged(found.covered, sample).any(axis=1), ~np.isnan(sample.peaks), sample.weights > 0.0
+    rests, lifts, counted = (
+        counted_pairs(found.covered, sample).any(axis=1),
+        ~np.isnan(sample.peaks),
+        sample.weights > 0.0,
+    )
     reasons = {}
     for event in np.unique(sample.events[counted & ~np.isin(sample.events, sample.events[rests])]).tolist():
         rows = (sample.events == event) & counted
@@ -120,7 +124,7 @@ def sequence_design(
     coverage = coverage_of(marks, sample, settings.confidence)
     in_sample = covered_rotations(fitted, design)
     per_parameter = _per_parameter(fitted, design, draws, config)
-    counted, rests = ~np.isnan(fitted.peaks), judged(marks, sample)
+    counted, rests = ~np.isnan(fitted.peaks), counted_pairs(marks, sample)
     fallen, below = overturning_limit(fitted, design, settings.quantile)
     site: dict[str, Any] = {
         "quantile": settings.quantile,
@@ -141,7 +145,7 @@ def sequence_design(
         "coverage_all": coverage_of(marks, sample, settings.confidence, standing=False)[0],
         "standing_share": _weighted_share((in_sample != BEYOND) & counted, counted, fitted.weights),
     }
-    unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
+    unjudged = {str(names[event]): reason for event, reason in untested_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
     warnings = [*warnings, *site_warnings(told, done["scale_factor"], done["event"], weights, unjudged)]
     site |= {"site_warnings": "\n".join(warnings), "site_warning_values": as_stored(warnings)}

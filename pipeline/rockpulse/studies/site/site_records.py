@@ -16,6 +16,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
+from rockpulse.record.defects import drifts
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
@@ -95,10 +96,10 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
     return {name: np.array([values]) for name, values in found.items()}
 
 
-def no_site_record(blocks: Block) -> Part:
+def empty_site_record(blocks: Block) -> Part:
     """Return every array of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
     return {
-        **no_facts(),
+        **empty_facts(),
         **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
         "value": np.zeros((0, len(PARAMETERS))),
         "peaks": np.zeros((0, *blocks.shape)),
@@ -111,7 +112,7 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
         conditioned = conditioned.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
-    if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
+    if scale_to != "none" and MEASURES[scale_to].drifts and drifts(conditioned):
         conditioned = conditioned.with_warning(WarningText("scaled_to_drift"))
     return scaled(conditioned, factor), factor
 
@@ -131,7 +132,7 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
     }
 
 
-def no_facts() -> dict[str, np.ndarray]:
+def empty_facts() -> dict[str, np.ndarray]:
     """Return every array of :func:`facts_of_record`, and "event", with zero rows."""
     facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
     return {"record": np.zeros(0, dtype=str), **facts}

@@ -49,16 +49,16 @@ def site_warnings(
     if math.isinf(site["design_upper"]):
         warnings.append(WarningText("open_interval"))
     if count > 1:
-        warnings += _judged(site, unjudged)
+        warnings += _coverage_warning(site, unjudged)
     if site["coverage_upper"] < quantile:
         share, most = float(site["coverage"]), float(site["coverage_upper"])
         warnings.append(WarningText("falls_short", share=share, most=most, nominal=quantile))
     if site["lifted_share"] < FEW_LIFTED:
         warnings.append(WarningText("few_lifted", share=float(site["lifted_share"])))
-    return warnings + scaled_far(factors)
+    return warnings + unusual_factors_warning(factors)
 
 
-def scaled_far(factors: np.ndarray) -> list[WarningText]:
+def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
     """Return a warning of unusual scale factors (n,), if there are any."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
@@ -76,7 +76,7 @@ def _tail(records: int, quantile: float) -> WarningText:
     return WarningText("tail_among", quantile=quantile)
 
 
-def _judged(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[WarningText]:
+def _coverage_warning(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[WarningText]:
     """Return a warning if the coverage is based on few data."""
     groups = []
     for reason in dict.fromkeys(unjudged.values()):

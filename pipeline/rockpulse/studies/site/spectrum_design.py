@@ -28,8 +28,8 @@ from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.studies.site.site_records import facts_of_record, no_facts, scaled_motion
-from rockpulse.studies.site.site_warnings import FEWEST_EVENTS, scaled_far
+from rockpulse.studies.site.site_records import empty_facts, facts_of_record, scaled_motion
+from rockpulse.studies.site.site_warnings import FEWEST_EVENTS, unusual_factors_warning
 from rockpulse.warning_text import WarningText, as_stored
 
 #: Quantiles in every file besides the design quantile, by name.
@@ -54,10 +54,10 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
     return {name: np.array([values]) for name, values in found.items()}
 
 
-def no_spectrum_record() -> Part:
+def empty_spectrum_record() -> Part:
     """Return every array of :func:`site_spectrum_record`, and "event", with zero rows."""
     return {
-        **no_facts(),
+        **empty_facts(),
         "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
         **dict.fromkeys(("record_ratio", "record_main_count"), np.zeros((0, RATES.size))),
     }
@@ -104,7 +104,7 @@ def spectrum_design(
         warnings = [*warnings, WarningText("outside_spectrum", names=", ".join(outside))]
     if config.records.include_vertical:
         warnings = [*warnings, WarningText("vertical_left_out")]
-    warnings = [*warnings, *scaled_far(done["scale_factor"])]
+    warnings = [*warnings, *unusual_factors_warning(done["scale_factor"])]
     site = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,

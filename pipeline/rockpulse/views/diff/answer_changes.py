@@ -79,7 +79,7 @@ def body_changes(
             needed |= {"demand_factor", "demand_probability"}
         part = dataset[sorted(needed)].isel(model=[dataset["model"].values.tolist().index(model)]).load()
         part = part.assign({name: xr.full_like(part[name], np.nan, dtype=float) for name in ignored})
-        sides.append(_told(part.isel(record=getattr(records, side), block=getattr(blocks, side)), names))
+        sides.append(_described_margins(part.isel(record=getattr(records, side), block=getattr(blocks, side)), names))
     before, after = sides
     every = size == one.sizes["record"] == other.sizes["record"]
     of = f" of {size} records" if every else f" of the {size} records in both"
@@ -92,7 +92,7 @@ def body_changes(
     return lines
 
 
-def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
+def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
     """Describe the margins of blocks from the variables `names`."""
     answers = Answers(summary)
 

@@ -23,8 +23,8 @@ TEXT_WIDTH = 20
 NAME_WIDTH = 34
 #: Text on ratios that crossed one.
 CROSSED = {
-    FACTOR: "Factors of 10 % that crossed 1 (below it the record as it is overturns with more than 10 % probability)",
-    SAFETY: "Safety factors that crossed 1 (below it a weaker copy of the record overturns)",
+    FACTOR: "Scale factors at P = 10 % that crossed 1 (below it the record as recorded overturns with P above 10 %)",
+    SAFETY: "Smallest scale factors (SF) that crossed 1 (below it the record overturns if it is scaled down)",
     CAPACITY: "Capacities over demand that crossed 1 (below it the record overturns before it reaches the demand)",
 }
 
@@ -93,10 +93,10 @@ def difference_overview(
     flips, crossed = found.sides[OUTCOME], {title: found.sides[name] for name, title in CROSSED.items()}
     if flips.count:
         by_model = f"{flips.count_by_model} of {flips.compared_by_model}"
-        title = f"Verdicts that flipped: {flips.count} of {flips.compared}"
+        title = f"Verdicts that changed: {flips.count} of {flips.compared}"
         parts.append(_changes(title, by_model, found.model, flips))
     elif flips.compared:
-        parts.append(f"No verdict of {flips.compared} flipped.")
+        parts.append(f"None of {flips.compared} verdicts changed.")
     told = {title: one for title, one in crossed.items() if one.count}
     parts += [
         _changes(f"{title}: {one.count}", str(one.count_by_model), found.model, one) for title, one in told.items()
@@ -108,7 +108,7 @@ def difference_overview(
     parts.append(_list("Other differences:", found.others, len(found.others) if full else most, "    "))
     parts.append(_variables(found, tolerance, len(found.variables) if full else 2 * most))
     if not full and any("\n  and " in part for part in parts):
-        parts.append("All of it: rockpulse diff BEFORE AFTER --full")
+        parts.append("All differences: rockpulse diff BEFORE AFTER --full")
     same = f"The results are the same: {found.compared} values within {tolerance}."
     apart = f"The results differ ({found.compared} values compared within {tolerance})."
     return "\n\n".join([*filter(None, parts), same if found.same else apart])

@@ -81,7 +81,7 @@ def overturning_map(
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     end = settings_of(tree, SearchSettings).factor_max
     asked = factor_rows.factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
-    needed = {demand: factor_rows.asked_of(ticks, kept, merged) for demand, ticks in asked.items()}
+    needed = {demand: factor_rows.ticks_of_rows(ticks, kept, merged) for demand, ticks in asked.items()}
     rows, factors, half, bound = [rows[place] for place in kept], factors[kept], half[kept], resolved[kept] == 0
     ax = style.one_axes(ax, height=1.5 + factor_rows.ROW * max(len(rows), 3))
     lowest = factor_rows.least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
@@ -193,7 +193,7 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
     first = float(lower[0]) if lower.size else end
     factor_rows.bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
     if not lower.size:
-        factor_rows.none_up_to(ax, place, end, at_end)
+        factor_rows.label_without_factor(ax, place, end, at_end)
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
         words = "overturns" if resolved else "no_answer"
         factor_rows.bar(ax, place, low, high, words, lw=0.4, **(_OVERTURNS if resolved else _UNKNOWN))

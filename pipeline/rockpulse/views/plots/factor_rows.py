@@ -48,7 +48,7 @@ def shown_rows(
     return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, told
 
 
-def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
+def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
     """Return the ticks of the drawn rows; NaN for a joined row with different ticks."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
@@ -139,10 +139,10 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
         if high > low:
             bar(ax, place, low, high, words, **style)
     if np.isinf(factors[0]):
-        none_up_to(ax, place, end, at_end)
+        label_without_factor(ax, place, end, at_end)
 
 
-def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:
+def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None:
     """Write the label of a row without a factor, at the end of the search or beside the line at 1."""
     words, (where, side) = (
         say("plot.rows.none_up_to", factor=six_digits(end)),

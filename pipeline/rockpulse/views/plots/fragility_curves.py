@@ -145,7 +145,7 @@ def _panel(
         if alone and int(one["extrapolated"]):
             words = say("plot.fragility.extrapolated", state=words)
         ax.plot(*_curve(one, "probability"), lw=1.4, label=words, **line)
-        if state == banded and not _says_nothing(one, shown):
+        if state == banded and not _band_too_wide(one, shown):
             (levels, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
             ax.fill_between(levels, low, high, color=appearance.color, alpha=0.16, lw=0)
             for edge in (low, high):
@@ -168,7 +168,7 @@ def _panel(
     ax.set_xlabel(f"{_measure_words(own)} [{style.unit(str(own['measure_units'].item()))}]")
     style.plain_ticks(ax.xaxis)
     crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown)
-    return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _told(warnings, len(states))
+    return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _merged_warnings(warnings, len(states))
 
 
 def _named(state: str) -> str:
@@ -222,7 +222,7 @@ def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
     return np.exp(fine), PchipInterpolator(np.log(level), values)(fine)
 
 
-def _says_nothing(one: xr.Dataset, shown: np.ndarray) -> bool:
+def _band_too_wide(one: xr.Dataset, shown: np.ndarray) -> bool:
     return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
 
 
@@ -230,13 +230,13 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: n
     if banded is None:
         return []
     one = own.sel(limit_state=banded)
-    if _says_nothing(one, shown):
+    if _band_too_wide(one, shown):
         return [say("plot.fragility.no_band", state=_named(banded), count=int(one["events"]))]
     confidence = six_digits(100.0 * float(tree.attrs["confidence"]))
     return [say("plot.fragility.band", state=_named(banded), confidence=confidence)]
 
 
-def _told(warnings: dict[str, list[str]], states: int) -> list[str]:
+def _merged_warnings(warnings: dict[str, list[str]], states: int) -> list[str]:
     """Return every warning once, with the limit states to which it applies."""
     every = say("plot.fragility.all")
     words = [

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter
 
 from rockpulse.assessment.answers import Answers, answers_of
-from rockpulse.assessment.verdict import chances, too_far
+from rockpulse.assessment.verdict import overturning_probabilities, too_far
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import NAME, ROW, configured_uncertainty
@@ -52,7 +52,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     if demand is not None and not answers.demands:
         raise ResultsError(f'demand: expected results with a [[demand]], found none; there is no "{demand}"')
     demand = None if demand is None else one_name(answers.summary, "demand", demand)
-    of_records = np.asarray(chances(answers, demand), dtype=float)
+    of_records = np.asarray(overturning_probabilities(answers, demand), dtype=float)
     if demand is not None:
         of_records = np.where(too_far(answers, demand), np.nan, of_records)
     values = np.fmax.reduce(motions.over(of_records, np.nan), axis=1)

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots import style
-from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
+from rockpulse.views.plots.spectra import curves_below_axes, record_lines, spectrum_axes
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, PALE, RED, SKY, SMALL, Panels
 from rockpulse.views.shared.formatting import six_digits, three_digits
 from rockpulse.views.shared.words import say, translated
@@ -172,5 +172,5 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {three_digits(restitution)}", rows=rows)
     said = style.notes(under_design=known.sizes["block"] > 0)
     said += [f"{style.plain(one)}." for one in _sentences(site)[:1]]
-    style.caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))
+    style.caption(ax, " ".join([*said, *curves_below_axes(ax, curves["spectrum"])]))
     return ax

@@ -213,7 +213,7 @@ def overturning_spectra(
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
     words = style.plain(names[known[0]]) if known.size == 1 else counted_words(known.size, "record")
     style.title(ax, f"{words}, $C$ = {six_digits(grid[chosen])}", rows=rows)
-    warnings = [*style.notes(below_curve=True), *below_the_picture(ax, curves)]
+    warnings = [*style.notes(below_curve=True), *curves_below_axes(ax, curves)]
     warnings += style.notes(larger_c=bool(bodies), no_spectrum=not known.size, straight=straight)
     if few:
         warnings.append(say("plot.spectra.few", count=FEWEST_EVENTS))
@@ -248,7 +248,7 @@ def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
         ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else counted_words(len(curves), "record"))
 
 
-def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:
+def curves_below_axes(ax: Axes, curves: np.ndarray) -> list[str]:
     """Say how many curves (records, a) are below the Axes of :func:`spectrum_axes`; empty for none."""
     below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
     return [say("plot.spectra.below", count=below, total=len(curves))] if below else []

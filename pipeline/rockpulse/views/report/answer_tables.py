@@ -6,7 +6,7 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
-from rockpulse.assessment.verdict import BodyVerdict, Standing, standings, why_unknown
+from rockpulse.assessment.verdict import BodyVerdict, Standing, reasons_unknown, standings
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.record_tables import record_label
@@ -36,7 +36,7 @@ class AnswerCells:
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
         self.standing = standings(answers)
-        self._why = why_unknown(answers)
+        self._why = reasons_unknown(answers)
         self.every = col.AnswerRows.every(answers)
         self.of_models = col.answer_columns(answers)
         factors = col.columns("factor_10" if answers.probable else "safety_factor")
@@ -180,7 +180,7 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
 
 def _of_factors(answers: Answers, uncertainty: UncertaintySettings) -> list[str]:
     """Explain the columns of the scale factors; empty if they are unknown."""
-    if not answers.told:
+    if not answers.has_factor:
         return []
     if answers.probable:
         low, high = map(ratio, uncertainty.restitution)

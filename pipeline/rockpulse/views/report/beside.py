@@ -114,8 +114,8 @@ def _bodies(
         elif own and not (named and any(_close(one[:2], numbers[:2]) for one in every.values())):
             words, verb = _MADE_BY[kind]
             raise ResultsError(
-                f'{name}: this {words} has another body of the name "{own[0].block}": {_told(numbers)}; in the results '
-                f"it has {' or '.join(map(_told, every.values()))}; run '{verb}' again with the configuration of these "
+                f'{name}: this {words} has another body of the name "{own[0].block}": {_size(numbers)}; in the results '
+                f"it has {' or '.join(map(_size, every.values()))}; run '{verb}' again with the configuration of these "
                 "results, or give the other body another name"
             )
         elif label not in foreign:  # also in the results, but with another restitution
@@ -186,7 +186,7 @@ def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
     return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
 
 
-def _told(numbers: tuple[float, ...]) -> str:
+def _size(numbers: tuple[float, ...]) -> str:
     return "p {:.7g} 1/s, alpha_c {:.7g} rad, C {:.7g}".format(*numbers)
 
 

@@ -34,7 +34,7 @@ from rockpulse.views.shared.formatting import ABSENT, restitution, three_digits
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.shown_columns import columns, grade_cell, headed
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
-from rockpulse.views.shared.words import say, translated
+from rockpulse.views.shared.words import in_dates, say, translated
 
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
@@ -67,7 +67,10 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
     return SimpleNamespace(
         title=title,
         description=str(tree.attrs.get("site_description", "")),
-        history=[say("page.written_by", when=when, version=version) if by else when for when, by, version in history],
+        history=[
+            say("page.written_by", when=in_dates(when), version=version) if by else when
+            for when, by, version in history
+        ],
         motions=motions,
         found=found,
         basis=basis(answers, files.counted),
@@ -238,7 +241,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
         facts = {
             "component": f"{own('station')}, {one.component} ({known('azimuth', '°')})",
             "station_name": own("station_name"),
-            "start": own("start_time"),
+            "start": in_dates(own("start_time")),
             "samples": say("fact.at_interval", count=one.value("npts"), interval=known("dt", "s")),
             "pga": acceleration_in_words(one.value(PGA)),
             "pgv": one.peak_velocity,

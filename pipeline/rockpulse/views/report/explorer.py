@@ -3,7 +3,7 @@
 import base64
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -68,8 +68,8 @@ class Explorer(NamedTuple):
     model: str
 
 
-def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
-    """Return the motions of the interactive part; None for a design sequence or a model without histories."""
+def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] = ()) -> Explorer | None:
+    """Return the motions of the interactive part, or None without histories; `stored`: block names in the file."""
     answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
@@ -88,7 +88,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
         "bodies": [
             {
                 "name": body.name,
-                "block": body.block,
+                "block": stored[body.place] if stored else body.block,
                 "case": body.case + 1 if body.several else 0,
                 **_outline(block_of(answers.summary, body.block, body.case + 1)),
                 "scenes": scenes.of_body(lane, body) if lane in shown else [],
@@ -122,7 +122,7 @@ class _Scenes:
         record = self._answers.records[row]
         block = block_of(self._answers.summary, body.block, body.case + 1)
         curve, points = self._curve(row, lane, block), points_of(self._answers, row, lane)
-        steps = steps_on(self._answers, row, lane, self._words)
+        steps = factor_steps(self._answers, row, lane, self._words)
         as_it_is = histories(self._tree, record, body.block, [self._answers.model], body.case + 1)[0]
         motions = {1.0: as_it_is}
         why_not = ""
@@ -157,7 +157,7 @@ class _Scenes:
                     "factor": factor,
                     "label": label,
                     "probability": probability_at(factor, curve, points),
-                    **(_told(motions[factor], columns) if factor in motions else {"reason": why_not}),
+                    **(_packed_motion(motions[factor], columns) if factor in motions else {"reason": why_not}),
                 }
                 for factor, label in steps.items()
             ],
@@ -172,7 +172,7 @@ class _Scenes:
         if not (np.isfinite(probability).all() and np.isfinite(factors).all()):
             return None
         stored = {share: float(self._answers[name][row, lane]) for share, name in SHARES.items()}
-        return laid_through(factors, probability, stored)
+        return through_stored_points(factors, probability, stored)
 
 
 def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
@@ -186,7 +186,7 @@ def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
     return TimeColumns(start, end, max(min(COLUMNS, samples - 1), 1))
 
 
-def _told(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
+def _packed_motion(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
     """Return outcome, largest rotation, time of overturning and the rotation in the window of a motion."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
@@ -224,7 +224,7 @@ def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
     return found
 
 
-def steps_on(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
+def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
     """Return the factors on a record in order, with the meaning of the meaningful ones."""
     meaning = tuple(SHARES.values()) if answers.probable else ("safety_factor",)
     named = [(1.0, words["as_recorded"])]
@@ -259,7 +259,7 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
     return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
 
 
-def laid_through(
+def through_stored_points(
     factors: np.ndarray, probability: np.ndarray, stored: Mapping[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Shift the factors of a probability curve, linearly in the logarithm, to pass through the stored ones.

@@ -17,7 +17,7 @@ from rockpulse.views.shared.files_used import failure_rows, reasons_of
 from rockpulse.views.shared.formatting import ratio, three_digits
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
-from rockpulse.views.shared.words import counted_words, listed, say
+from rockpulse.views.shared.words import counted_words, in_dates, listed, say
 from rockpulse.views.text.left_out import apart, by_kind
 
 #: Largest number of rows of the table of records, of directions in a row, and of reasons of one kind.
@@ -40,7 +40,7 @@ def record_label(record: str) -> str:
 
 def earthquake_words(known: Known) -> str:
     """Return the earthquake by name, else by date; empty if unknown."""
-    return known.title or (say("earthquake_of", date=known.date) if known.date else "")
+    return known.title or (say("earthquake_of", date=in_dates(known.date)) if known.date else "")
 
 
 def record_words(known: Known) -> str:
@@ -127,7 +127,7 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     nearest, farthest = min(distances, default=math.nan), max(distances, default=math.nan)
     low, high = three_digits(nearest), three_digits(farthest)
     reach = "" if not distances else low if low == high else say("between", low=low, high=high)
-    return Cell(dates[0] if dates else ""), Cell(", ".join(magnitudes), largest), Cell(reach, nearest)
+    return Cell(in_dates(dates[0]) if dates else ""), Cell(", ".join(magnitudes), largest), Cell(reach, nearest)
 
 
 def left_out_table(tree: xr.DataTree) -> Table:

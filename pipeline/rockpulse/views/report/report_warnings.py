@@ -9,7 +9,14 @@ import xarray as xr
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.site_demands import FARTHEST
-from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade, sliding, worse_screens
+from rockpulse.assessment.verdict import (
+    FEWEST_AT_DEMAND,
+    MAY_OVERTURN,
+    BodyVerdict,
+    Grade,
+    sliding,
+    worse_with_pedestal,
+)
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
 from rockpulse.views.report.verdict import of_unknown_event
@@ -74,7 +81,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
     else:
         counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
         fewest = min(counts, default=motions.event_count)
-        most = ratio(float(probability_interval(0.0, fewest)[1]))
+        most = share(float(probability_interval(0.0, fewest)[1]))
         lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=most))
     return [*lines, say("limits.not_covered")]
 
@@ -116,7 +123,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
         "limits",
         "confidence",
         events=events,
-        most=ratio(float(probability_interval(0.0, motions.event_count)[1])),
+        most=share(float(probability_interval(0.0, motions.event_count)[1])),
         confidence=share(CONFIDENCE),
         few=few if motions.event_count < FEWEST_EVENTS else "",
         unknown=of_unknown_event(motions),
@@ -161,7 +168,7 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
     """Warn of bodies on a pedestal, and of bodies that may slide."""
     said = []
-    for alone, worst in worse_screens(answers, found):
+    for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.decides.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=worst.body.name, value=value))
     for one in sliding(answers):

@@ -57,7 +57,7 @@ class Card:
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
     """Return the cards of the blocks with the worst verdicts, from worst to best."""
     worst: dict[int, BodyVerdict] = {}
-    for one in sorted(found, key=_gravest):
+    for one in sorted(found, key=_by_severity):
         worst.setdefault(one.body.place, one)
     return [
         Card(f"body-{place}", one.body.block, *drawn[place], grade_cell(one), sentence(answers, one))
@@ -65,7 +65,7 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
     ]
 
 
-def _gravest(one: BodyVerdict) -> tuple[float, float, float]:
+def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
     """Sort key: worst verdict first, then largest probability, then smallest factor."""
     factor, value = one.margin.smallest, one.decides.value
     likely = 0.0 if math.isnan(value) else value

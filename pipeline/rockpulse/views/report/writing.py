@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from rockpulse.config.configuration import Config, given_config
@@ -28,7 +29,7 @@ from rockpulse.views.report.content import logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.shared.table import Fact
-from rockpulse.views.shared.words import say, writing
+from rockpulse.views.shared.words import in_dates, own_name, say, writing
 
 #: Mark in the head of every report; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
@@ -160,8 +161,10 @@ def report_page(
     from markupsafe import Markup
 
     given = {ASSESSMENT: results, SITE_KIND: site, FRAGILITY: fragility}
-    trees = {kind: _loaded(source, kind) for kind, source in given.items() if source is not None}
-    tree = trees[ASSESSMENT]
+    loaded = {kind: _loaded(source, kind) for kind, source in given.items() if source is not None}
+    with writing(language):
+        trees = loaded if language == "en" else {kind: _in_language(tree) for kind, tree in loaded.items()}
+    tree, stored = trees[ASSESSMENT], [str(name) for name in loaded[ASSESSMENT]["summary"].to_dataset()["block"].values]
     kinds = [kind for kind in (SITE_KIND, FRAGILITY) if kind in trees]
     others = {kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
     beside = others.get(SITE_KIND), others.get(FRAGILITY)
@@ -173,7 +176,7 @@ def report_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["typeset"] = typeset
+    environment.filters["with_symbols"] = with_symbols
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
         content = page_content(tree, *beside)
@@ -190,16 +193,31 @@ def report_page(
             worst_curve=next((name for name in worst if name in curves), curves[0] if curves else ""),
             pictures=Pictures(tree, *beside, content.found),
             files=[Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind])) for kind in given if kind in trees],
-            explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5"),
+            explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5", stored),
             style=Markup(_text("report.css") + _text("explorer.css")),
             script=Markup(script),
             script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
             version=__version__,
-            written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+            written=in_dates(f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"),
         )
 
 
-def typeset(words: str) -> str:
+def _in_language(tree: xr.DataTree) -> xr.DataTree:
+    """The tree with the names of bodies, the title and the description of samples in the language that is written."""
+
+    def renamed(node: xr.Dataset) -> xr.Dataset:
+        attrs = {name: own_name(str(node.attrs[name])) for name in ("title", "site_description") if name in node.attrs}
+        kept = [name for name in ("block", "pedestal_of") if name in node]
+        names = {name: [own_name(str(one)) for one in node[name].values] for name in kept}
+        if len(set(names.get("block", ()))) < node.sizes.get("block", 0):
+            return node  # two bodies would have one name
+        changed = {name: (node[name].dims, np.array(every, dtype=object)) for name, every in names.items()}
+        return node.assign(changed).assign_attrs(attrs)
+
+    return tree.map_over_datasets(renamed)
+
+
+def with_symbols(words: str) -> str:
     """Replace terminal spellings by Greek letters and powers."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 

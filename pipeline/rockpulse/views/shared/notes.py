@@ -7,7 +7,7 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions, searched_up_to
-from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_screens
+from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_with_pedestal
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.formatting import ratio, several
 from rockpulse.views.shared.shown_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
@@ -30,36 +30,39 @@ def stored_uncertainty(answers: Answers) -> str:
     return str(answers.summary["overturning_probability"].attrs.get("comment", "nonlinear model"))
 
 
+def uncertain(answers: Answers) -> str:
+    """Return the stored uncertainty as the beginning of a sentence."""
+    stored = stored_uncertainty(answers)
+    return stored[:1].upper() + stored[1:]
+
+
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     """Explain the columns of :func:`factor_columns`; in the table of a sweep, the smallest over direction."""
-    if not answers.told:
+    if not answers.has_factor:
         return []
     factor = answers[answers.factor]
-    of = "the main impulse (with I_s/I kept)" if answers.motions.kind == "sequence" else "the record"
+    of = "the main impulse (I_s/I kept)" if answers.motions.kind == "sequence" else "the record"
     of += ", over direction," if swept else ""
     none = none_found(answers)
     if answers.probable:
-        own = "" if swept else "P: probability of overturning under the record as it is; "
-        return [
-            f"{own}{factor_heading('factor_10')}: {'smallest ' if swept else ''}factor on {of} at which P is 10 %; "
-            f"{stored_uncertainty(answers)}.{none}"
-        ]
-    notes = [f"SF: smallest factor on {of} at which the block overturns by the {answers.model} model.{none}"]
+        least = f" Scale factor at P = 10 %: smallest multiplier on {of}." if swept else ""
+        return [f"P: probability of overturning under the record as recorded.{least} {uncertain(answers)}.{none}"]
+    notes = [f"SF: smallest scale factor on {of} at which the body overturns by the {answers.model} model.{none}"]
     if missed := missed_step(answers):
         notes[0] += (
-            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it to two "
-            f"digits ([search] {MODELS[answers.model].grid})."
+            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: two digits of it are "
+            f"not reliable ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
-            f"!: from this factor on the model cannot answer, as in free flight ({bounds} of {answers.bound.size}):"
-            " a lower bound, below it no overturning was found."
+            f"!: a lower bound: from this scale factor on the model cannot answer (free flight, for one; {bounds} of "
+            f"{answers.bound.size}); below it no overturning was found."
         )
     rocks = (answers["outcome"] == Outcome.ROCKS) & (factor < 1.0)
     if lucky := np.count_nonzero(rocks):
         may = ", or may (!)" if np.any(rocks & answers.bound) else ""
-        rock, them = ("that rocks", "it") if lucky == 1 else ("that rock", "them")
-        notes.append(f"{lucky} with SF below 1 {rock}: a weaker record overturns {them}{may}.")
+        rock = "rocks" if lucky == 1 else "rock"
+        notes.append(f"{lucky} with SF below 1 {rock} only: a smaller scale factor overturns the body{may}.")
     return notes
 
 
@@ -79,15 +82,16 @@ def missed_step(answers: Answers) -> float:
 def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[CellMark]) -> list[str]:
     """Return the notes on a table of the results of all models with `marks`; those on SF come second."""
     notes = [
-        "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
-        "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
-        "alone.",
+        "Figures below the models: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of "
+        "an impact. Uplift ratio: PGA over the PGA that lifts the body. I/I_1c: main impulse over the single impulse "
+        "that overturns the body.",
         *([say("note.beyond_critical")] if beyond_critical(answers) else []),
         *of_factors,
     ]
     if answers["pgv_drift"].any():
         notes.append(
-            "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
+            "~ (drift): the baseline of the record drifts: its velocity does not end at zero, and PGV may be wrong by "
+            "as much."
         )
     notes += [*doubt_notes(record_cells(answers.summary)), *cautions(answers.models)]
     notes += [OUTSIDE.note] if OUTSIDE in marks else []
@@ -95,7 +99,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Cel
     reasons = {int(code) for one in models for code in one["reason"][one["outcome"] == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
-        notes.append(f"unresolved: the model cannot say ({words}).")
+        notes.append(f"unresolved: the model cannot answer ({words}).")
     return notes
 
 
@@ -119,13 +123,14 @@ def counted_motions(motions: Motions) -> str:
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """Return a sentence on every body on a pedestal, and on every body that may slide."""
     notes = [
-        f"{alone}: of its screens, alone and with its pedestal as one body, that of {worst.body.name} is the worse "
-        f"({worst.word}, {ratio(worst.decides.value)}) and counts; motions of both parts at once are not modelled."
-        for alone, worst in worse_screens(answers, found)
+        f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
+        f"({worst.word}, {ratio(worst.decides.value)}) and decides; simultaneous motions of both parts are not "
+        f"modelled."
+        for alone, worst in worse_with_pedestal(answers, found)
     ]
     notes += [
-        f"{one.body.name}: {one.above} of {several(one.total, 'record')} ask for more friction than {one.friction:g} "
-        f"(up to {ratio(one.most)}): it would slide, which the rocking here leaves out."
+        f"{one.body.name}: {one.above} of {several(one.total, 'record')} require more friction than {one.friction:g} "
+        f"(up to {ratio(one.most)}): it would slide; sliding is not modelled."
         for one in sliding(answers)
     ]
     return notes

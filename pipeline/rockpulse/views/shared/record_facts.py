@@ -13,7 +13,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.formatting import ABSENT, six_digits, three_digits
-from rockpulse.views.shared.words import counted_words, numerals, say
+from rockpulse.views.shared.words import counted_words, in_dates, numerals, say
 
 #: Patterns of a date with two-digit year or a year, and of a magnitude, which are not repeated if the title has them.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
@@ -50,7 +50,7 @@ class RecordFacts:
     @property
     def _earthquake(self) -> str:
         """Title, date and magnitude; a title that is only a date or number is replaced by stored facts."""
-        title, date, magnitude = self._named, self.date, self.magnitude
+        title, date, magnitude = self._named, in_dates(self.date), self.magnitude
         if title:
             more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
             return " ".join(filter(None, (title, *more)))
@@ -62,7 +62,7 @@ class RecordFacts:
     def title(self) -> str:
         """Name of the earthquake, with its date unless the name contains it; empty without a name."""
         title = self._named
-        return title if not title or _DATED.search(title) else f"{title} {self.date}".rstrip()
+        return title if not title or _DATED.search(title) else f"{title} {in_dates(self.date)}".rstrip()
 
     @property
     def date(self) -> str:
@@ -198,7 +198,7 @@ class Known(RecordFacts):
         )
         told = {
             "agency": self.text("event_id"),
-            "origin": self.text("origin_time"),
+            "origin": in_dates(self.text("origin_time")),
             "magnitude": self.magnitude,
             "hypocentre": ", ".join(filter(None, hypocentre)),
             "distance": three_digits(self.real("epicentral_distance") / 1000.0, "km"),
@@ -213,8 +213,10 @@ class Known(RecordFacts):
         north, east = (self.real(f"{of}_{side}") for side in ("latitude", "longitude"))
         if math.isnan(north) or math.isnan(east):
             return ""
-        signed = ((north, "NS"), (east, "EW"))
-        return ", ".join(f"{numerals(f'{abs(angle):.5g}')}° {names[angle < 0.0]}" for angle, names in signed)
+        signed = ((north, say("direction.north_south")), (east, say("direction.east_west")))
+        return ", ".join(
+            f"{numerals(f'{abs(angle):.5g}')}° {names[-1 if angle < 0.0 else 0]}" for angle, names in signed
+        )
 
     @property
     def strength(self) -> list[str]:

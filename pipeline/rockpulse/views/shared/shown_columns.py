@@ -12,11 +12,12 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
 from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
+from rockpulse.record.defects import DEFECTS
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.words import say, translated
 from rockpulse.warning_text import has_warning
 
 #: Largest width of the id of a record and of the name of a block in a table.
@@ -25,7 +26,8 @@ ID_WIDTH, NAME_WIDTH = 36, 29
 OUTSIDE, NO_ANSWER = CellMark("outside", "*"), CellMark("no_answer", "!")
 NONE_UP_TO, AT_MOST = CellMark("none_up_to", ">", before=True), CellMark("at_most", "≤", before=True)
 DRIFT = CellMark("drift", "~", before=True)
-PEAK, CLIPPED = CellMark("peak"), CellMark("clipped")
+PEAK, CLIPPED, DEFECT = CellMark("peak"), CellMark("clipped"), CellMark("defect")
+DOUBTS = PEAK, CLIPPED, DEFECT
 #: Sort value larger than any rotation: overturned is above it, unresolved last.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
@@ -51,7 +53,11 @@ class Column:
     @property
     def heading(self) -> Heading:
         """Heading with its small print."""
-        title = say(f"column.{self.name}.head") if self.title is None else self.title
+        title = (
+            say(f"column.{self.name}.head")
+            if self.title is None
+            else translated(f"column.{self.name}.head", self.title)
+        )
         note = say(f"column.{self.name}.note") if self.name in _NOTED else self.note
         return Heading(title, self.unit, note, self.width)
 
@@ -70,14 +76,15 @@ def tabulated(
 
 
 #: Columns with small print below the heading.
-_NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "standing"})
+_NOTED = frozenset({"restitution", "overturning_probability"})
 
 
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Return the marks of a record from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or has_warning(codes, "header_peak")
-    return ((PEAK,) if peak else ()) + ((CLIPPED,) if has_warning(codes, "clipped", "full_scale") else ())
+    found = (peak, has_warning(codes, "clipped", "full_scale"), has_warning(codes, *DEFECTS))
+    return tuple(mark for mark, marked in zip(DOUBTS, found, strict=True) if marked)
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:
@@ -143,7 +150,7 @@ def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
 def doubt_notes(cells: Iterable[Cell]) -> list[str]:
     """Return the meanings of the marks of doubt in cells."""
     found = marks_of(cells)
-    return [mark.note for mark in (PEAK, CLIPPED) if mark in found]
+    return [mark.note for mark in DOUBTS if mark in found]
 
 
 #: Grade of the cell of a verdict.
@@ -248,12 +255,12 @@ COLUMNS = {
         Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all records, and the worst body of a record
         Column("verdict", ("found",), grade_cell),
-        Column("up_to", ("high",), shown(ratio)),
+        Column("probability_upper", ("high",), shown(ratio)),
         Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
         Column("median_factor_50", ("median",), unexplained),
         Column("median_safety_factor", ("median",), unexplained),
         Column("top", ("top",), shown(ratio), "cm"),
-        Column("turn", ("turn",), shown(ratio), "deg"),
+        Column("rotation", ("rotation",), shown(ratio), "deg"),
         Column("worst", ("worst",), Cell),
         Column("worst_for", ("worst_for",), Cell),
     )
@@ -309,6 +316,6 @@ def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
     """Return the columns of the probability and the factors of overturning; empty if unknown."""
-    if not answers.told:
+    if not answers.has_factor:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

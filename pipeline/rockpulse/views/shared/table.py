@@ -4,10 +4,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from textwrap import wrap
 from typing import NamedTuple
 
 from rockpulse.views.shared.formatting import paragraph, shortened, three_digits
 from rockpulse.views.shared.words import say
+
+#: Characters of a heading on the terminal that is left in one line, and of one line of a longer heading.
+UNWRAPPED, HEADING_WIDTH = 8, 12
 
 
 class CellMark(NamedTuple):
@@ -117,25 +121,42 @@ def number_cell(
     return Cell(show(known), known, () if math.isnan(known) else marks)
 
 
-def lines(table: Table) -> list[str]:
-    """Return headings and rows with aligned columns: numbers flush right with hanging marks, words flush left."""
-    columns = []
+def lines(table: Table, indent: str = "") -> list[str]:
+    """Return headings, long ones in several lines, and rows with aligned columns: numbers flush right, words left."""
+    columns, headings = [], []
     for place, heading in enumerate(table.headings):
         numeric = table.numeric[place]
         cells = [row[place] for row in table.rows]
         hanging = max((len(cell.after) for cell in cells), default=0) if numeric else 0
         words = [cell.before + _plain(cell, heading.width) + cell.after.ljust(hanging) for cell in cells]
-        words.insert(0, heading.label.replace("\N{SOFT HYPHEN}", "") + " " * hanging)
-        width = max(map(len, words))
-        columns.append([word.rjust(width) if numeric else word.ljust(width) for word in words])
-    return ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
+        title = _wrapped(heading.label.replace("\N{SOFT HYPHEN}", ""), max(map(len, words), default=0) - hanging)
+        headings.append(len(title))
+        columns.append([*(word + " " * hanging for word in title), *words])
+    tallest, laid = max(headings, default=0), []
+    for place, (words, count) in enumerate(zip(columns, headings, strict=True)):
+        width, own = max(map(len, words)), [""] * (tallest - count) + words
+        laid.append([word.rjust(width) if table.numeric[place] else word.ljust(width) for word in own])
+    return [indent + "  ".join(row).rstrip() for row in zip(*laid, strict=True)]
+
+
+def _wrapped(label: str, width: int) -> list[str]:
+    """A heading in as few lines as fit above cells of a width, and as narrow as these allow."""
+    if len(label) <= max(width, UNWRAPPED):
+        return [label.replace("\N{NO-BREAK SPACE}", " ")]
+    wide = max(width, HEADING_WIDTH)
+    count = max(2, len(_filled(label, wide)))
+    narrow = next(size for size in range(1, wide + 1) if len(_filled(label, size)) <= count)
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in _filled(label, max(narrow, width))]
+
+
+def _filled(label: str, width: int) -> list[str]:
+    return wrap(label, width, break_long_words=False, break_on_hyphens=False)
 
 
 def table_text(table: Table) -> str:
     """Return the table for the terminal: optional caption, indented rows, notes."""
     caption = [paragraph(table.caption)] if table.caption else []
-    rows = ["  " + line for line in lines(table)]
-    return "\n".join([*caption, *rows, *(paragraph(note, "  ") for note in table.notes)])
+    return "\n".join([*caption, *lines(table, "  "), *(paragraph(note, "  ") for note in table.notes)])
 
 
 def _plain(cell: Cell, width: int | None) -> str:

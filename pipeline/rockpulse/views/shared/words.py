@@ -20,6 +20,8 @@ LANGUAGES = tuple(sorted(one.name.removesuffix(".toml") for one in _FOLDER.iterd
 _LANGUAGE = ContextVar("language", default="en")
 #: Pattern of the decimal point of a number, but not of an id or a version.
 _POINT = re.compile(r"(?<![\w.])([-−+~<>≤]?\d+)\.(\d+)(?![\w.]*\.\d)(?![A-Za-z_]*@)")
+#: A date, and the T between it and a time.
+_DATE = re.compile(r"\b(\d{4})-(\d\d)-(\d\d)(T(?=\d)|\b)")
 
 
 @contextmanager
@@ -66,7 +68,7 @@ def say(key: str, /, **fields: object) -> str:
 
 
 def section(name: str) -> dict[str, str]:
-    """Return the texts of a section, unfilled."""
+    """Return the texts of a section with unfilled fields."""
     texts = table(language()).items()
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
@@ -97,23 +99,42 @@ def in_numerals(text: str) -> str:
     return text if language() == "en" else _POINT.sub(rf"\1{say('decimal')}\2", text)
 
 
+def in_dates(text: str) -> str:
+    """A text with its dates, ISO 8601 as they are stored, in the form of the language that is written."""
+
+    def shown(found: re.Match[str]) -> str:
+        return say("date", year=found[1], month=found[2], day=found[3]) + found[4].replace("T", " ")
+
+    return text if language() == "en" else _DATE.sub(shown, text.removesuffix("+00:00"))
+
+
+def own_name(name: str) -> str:
+    """A name of a body or a site of the samples, alone or with its pedestal, in the language that is written."""
+    body, pedestal, number = name.partition(" with pedestal")
+    return translated(f"names.{body}", body) + (
+        translated("names.with pedestal", pedestal) + number if pedestal else ""
+    )
+
+
 class _Numerals(Formatter):
     """Formatter that fills in fields, with numbers and warnings in the current language."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
         """Return a value; a warning is translated."""
-        return _told(super().get_value(key, args, kwargs))
+        return _translated(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
         """Format a value as text."""
         shown = super().format_field(value, format_spec)
-        return numerals(shown) if isinstance(value, int | float) else shown
+        if isinstance(value, int | float):
+            return numerals(shown if language() == "en" else shown.replace("%", " %"))
+        return shown
 
 
-def _told(value: Any) -> Any:
+def _translated(value: Any) -> Any:
     if isinstance(value, WarningText):
         return warning_words(value)
-    return ", ".join(map(_told, value)) if isinstance(value, list) else value
+    return ", ".join(map(_translated, value)) if isinstance(value, list) else value
 
 
 def warning_words(warning: WarningText) -> str:

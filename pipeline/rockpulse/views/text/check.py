@@ -30,16 +30,19 @@ _OF_CODE = (
     titled("", lambda code: Cell(f"  {CODE_WORDS[code]}"), "code"),
     titled("alpha_0", _value, "multiplier"),
     titled("a_0*", _value, "activation"),
-    titled("asked", _value, "activation_demand"),
+    titled("demand", _value, "activation_demand"),
     titled("ratio", _value, "activation_ratio"),
     titled("", _word, "activation_ratio"),
     titled("d_u", _value, "displacement"),
     titled("T", _value, "period"),
-    titled("asked", _value, "displacement_demand"),
+    titled("demand", _value, "displacement_demand"),
     titled("ratio", _value, "displacement_ratio"),
     titled("", _word, "displacement_ratio"),
 )
-_OF_RESULTS = (titled("P", lambda chance: Cell(ratio(chance)), "probability"), titled("f_50", _value, "factor_50"))
+_OF_RESULTS = (
+    titled("P", lambda chance: Cell(ratio(chance)), "probability"),
+    titled("median scale factor", _value, "factor_50"),
+)
 
 
 def check_overview(check: xr.Dataset) -> str:
@@ -58,22 +61,24 @@ def check_overview(check: xr.Dataset) -> str:
         f"q_a {check.attrs['q_a']:g}, gamma_a {check.attrs['gamma_a']:g}"
     )
     notes = [
-        "alpha_0: multiplier that opens the mechanism; a_0*: acceleration that does, with FC, and what is asked of it "
-        "[m/s2]; d_u: displacement that is allowed [m] and asked for at the period T [s]; a ratio of 1 or more passes."
+        "alpha_0: load multiplier that activates the mechanism; a_0*: its spectral acceleration, with FC, and the "
+        "demand "
+        "[m/s2]; d_u: ultimate displacement and the demand [m] at the period T [s]; a ratio of 1 or more passes."
     ]
     if beside:
         notes.append(
-            "P: probability of overturning that the verdict of the results rests on, under the records as recorded or, "
-            "where the site has a [[demand]], brought to it, which need not be that of [check]; f_50: median over the "
-            "motions of the factor on each at which it is 50 %."
+            "P: probability of overturning of the verdict, under the records as recorded or, with a [[demand]], "
+            "scaled to "
+            "it, which need not be that of [check]; median scale factor: median over the records of the multiplier at "
+            "P = 50 %."
         )
         notes += [f"{name}: {words}." for name, words in zip(names, check["beside"].values, strict=True) if words]
     for place, name in enumerate(names):
         senses = (check[f"{what}_sense"].values[place] for what in ("activation", "displacement"))
         for code, opens, moves in zip(codes, *senses, strict=True):
             if opens:
-                moved = f", the displacement of the {moves} one" if moves else ""
-                notes.append(f"{name}, {CODE_WORDS[code]}: the acceleration is of the {opens} sense{moved}.")
+                moved = f", the displacement in the {moves} one" if moves else ""
+                notes.append(f"{name}, {CODE_WORDS[code]}: the acceleration governs in the {opens} sense{moved}.")
     for name, row in zip(names, check["statement"].values, strict=True):
         if len(row) > 1 and len(set(row)) == 1 and row[0]:
             notes.append(f"{name}: {row[0]}.")

@@ -113,7 +113,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
         band = ratio(value) if math.isnan(low) else f"{ratio(value)} ({ratio(low)}..{ratio(high)})"
         rows.append((Cell(name), *cells, Cell(band, value)))
     headings = tuple(map(Heading, ("", *states, f"{states[-1]}, ratio")))
-    head = f"Efficiency: dispersion beta of capacity, all bodies together, and over that in {REFERENCE}"
+    head = f"Efficiency: dispersion beta of capacity, all bodies together; ratio: over that in {REFERENCE}"
     if bool(compared[1].sel(measure=kept).notnull().any()):
         head += " with its band"
     words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]

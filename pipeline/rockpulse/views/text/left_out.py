@@ -21,9 +21,9 @@ _KINDS = {
     "failed": "failed",
     "vertical": "read, not assessed (vertical)",
     "structural": "read, not assessed (on a structure)",
-    "duplicate": "skipped, the same shaking twice",
-    "depth": "skipped, the same shaking at depth",
-    "skipped": "skipped, cannot be used",
+    "duplicate": "skipped (duplicate of an assessed record)",
+    "depth": "skipped (sensor at depth of an assessed station)",
+    "skipped": "skipped (cannot be used)",
 }
 
 
@@ -35,23 +35,25 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     lines = []
     for kind, rows in found.items():
         entries = _entries(kind, rows)
-        title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
+        title = (
+            f"vertical channels, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
+        )
         few, failed = (FEW, LISTED) if brief else (LISTED, len(entries))
         lines += [f"{title}: {len(rows)}", *_cut(entries, failed if kind == "failed" else few)]
     lines += _beside(beside)
     pairs = zip(summary["block"].values, summary["block_warnings"].values, strict=True)
-    warned = [f"block {block}: {'; '.join(words.splitlines())}" for block, words in pairs if words]
+    warned = [f"body {block}: {'; '.join(words.splitlines())}" for block, words in pairs if words]
     most = LISTED if brief else len(warned)
     lines += [paragraph(line, "      ", "") for line in warned[:most]]
     if len(warned) > most:
-        lines.append(f"and {len(warned) - most} more blocks with warnings")
+        lines.append(f"and {len(warned) - most} more bodies with warnings")
     if kinds := _kinds_of_warning(summary):
         count = sum(map(bool, summary["warnings"].values))
-        lines.append(f"records with warnings: {count} (rockpulse inspect RESULTS --record ID shows all of them)")
+        lines.append(f"records with warnings: {count} (all warnings of one: rockpulse inspect RESULTS --record ID)")
     return "\n".join([*lines, *(paragraph(words + like, "      ", f"  {record}: ") for record, words, like in kinds)])
 
 
-def left_out_in_short(tree: xr.DataTree) -> str:
+def skipped_summary(tree: xr.DataTree) -> str:
     """Return the number of rows of each kind, the reasons of failures, and a line for some kinds of warnings."""
     found, beside = apart(failure_rows(tree))
     summary = tree["summary"].to_dataset()
@@ -73,7 +75,7 @@ def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
     """Return the first groups of rows, and the number of rows in the others."""
     lines = [paragraph(reasons_in_words(group), "      ", "  ") for group in entries[:most]]
     if more := sum(map(len, entries[most:])):
-        lines.append(f"  and {more} more (rockpulse inspect RESULTS --failures shows them)")
+        lines.append(f"  and {more} more (rockpulse inspect RESULTS --failures)")
     return lines
 
 

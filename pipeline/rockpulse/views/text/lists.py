@@ -22,9 +22,9 @@ from rockpulse.views.shared.words import say
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
 OF_FACTOR = {"factor_10": ("overturning_probability", "factor_10"), "safety_factor": ("safety_factor", "capacity_pga")}
 _MEANING = {
-    "factor_10": "P: probability of overturning under the record as it is; factor of 10 %: factor on the record at "
-    "which it is 10 %; both by the nonlinear model.",
-    "safety_factor": "SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
+    "factor_10": "P: probability of overturning under the record as recorded, by the nonlinear model.",
+    "safety_factor": "SF: smallest scale factor on the input of the model at which the body overturns; SF x PGA: the "
+    "PGA of the record scaled by it.",
 }
 
 #: Columns of a list of records, including facts stated by at least one file; and of a list of blocks.
@@ -49,9 +49,9 @@ class _Points:
         return self._found[name]
 
 
-def worst_first(answers: Answers, selection: RowSelection) -> RowSelection:
+def sorted_by_factor(answers: Answers, selection: RowSelection) -> RowSelection:
     """Sort a selection by the factor, or by the rotation if no factor is known."""
-    if answers.told:
+    if answers.has_factor:
         return replace(selection, sort=answers.factor, descending=False)
     return replace(selection, sort="peak_rotation_ratio", descending=True)
 
@@ -64,7 +64,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
     places, found = rows(summary, dims, selection, [(("block", "case"), _distinct(summary))] if "case" in dims else [])
     count = places["record"].size
     told = "; ".join(replace(selection, sort=None, limit=None).words)
-    shown = "" if count == found else f"; {count} shown (--limit shows more)"
+    shown = "" if count == found else f"; {count} shown (--limit N for more)"
     heading = paragraph(f"{several(found, 'case')} with {told}{_order(selection)}{shown}")
     if not count:
         return heading
@@ -81,14 +81,14 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
     beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rotations)
     marks = col.marks_of(cell for row in table for cell in row)
     notes = [
-        "Figures: theta_max/alpha_c. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
-        "that overturns alone.",
+        "Figures below the model: largest rotation over the critical angle (theta_max/alpha_c). Uplift ratio: PGA "
+        "over the PGA that lifts the body. I/I_1c: main impulse over the single impulse that overturns the body.",
         *(_MEANING[factor] for factor in factors),
         *([say("note.beyond_critical")] if beyond else []),
         *([col.NONE_UP_TO.note] if col.NONE_UP_TO in marks else []),
         *col.doubt_notes(row[0] for row in table),
         *(["*: outside the range of this model."] if col.OUTSIDE in marks else []),
-        *(["!: a lower bound, from this factor on the model cannot answer."] if col.NO_ANSWER in marks else []),
+        *(["!: a lower bound; from this scale factor on the model cannot answer."] if col.NO_ANSWER in marks else []),
     ]
     return _listed(heading, col.headed(selected), table, notes)
 
@@ -135,15 +135,17 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
         Heading("of" if of_records else "under"),
     )
     marks = col.marks_of(cell for row in table for cell in row)
-    what = ("overturns: blocks", "of which block") if of_records else ("overturned by: records", "under which record")
+    what = ("Bodies overturned", "of which body") if of_records else ("Records that overturn", "under which record")
     notes = [
-        f"{what[0]} that do, by the {answers.model} model; {factor_heading(answers.factor)}: smallest known "
+        f"{what[0]}: by the {answers.model} model. {factor_heading(answers.factor)}: smallest known "
         f"{factor_name(answers.factor)}, and {what[1]}.",
         *(mark.note for mark in (col.DRIFT, col.NONE_UP_TO) if mark in marks),
         *(col.doubt_notes(row[0] for row in table) if of_records else ()),
     ]
     shown = f"{len(table)} of " if len(table) < found else ""
-    return _listed(f"{shown}{several(found, dim)}{_order(selection)}", headings, table, notes)
+    return _listed(
+        f"{shown}{several(found, 'body' if dim == 'block' else dim)}{_order(selection)}", headings, table, notes
+    )
 
 
 def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, RowSelection]:
@@ -189,5 +191,5 @@ def _order(selection: RowSelection) -> str:
 
 
 def _listed(heading: str, headings: Sequence[Heading], table: Sequence[tuple[Cell, ...]], notes: list[str]) -> str:
-    laid = lines(Table("", "", tuple(headings), tuple(table)))
-    return "\n".join([heading, "", *("  " + line for line in laid), "", *(paragraph(note, "  ") for note in notes)])
+    laid = lines(Table("", "", tuple(headings), tuple(table)), "  ")
+    return "\n".join([heading, "", *laid, "", *(paragraph(note, "  ") for note in notes)])

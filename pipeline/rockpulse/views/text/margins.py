@@ -30,17 +30,17 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     each = "the pairs" if motions.kind == "pair" else "the records"
     of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
     marks = col.marks_of(cell for margin in every for cell in col.margin_cells(margin))
-    note = "Below 1: the record overturns the block before it is as strong as the demand."
+    note = "Below 1: the record overturns the body before it is as strong as the demand."
     if answers.probable:
-        note = "Below 1: brought to the demand, the record overturns the block with more than 10 % probability."
+        note = "Below 1: scaled to the demand, the record overturns the body with a probability above 10 %."
     if col.NONE_UP_TO in marks:
         note += f" {col.NONE_UP_TO.note}"
     elif any(math.isinf(margin.smallest) or math.isinf(margin.median) for margin in every):
-        note += " none: no overturning found."
+        note += " none: no overturning was found."
     if col.NO_ANSWER in marks:
-        note += " !: a lower bound, from there on the model cannot answer."
+        note += " !: a lower bound; above it the model cannot answer."
     if unknown := max(margin.unknown for margin in every):
-        note += f" -: not known; left out where others are ({unknown} of {each})."
+        note += f" -: not known, left out of smallest and median ({unknown} of {each})."
     if partial := max(margin.partial for margin in every):
         note += f" {col.AT_MOST.note[:-1]} (up to {partial} of {each})."
     if weak := max(margin.weak for margin in every):
@@ -72,10 +72,13 @@ def _capacity(answers: Answers) -> str:
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
     """Return a table with a column for every demand."""
-    titles = [Heading(f"{name} ({demand.words})") for name, demand in answers.demands.items()]
+    titles = [
+        Heading(f"{name} ({demand.words})".replace(" ", "\N{NO-BREAK SPACE}"))
+        for name, demand in answers.demands.items()
+    ]
     c = col.COLUMNS["restitution"]
     cells = tuple((Cell(name), c.cell(value), *more) for name, value, more in rows)
-    return ["  " + line for line in lines(Table("", "", (Heading("", width=width), c.heading, *titles), cells))]
+    return lines(Table("", "", (Heading("", width=width), c.heading, *titles), cells), "  ")
 
 
 def _both(margin: Margin) -> Cell:
@@ -113,21 +116,22 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         for lane, body in enumerate(answers.bodies)
     ]
     headings = map(Heading, ("", "C", "median", "largest", "at", *titles, *answers.models))
-    head, *laid = lines(Table("", "", tuple(headings), tuple(rows)))
-    over = f"directions of {count} that overturn".rjust(len(head))  # above the columns of the models
+    every = lines(Table("", "", tuple(headings), tuple(rows)))
+    head, laid = every[: -len(rows)], every[-len(rows) :]
+    over = f"directions of {count} that overturn".rjust(max(map(len, head)))  # above the columns of the models
     told, size = [], len(answers.bodies)
     for pair, name in enumerate(names):
         title = "  ".join([name.marked, *_pair_strength(directions.isel(pair=pair))])
-        told += ["", title, over, head, *laid[pair * size : (pair + 1) * size]]
-    smallest_of = f" Smallest {factor_name(answers.factor)}, and its azimuth." if of_factors else ""
+        told += ["", title, over, *head, *laid[pair * size : (pair + 1) * size]]
+    smallest_of = f" Then the smallest {factor_name(answers.factor)} and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
-        "azimuth of the largest (where several overturn: of the one that does so first)."
-        f"{smallest_of} Then, by model, how many directions overturn; +1?: one more has no "
-        "answer. -: not known without it.",
+        "azimuth of the largest (of several that overturn, of the first to do so)."
+        f"{smallest_of} Then, by model, the number of directions that overturn; +1?: one more has no answer; -: not "
+        "known.",
         *of_factors,
         *col.doubt_notes(names),
-        "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
+        "Each direction is a record: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
         *cautions(answers.models),
     ]
     return "\n".join([*told[1:], "", *(paragraph(note, "  ") for note in notes)])

@@ -17,8 +17,8 @@ from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.shown_columns import doubt, doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
 from rockpulse.views.text import verdicts
-from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
-from rockpulse.views.text.lists import case_list, worst_first
+from rockpulse.views.text.left_out import left_out, skipped_summary, unused
+from rockpulse.views.text.lists import case_list, sorted_by_factor
 from rockpulse.views.text.margins import capacities, direction_table, smallest_capacities
 
 #: Largest number of bodies and motions on one screen.
@@ -38,8 +38,8 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
     if not whole and answers.motions.kind != "sequence":
         bodies = verdicts.body_verdicts(answers, BODIES if len(answers.bodies) > BODIES else None)
-        parts += [bodies, verdicts.worst_motions(answers, MOTIONS), left_out_in_short(tree)]
-        parts.append("All of it, every record, body and model: rockpulse inspect RESULTS --all")
+        parts += [bodies, verdicts.worst_motions(answers, MOTIONS), skipped_summary(tree)]
+        parts.append("Every record, body and model: rockpulse inspect RESULTS --all")
     elif is_large(answers):
         parts += [_large(answers, directions), left_out(tree, brief=True), HINTS]
     else:
@@ -57,19 +57,19 @@ def headline(tree: xr.DataTree) -> str:
     """Return the heading of results: title, description, numbers of records, blocks and models."""
     node = tree["directions" if "directions" in tree.children else "summary"]
     dims = ("pair", "direction", "block") if "directions" in tree.children else ("record", "block")
-    counts = ", ".join(several(node.sizes[dim], dim) for dim in dims)
+    counts = ", ".join(several(node.sizes[dim], "body" if dim == "block" else dim) for dim in dims)
     models = ", ".join(map(str, tree["summary"].to_dataset()["model"].values))
-    lines = [paragraph(f"{tree.attrs.get('title', '')}: {counts}; {models}")]
+    lines = [paragraph(f"{tree.attrs.get('title', '')}: {counts}; models: {models}")]
     if described := str(tree.attrs.get("site_description", "")):
         lines.append(paragraph(described, "  "))
     return "\n".join(lines)
 
 
 #: Commands that show more of large results.
-HINTS = """More of it: rockpulse inspect RESULTS
-  --records, --blocks                     all records, all blocks; --sort VARIABLE, --limit N
-  --record ID, --block NAME               one in detail
-  --outcome overturns --model linear      the cases that are so; also --where 'factor_10 < 1'
+HINTS = """More: rockpulse inspect RESULTS
+  --records, --blocks                     all records, all bodies; --sort VARIABLE, --limit N
+  --record ID, --block NAME               one record or body in detail
+  --outcome overturns --model linear      the cases that meet conditions; also --where 'factor_10 < 1'
   and rockpulse export RESULTS -o table.csv with the same options."""
 
 
@@ -82,7 +82,7 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
     """Return strength of the records, verdicts by model, worst blocks, and worst cases or pairs of a sweep."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
-        parts.append(case_list(answers.summary, worst_first(answers, RowSelection(limit=WORST))))
+        parts.append(case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=WORST))))
     else:
         parts.append(_pairs(answers, directions))
     parts.append(verdicts.governing(answers))
@@ -107,11 +107,12 @@ def _record_strength(answers: Answers) -> str:
     headings = tuple(map(Heading, ("", "smallest", "median", "largest", "")))
     lines = [table_text(Table("", "The records:", headings, tuple(rows)))]
     if drifting := int(np.count_nonzero(answers["pgv_drift"])):
-        of = "1 record may be off: its" if drifting == 1 else f"{drifting} records may be off: their"
-        lines.append(f"  PGV of {of} baseline drifts (--where 'pgv_drift = drift').")
+        lines.append(
+            f"  PGV is doubtful in {several(drifting, 'record')}: the baseline drifts (--where 'pgv_drift = drift')."
+        )
     found = [cell for cell in record_cells(answers.summary) if cell.marks]
     if found:
-        lines.append(paragraph(f"{len(found)} with a doubtful peak, marked wherever they are named.", "  "))
+        lines.append(paragraph(f"{several(len(found), 'record')} in doubt, marked in all tables.", "  "))
         lines += [paragraph(note, "  ") for note in doubt_notes(found)]
     return "\n".join(lines)
 
@@ -129,7 +130,7 @@ def _verdicts(answers: Answers) -> str:
     headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1"]
     kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
     headings, rows = [headings[place] for place in kept], [tuple(row[place] for place in kept) for row in rows]
-    of_factors = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
+    of_factors = ["SF < 1: the record, or the record scaled down, overturns the body (rocking is not monotonic)."]
     notes = (of_factors if "SF < 1" in headings else []) + cautions(answers.models)
     title = f"Verdicts, {total} by each model:"
     return table_text(Table("", title, tuple(map(Heading, headings)), tuple(rows), tuple(notes)))
@@ -138,7 +139,7 @@ def _verdicts(answers: Answers) -> str:
 def _pairs(answers: Answers, directions: xr.Dataset) -> str:
     """Return a table of the worst pairs of channels of a sweep."""
     key = answers.least_over_direction[0]
-    if not answers.told:
+    if not answers.has_factor:
         key = -lanes(directions, "largest_rotation_ratio", answers.bodies, answers.model)
     order, blocks = (
         np.sort(np.argsort(np.fmin.reduce(table, axis=axis), kind="stable")[:most])
@@ -146,9 +147,9 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
     )
     part = directions.isel(pair=order, block=blocks).load()
     few = answers.summary.isel(block=blocks)
-    heading = f"The {order.size} worst of {directions.sizes['pair']} pairs of channels"
+    heading = f"The worst {order.size} of {directions.sizes['pair']} pairs of channels"
     if blocks.size < directions.sizes["block"]:
-        heading += f", the {blocks.size} worst of {directions.sizes['block']} blocks"
+        heading += f", the worst {blocks.size} of {directions.sizes['block']} bodies"
     return f"{heading}:\n\n{direction_table(few, part)}"
 
 
@@ -160,7 +161,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
     marks = doubt(pga, one.value("warning_codes"))
     strength = Cell(f"{three_digits(pga, 'm/s2')} ({three_digits(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
     rows = [
-        *(("in words", told) for told in (one.described,) if told),
+        *(("description", told) for told in (one.described,) if told),
         ("source", words("source")),
         ("sha256 of the source", words("source_sha256")),
         ("station, component", f"{words('station')}, {words('component')} (azimuth {number('azimuth', 'degrees')})"),
@@ -173,7 +174,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
         ("PGV", one.peak_velocity),
         ("Arias intensity", number("arias_intensity", "m/s")),
         ("intense phase", f"{number('intense_start', 's')} to {number('intense_end', 's')}"),
-        ("half-waves in all", str(one.value("half_wave_count"))),
+        ("number of half-waves", str(one.value("half_wave_count"))),
         ("main impulse I", number("main_impulse", "m/s")),
         ("secondary impulse I_s", number("secondary_impulse", "m/s")),
         ("interval dT", number("secondary_interval", "s")),
@@ -191,7 +192,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]
     asked = [one.impact_friction(c) for c in restitutions]
-    friction = f"{', '.join(map(three_digits, asked))} in its instant, for information"
+    friction = f"{', '.join(map(three_digits, asked))} required during an impact, for information"
     rows = [
         ("width, height", f"{number('width', 'm')}, {number('height', 'm')}"),
         ("half the diagonal R", one.radius),
@@ -215,7 +216,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
         words = (outcome.name.lower().replace("_", " ") for outcome in Outcome)
         told = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
         heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {told}."
-        worst = case_list(answers.summary, worst_first(answers, RowSelection(limit=CASES)))
+        worst = case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=CASES)))
         return "\n".join([*head, heading, "", worst])
     factors = verdicts.probability_table(answers) + verdicts.factor_table(answers)
     return "\n".join([*head, verdicts.verdict_table(answers.summary), "", *capacities(answers, of), factors])

@@ -10,7 +10,7 @@ import xarray as xr
 from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
-from rockpulse.views.shared.formatting import ABSENT, paragraph, several, three_digits
+from rockpulse.views.shared.formatting import ABSENT, paragraph, several, share, three_digits
 from rockpulse.views.shared.shown_columns import Column, tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
 
@@ -59,9 +59,9 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
     years = f"in {float(risk.attrs['years']):g} years"
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
-        titled("a year", lambda value, *why: Cell(f"{_rate(value)}{'!' if doubt(*why) else ''}"), "frequency", *of),
-        _interval(f"{float(risk.attrs['confidence']):.0%} interval", _rate, "frequency"),
-        _text("once in", _period, "frequency"),
+        titled("per year", lambda value, *why: Cell(f"{_rate(value)}{'!' if doubt(*why) else ''}"), "frequency", *of),
+        _interval(f"{share(float(risk.attrs['confidence']))} interval", _rate, "frequency"),
+        _text("return period", _period, "frequency"),
         _text(years, _chance, "probability"),
     )
 
@@ -72,21 +72,21 @@ def risk_overview(risk: xr.Dataset) -> str:
     selected = (
         *_of_frequency(risk, "block", bool, "warning"),
         _interval("interval", _chance, "probability"),
-        _text("stands", _survival, "survival"),
+        _text("survival", _survival, "survival"),
         titled(f"{measure} [{risk.attrs['unit']}]", Cell, "levels"),
     )
     levels = [_levels(risk.isel(block=place)) for place in range(risk.sizes["block"])]
     told = [
-        "a year: lambda, the sum of the fragility over the hazard; intervals: over the earthquakes of the fragility, "
-        f"the hazard as given; stands: survives {years:g} years; {measure}: levels between which 90 % of lambda come "
-        "about.",
+        f"per year: annual frequency lambda, the fragility summed over the hazard; intervals: over the earthquakes of "
+        f"the fragility, with the hazard as given; survival: probability of surviving {years:g} years; {measure}: "
+        "levels that contribute 90 % of lambda.",
         *_assumed(risk),
     ]
     named = zip(risk["block"].values, risk["statement"].values, strict=True)
     told += [f"{name}: {statement}." for name, statement in named if statement]
     told += [f"! {words}." for words in risk_warnings(risk)]
     title = f"Frequency of {risk.attrs['limit_state']}, {several(len(levels), 'body')}; hazard: {risk.attrs['hazard']}"
-    return _told(title, selected, risk.assign(levels=("block", levels)), told)
+    return _table_text(title, selected, risk.assign(levels=("block", levels)), told)
 
 
 def _levels(one: xr.Dataset) -> str:
@@ -117,16 +117,17 @@ def inventory_overview(risk: xr.Dataset) -> str:
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
     selected = (
-        *_of_frequency(risk, "body", lambda *shares: any(share > OUTSIDE for share in shares), *SIDES),
-        _text("stands", _survival, "survival"),
+        *_of_frequency(risk, "body", lambda *shares: any(one > OUTSIDE for one in shares), *SIDES),
+        _text("survival", _survival, "survival"),
         _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median"),
         _text("dispersion", three_digits, "dispersion"),
     )
     order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]
     told = [
-        f"the {order.size} that overturn most often; all together {_rate(float(np.sum(frequency[known])))} a year, "
-        f"{_rate(float(np.nansum(risk['probability'].values)))} expected in {years:g} years.",
-        f"intervals: over earthquakes, the hazard as given; median: {measure} at which a body overturns with a "
+        f"the {order.size} bodies that overturn most often; overturnings of all bodies: "
+        f"{_rate(float(np.sum(frequency[known])))} per year, {_rate(float(np.nansum(risk['probability'].values)))} "
+        f"expected in {years:g} years.",
+        f"intervals: over earthquakes, with the hazard as given; median: {measure} at which a body overturns with a "
         "probability of 50 %; dispersion: of ln of the overturning spectrum over that measure.",
         *_assumed(risk),
     ]
@@ -139,12 +140,12 @@ def inventory_overview(risk: xr.Dataset) -> str:
     if not known.all():
         lost = risk["body"].values[~known].tolist()
         told.append(
-            f"no number for {several(len(lost), 'body')}, which the spectra of the results do not stand for: "
+            f"no frequency for {several(len(lost), 'body')}, which the spectra of the results do not cover: "
             f"{', '.join(map(str, lost[:5]))}{' ...' if len(lost) > 5 else ''}."
         )
     told += [f"! {words}." for words in inventory_warnings(risk)]
     title = f"Frequency of overturning, {several(frequency.size, 'body')}; hazard: {risk.attrs['hazard']}"
-    return _told(title, selected, risk.isel(body=order), told)
+    return _table_text(title, selected, risk.isel(body=order), told)
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
@@ -155,13 +156,13 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
         ends = f"{level:.3g} {risk.attrs['unit']}, where the hazard curve ends"
         where[side] = f"levels {side} {ends if math.isfinite(level) else 'the end of the hazard curve of its site'}"
     factors = f"{risk.attrs['factor_low']:g} to {risk.attrs['factor_high']:g}"
-    where["far"] = f"records at factors outside {factors}, at which they stand for no recorded ones"
+    where["far"] = f"records with scale factors outside {factors}, which represent no recorded motion"
     told = []
     for name, words in where.items():
         if count := int(np.sum(risk[name].values > OUTSIDE)):
             told.append(
                 f"of {count} of {several(risk.sizes['body'], 'body')} more than a tenth of the frequency, up to "
-                f"{float(np.nanmax(risk[name].values)):.0%}, comes from {words}"
+                f"{share(float(np.nanmax(risk[name].values)))}, comes from {words}"
             )
     return told
 
@@ -173,7 +174,7 @@ def standing_overview(standing: xr.Dataset) -> str:
     chance = standing["chance"].values
     selected = (
         titled("", lambda name: Cell(f"  {name}"), str(dim)),
-        _text("has stood", three_digits, "chance"),
+        _text("survival", three_digits, "chance"),
         _interval("interval", three_digits, "chance"),
         _text("factor on the hazard", three_digits, "factor"),
         titled(" ", lambda code: Cell("contradicts this hazard" if code == 1 else "consistent"), "contradicted"),
@@ -181,18 +182,19 @@ def standing_overview(standing: xr.Dataset) -> str:
     order = np.argsort(chance, kind="stable")[: min(SHOWN, int(np.isfinite(chance).sum()))]
     largest = _rate(float(np.max(standing["largest"].values, initial=0.0)))
     note = (
-        f"has stood: exp(-lambda {age:g}), the chance of it; factor: on the rates of the hazard, at which the chance "
-        f"would be {1.0 - confidence:.0%} and lambda {largest} a year; a body whose factor is below 1 contradicts the "
-        f"hazard at {confidence:.0%}."
+        f"survival: exp(-lambda {age:g}), its probability; factor on the hazard: multiplier of the annual rates at "
+        f"which survival would be {share(1.0 - confidence)} and lambda {largest} per year; a body with a factor "
+        f"below 1 "
+        f"contradicts the hazard at a confidence of {share(confidence)}."
     )
-    return _told(f"Bodies that have stood for {age:g} years", selected, standing.isel({dim: order}), [note])
+    return _table_text(f"Bodies that have survived {age:g} years", selected, standing.isel({dim: order}), [note])
 
 
 def _assumed(risk: xr.Dataset) -> list[str]:
     return [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_conditions']}."]
 
 
-def _told(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Sequence[str]) -> str:
+def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Sequence[str]) -> str:
     table = lines(tabulated("", "", selected, rows))
     return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in notes)])
 

@@ -39,7 +39,7 @@ def site_overview(tree: xr.DataTree) -> str:
         own = [explained(table) for table in site_tables(site) or _spectrum_tables(tree["spectra"].to_dataset(), site)]
     else:
         parameters, blocks = site_tables(site)
-        correlation = "\n".join("  " + line for line in lines(_correlation(site)))
+        correlation = "\n".join(lines(_correlation(site), "  "))
         own = [explained(parameters), correlation, paragraph(design(site), "  ", ""), _coverage(site, blocks)]
     parts = [
         unused(files_used(tree).line),
@@ -245,7 +245,7 @@ def _number(site: xr.Dataset, name: str) -> float:
 
 
 def _percent(site: xr.Dataset, name: str) -> str:
-    return f"{_number(site, name):.0%}"
+    return share(_number(site, name))
 
 
 def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = three_digits) -> str:

@@ -9,7 +9,7 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.site_demands import FARTHEST
-from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade, verdicts
 from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
@@ -52,17 +52,17 @@ def probability_table(answers: Answers) -> str:
     selected = col.columns(*PROBABILITY)
     table = col.filled(selected, col.AnswerRows.every(answers))
     notes = [
-        "P: probability of overturning under the record as it is, in brackets its interval of 90 %; factor of 10 %, of "
-        f"50 %: factors on the record at which it is that; mean capacity: exp of the mean logarithm of the factor that "
-        f"overturns; {stored_uncertainty(answers)}."
+        "P: probability of overturning under the record as recorded, in brackets its 90 % interval; scale factors: on "
+        "the record, at P = 10 % and 50 %; mean scale factor: geometric mean of those at which the body overturns; "
+        f"{stored_uncertainty(answers)}."
     ]
     notes += [col.NONE_UP_TO.note] if col.NONE_UP_TO in col.marks_of(cell for row in table for cell in row) else []
-    title = "Probability of overturning, and the factors on the record that it grows with"
+    title = "Probability of overturning and scale factors on the record"
     return _below_records(title, answers, col.headed(selected), table, notes) + "\n\n"
 
 
 def factor_table(answers: Answers) -> str:
-    """Return the smallest factors of each searched model in the layout of the results; empty if unknown."""
+    """The smallest scale factor on the input of each searched model, laid out as the verdicts; empty without."""
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
@@ -70,15 +70,15 @@ def factor_table(answers: Answers) -> str:
     own = [[row[0] for row in col.filled(selected, col.AnswerRows.every(one))] for one in searched.values()]
     marks = col.marks_of(cell for column in own for cell in column)
     notes = [
-        "-: not computed. (2): in two intervals of the factor; between them the block stands (group "
+        "-: not computed. (2): overturning in two intervals of scale factors, none between them (group "
         "overturning_intervals)."
     ]
     if col.NONE_UP_TO in marks:
         notes.insert(0, col.NONE_UP_TO.note)
     elif any(np.isinf(one["safety_factor"]).any() for one in answers.of_models.values()):
-        notes.insert(0, "none: not found up to the end of the search.")
-    notes += ["!: a lower bound, from this factor on the model cannot answer."] if col.NO_ANSWER in marks else []
-    title = "Safety factors: the smallest factor on the input of the model at which the block overturns"
+        notes.insert(0, "none: no overturning up to the largest scale factor that was searched.")
+    notes += ["!: a lower bound; from this scale factor on the model cannot answer."] if col.NO_ANSWER in marks else []
+    title = "SF: smallest scale factor on the input of each model at which the body overturns"
     return _below_records(title, answers, tuple(map(Heading, searched)), list(zip(*own, strict=True)), notes)
 
 
@@ -92,13 +92,14 @@ def _below_records(
         for (body, *demand), more in zip(demands, table, strict=True)
     ]
     demanded = (Heading(""), *col.headed(col.columns(*DEMAND[1:])))
-    head, *laid = lines(Table("", "", (*demanded, *headings), tuple(rows)))
+    every = lines(Table("", "", (*demanded, *headings), tuple(rows)))
+    head, laid = every[: -len(rows)], every[-len(rows) :]
     found, size = [], len(answers.bodies)
     for place, cell in enumerate(col.record_cells(answers.summary)):
         record = Known(answers.summary, record=cell.text)
         impulse = record.value("main_impulse")
         strength = [*record.strength, *([] if math.isnan(impulse) else [f"I {three_digits(impulse, 'm/s')}"])]
-        found += ["", "  ".join([cell.marked, *strength]), head, *laid[place * size : (place + 1) * size]]
+        found += ["", "  ".join([cell.marked, *strength]), *head, *laid[place * size : (place + 1) * size]]
     shown = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
     return "\n".join(shown)
 
@@ -111,19 +112,22 @@ def overturned(answers: Answers, files: str = "") -> str:
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
-    told = [f"What overturns (by the {answers.model} model):", *([paragraph(files, "    ", "  ! ")] if files else [])]
+    told = [
+        f"Records that overturn each body ({answers.model} model):",
+        *([paragraph(files, "    ", "  ! ")] if files else []),
+    ]
     rows, by_weaker = [], []
     for place, block in enumerate(answers.blocks):
         weaker = [f"{names[row]} ({three_digits(factor[row, place])})" for row in np.flatnonzero(lucky[:, place])]
-        nothing = "nothing as recorded does, but see below" if weaker else "nothing does"
+        nothing = "none as recorded, but see below" if weaker else "none"
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
         told.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
         rows.append((Cell(block), *(col.count_of(own[place], len(names)) for own in counts)))
-    headings = (Heading("records that overturn", width=col.NAME_WIDTH), *map(Heading, answers.models))
-    told += ["", *("  " + line for line in lines(Table("", "", headings, tuple(rows))))]
+    headings = (Heading("number of records", width=col.NAME_WIDTH), *map(Heading, answers.models))
+    told += ["", *lines(Table("", "", headings, tuple(rows)), "  ")]
     if by_weaker:
-        told += ["", "What rocks, but a weaker copy of the record overturns it (SF in brackets):", *by_weaker]
+        told += ["", "Records that overturn the body only if scaled down (SF in brackets):", *by_weaker]
     return "\n".join(told)
 
 
@@ -134,7 +138,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     lanes = (np.sort(places) if most is None else places).tolist()
     kept = [found[lane] for lane in lanes]
     names = [cell.marked for cell in col.record_cells(summary)]
-    (top, turn), factors = _largest_survived(answers), _middle_factors(answers)
+    (top, rotation), factors = _largest_survived(answers), _middle_factors(answers)
     demands = [[demand.share for demand in one.demands] or [one.share] for one in kept]
     of = "P" if answers.probable else "share"
     likely = {f"{of} at {name}": place for place, name in enumerate(answers.demands)} or {of: 0}
@@ -146,7 +150,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
         "uplift": [float(summary["uplift_acceleration"].values[one.body.place]) for one in kept],
         "median": [factors[lane] for lane in lanes],
         "top": top[lanes].tolist(),
-        "turn": turn[lanes].tolist(),
+        "rotation": rotation[lanes].tolist(),
         "worst": [names[one.governing] if one.governing >= 0 else ABSENT for one in kept],
         **{title: [shares[place].value for shares in demands] for title, place in likely.items()},
     }
@@ -154,12 +158,16 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
         col.titled("", Cell, "name", width=col.NAME_WIDTH),
         col.titled(col.COLUMNS["verdict"].heading.title, lambda one: Cell(col.grade_cell(one).text), "found"),
         *(col.titled(title, col.shown(ratio), title) for title in likely),
-        *col.columns("up_to", "uplift", middle, "top", "turn"),
+        *col.columns("probability_upper", "uplift", middle, "top", "rotation"),
         *col.columns("worst", worst=f"worst {answers.motions.kind}"),
     )
-    which = f"the {len(kept)} most likely to overturn of {len(found)} bodies" if len(kept) < len(found) else "each body"
+    which = (
+        f"the {len(kept)} of {len(found)} bodies that are most likely to overturn"
+        if len(kept) < len(found)
+        else "each body"
+    )
     title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
-    notes = [*_legend(answers), *body_notes(answers, found)]
+    notes = [*_legend(answers, kept, bool(np.isnan(top[lanes]).any())), *body_notes(answers, found)]
     table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
     return "\n".join([paragraph(title), *table, *(paragraph(note, "  ") for note in notes)])
 
@@ -173,24 +181,38 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
     for place, (name, demand) in enumerate(answers.demands.items()):
         every = [one.demands[place] for one in found]
         lost, left = max(one.left_out for one in every), min(one.earthquakes for one in every)
-        without = f", {lost} left out, farther from it than a factor of {FARTHEST[1]:g}" if lost else ""
+        without = f", {lost} left out: scale factor outside {FARTHEST[0]:g} to {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
         told.append(f"{name} ({demand.words}{without}{short})")
     return f"{counted_motions(motions)} brought to the demand {' and '.join(told)}"
 
 
-def _legend(answers: Answers) -> list[str]:
-    """Explain the words and columns of the verdicts in at most three lines."""
+#: What each verdict means, of the probability or the share on which it rests.
+_MEANING = {
+    Grade.OVERTURNS: f"overturns: {{0}} >= {OVERTURNS:g}",
+    Grade.MAY_OVERTURN: f"may overturn: {{0}} >= {MAY_OVERTURN:g}",
+    Grade.ROCKS: f"rocks: {{0}} < {MAY_OVERTURN:g}",
+    Grade.STAYS: "stays: never lifted",
+    Grade.NOT_KNOWN: "not known: the models cannot answer under some records",
+}
+
+
+def _legend(answers: Answers, found: Sequence[BodyVerdict], unsized: bool) -> list[str]:
+    """The meaning of the verdicts that occur and of the columns; `unsized`: a body has no size."""
     if answers.motions.kind == "sequence":
         return []
     few = answers.motions.event_count
-    little = f" ({several(few, 'earthquake')}: read that end)" if few < FEWEST_EVENTS else ""
-    what = "P: probability of overturning" if answers.probable else "share: earthquakes that overturn it"
-    middle = "f_50: median factor for P = 50 %" if answers.probable else "SF: factor on a record that overturns"
+    little = f" (wide: {several(few, 'earthquake')})" if few < FEWEST_EVENTS else ""
+    what, middle = "share: share of earthquakes that overturn the body", "at which it overturns"
+    if answers.probable:
+        what, middle = "P: probability of overturning, mean over earthquakes", "at P = 50 %"
+    of, grades = what.partition(":")[0], {one.overall for one in found}
+    words = "; ".join(meaning.format(of) for grade, meaning in _MEANING.items() if grade in grades)
     return [
-        f"{what}, over earthquakes; up to: end of its 90 % interval{little}. overturns: {OVERTURNS:g} or more; may "
-        f"overturn: {MAY_OVERTURN:g} or more; rocks: less; stays: never lifted. a_up: uplift; {middle}; top, turn: "
-        "largest displacement and rotation survived."
+        f"{what}; upper 90 %: end of its 90 % interval{little}. {words[:1].upper()}{words[1:]}. Uplift PGA: lifts "
+        f"the body. "
+        f"Median scale factor: median over records of the multiplier {middle}. Top displ., rotation: largest without "
+        f"overturning{' (-: height not given)' if unsized else ''}."
     ]
 
 
@@ -246,10 +268,15 @@ def worst_motions(answers: Answers, most: int) -> str:
         ),
         col.titled(title, lambda count: Cell(col.count_of(count, bodies).text), "fallen"),
     )
-    which = f"The {len(order)} worst of {len(motions.names)}" if len(order) < len(motions.names) else "All"
+    which = f"The worst {len(order)} of {len(motions.names)}" if len(order) < len(motions.names) else "All"
     what = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
     table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
-    return "\n".join([f"{which} {what}, as recorded:", *table])
+    note = f"Worst body: the one most likely to overturn{', with its P and scale factor' if answers.probable else ''}."
+    if np.isinf(factor[at][order]).any() and not math.isnan(limit):
+        note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest that was searched."
+    return "\n".join(
+        [f"{which} {what}, as recorded:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
+    )
 
 
 def governing(answers: Answers) -> str:
@@ -267,5 +294,5 @@ def governing(answers: Answers) -> str:
         return ""
     if len(ruled) > NAMED:
         told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
-    what = f"of the smallest {factor_name(answers.factor)}" if answers.told else "that overturns"
-    return "\n".join([f"What governs (the record {what}, by the {answers.model} model):", *told])
+    what = f"with the smallest {factor_name(answers.factor)}" if answers.has_factor else "that overturns"
+    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *told])

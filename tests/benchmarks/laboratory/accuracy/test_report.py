@@ -39,7 +39,7 @@ def quick(ridgecrest):
     return accuracy(ridgecrest[:1], replace(QUICK, reference_cases=4, motions=2), seed=1)
 
 
-def test_every_table_of_the_report_is_told(quick):
+def test_every_table_of_the_report_is_reported(quick):
     told = overview(quick)
     assert set(quick["model_form"]["ensemble"]) == {"records", "synthetic"}
     for words in ("linear equation", "RK45, rtol 1e-06", "elastic ties", "impulsive, missed", "velocity_ratio"):

@@ -183,7 +183,7 @@ def test_start_and_middle_are_flagged_where_the_march_leaves_the_ground_behind(c
     assert bool(contact.sel(spacing="start").where(share > 0.75, True).all())
 
 
-def test_peaks_that_no_block_can_have_are_flagged_and_told(coarse):
+def test_peaks_that_no_block_can_have_are_flagged_and_reported(coarse):
     """A block beyond alpha_c does not come back, but the closed form of "start" has roots on motions that do."""
     tree = figure4([0.9], [0.5], [0.2, 0.4, 0.6, 0.9], [2, 20])[0]
     for one in (coarse, tree):
@@ -202,7 +202,7 @@ def test_peaks_that_no_block_can_have_are_flagged_and_told(coarse):
     assert not bool(figure4([0.9], [0.3], [0.0, 0.1], [2])[0]["no_motion"].any())
 
 
-def test_the_figure_is_drawn_and_told(coarse):
+def test_the_figure_is_drawn_and_reported(coarse):
     """A panel for each restitution, a line for each I/I_1c."""
     picture = draw_figure4(coarse, "end")
     assert len(picture.axes) == 2

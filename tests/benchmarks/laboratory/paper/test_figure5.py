@@ -162,7 +162,7 @@ def test_it_is_what_the_equation_of_motion_gives():
     assert 0.5 * after**2 == pytest.approx(p * p * (1.0 - math.cos(alpha)), rel=1e-9)
 
 
-def test_the_figure_is_drawn_and_told(histories):
+def test_the_figure_is_drawn_and_reported(histories):
     """A panel for each block and restitution."""
     assert len(draw_figure5(histories, "end").axes) == 4
     assert " (2) 0.61 s" in histories_text(histories)

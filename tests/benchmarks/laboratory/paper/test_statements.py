@@ -169,5 +169,5 @@ def test_the_range_of_the_interval_to_a_tenth_of_a_millisecond():
     assert inside[-1] == pytest.approx(0.601, abs=0.001)
 
 
-def test_the_statements_are_told(statements):
+def test_the_statements_are_reported(statements):
     assert statements_text(statements.reset_index()).count("FAILS: ") == 4

@@ -48,7 +48,7 @@ def test_a_real_part_alone_says_so_and_names_its_dead_channel(records_folder):
         assert found - stated == pytest.approx(20.0)
         assert record.warnings[1:] == (
             "channel 4 (INTC) is dead, all samples are zero; it was left out",
-            "part 1 of a record that is cut into files: give all of them together",
+            "part 1 of a record that is split into several files; give all of them together",
         )
 
 
@@ -82,7 +82,7 @@ def test_two_parts_are_joined(tmp_path, trigger):
         assert record.dt == 0.01
         assert record.processing == ("parts 1, 2 joined",)
         assert record.warnings[-1] == "channel 4 (INTC) is dead, all samples are zero; it was left out"
-        assert not any("cut into files" in note for note in record.warnings)
+        assert not any("split into several files" in note for note in record.warnings)
         assert record.header_peak == pytest.approx(record.pga, abs=0.005)
         assert record.source == f"{tmp_path}/curicoparte1.v1; {tmp_path}/curicoparte2.v1"
         assert record.source_sha256 == "; ".join(hashlib.sha256(content).hexdigest() for content in (one, two))
@@ -144,7 +144,7 @@ def test_parts_that_do_not_fit_stay_apart_with_the_reason(tmp_path, parts, reaso
     assert len(records) == 3 * len(parts)
     for record in records:
         assert isinstance(record, Part)
-        assert any("cut into files" in note for note in record.warnings)
+        assert any("split into several files" in note for note in record.warnings)
         with pytest.raises(AssertionError, match=f"not joined: .*{reason}"):
             raise AssertionError(record.warnings[-1])
 

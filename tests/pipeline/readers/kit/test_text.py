@@ -183,7 +183,7 @@ def test_what_is_no_unit_of_acceleration(text):
 
 
 def test_the_nearest_unit_is_named():
-    with pytest.raises(UnitError, match=r"^option --units: unknown .* 'gg'; did you mean \"g\"\?; .*, g, g/10$"):
+    with pytest.raises(UnitError, match=r"^option --units: unknown .* 'gg' \(did you mean \"g\"\?\); .*, g, g/10$"):
         canonical_unit("gg", "option --units")
 
 

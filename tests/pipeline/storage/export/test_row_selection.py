@@ -7,7 +7,7 @@ from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection, positions_matching, rows
-from rockpulse.storage.hdf5.netcdf4 import pointwise, slab, worded
+from rockpulse.storage.hdf5.netcdf4 import flags_as_words, pointwise, slab
 from rockpulse.storage.variables.summary import SUMMARY
 
 DIMS = ("record", "block", "model")
@@ -81,9 +81,13 @@ def test_a_condition_on_a_text_takes_it_as_it_is_before_it_is_a_pattern(summary)
 
 
 def test_a_column_of_the_tables_is_its_variable(summary):
-    for shown, name in (("SF < 1", "safety_factor < 1"), ("PGA>3", "pga > 3"), ("a/a_up > 2", "uplift_ratio > 2")):
+    for shown, name in (
+        ("SF < 1", "safety_factor < 1"),
+        ("PGA>3", "pga > 3"),
+        ("uplift ratio > 2", "uplift_ratio > 2"),
+    ):
         assert Condition.parse(shown) == Condition.parse(name)
-    assert Condition.parse("factor of 10 % <= 1").name == "factor_10"
+    assert Condition.parse("scale factor at P = 10 % <= 1").name == "factor_10"
     assert Condition.parse("P > 0.5").name == "overturning_probability"
     assert set(SHOWN.values()) <= set(SUMMARY)
     with pytest.raises(ResultsError, match="expected a condition"):
@@ -92,7 +96,7 @@ def test_a_column_of_the_tables_is_its_variable(summary):
 
 def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
     summary["safety_factor"][:] = np.nan
-    with pytest.raises(ResultsError, match=r"safety_factor is known of none of these answers \(factor_10 tells it"):
+    with pytest.raises(ResultsError, match=r"safety_factor: expected a variable with values.*use factor_10"):
         lanes(summary, where("SF < 1"))
 
 
@@ -100,7 +104,7 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
     ("selection", "message"),
     [
         (RowSelection({"block": ("colum",)}), r'no block "colum" in these results; did you mean "column"'),
-        (RowSelection({"block": ("LUM",)}), r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
+        (RowSelection({"block": ("LUM",)}), r"1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
         (where("outcom = rocks"), r"no variable 'outcom' .* did you mean \"outcome\""),
         (where("outcome = falls"), r"outcome: expected one of at_rest, rocks, overturns, unresolved"),
         (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),
@@ -170,4 +174,4 @@ def test_boxes_and_places_are_the_same_values_as_plain_indexing():
     places = {"record": at, "block": np.array([0, 4, 1]), "model": np.array([1, 1, 0]), "case": at}
     assert pointwise(variable, places).tolist() == [values[6, 0, 1], values[2, 4, 1], values[2, 1, 0]]
     assert pointwise(variable, dict.fromkeys(variable.dims, at[:0])).shape == (0,)
-    assert worded(np.zeros((0,), dtype=np.int8), {0: "no"}).shape == (0,)
+    assert flags_as_words(np.zeros((0,), dtype=np.int8), {0: "no"}).shape == (0,)

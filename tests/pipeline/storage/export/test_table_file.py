@@ -71,7 +71,7 @@ def test_a_workbook_has_numbers_to_16_digits_and_texts_that_are_only_texts(opene
 
 
 def test_what_a_workbook_cannot_hold_is_told_before_it_is_written(opened, tmp_path, monkeypatch):
-    with pytest.raises(ResultsError, match="no decimal commas"):
+    with pytest.raises(ResultsError, match="--decimal-comma: expected a CSV file"):
         written(opened, tmp_path / "t.xlsx", decimal_comma=True)
     monkeypatch.setattr(typed_table, "SHEET_ROWS", 27)
     with pytest.raises(ResultsError, match="27 rows, and a sheet holds 26: choose fewer"):

@@ -63,7 +63,7 @@ def test_what_cannot_be_checked_at_all_is_an_error():
         ({"ground": "F"}, "ground: expected one of"),
     ],
 )
-def test_wrong_parameters_are_told(given, told):
+def test_wrong_parameters_are_reported(given, told):
     with pytest.raises(ConfigError, match=told):
         CheckSettings(**given)
 

@@ -88,13 +88,13 @@ def test_a_table_is_read_in_its_unit_and_ends_where_it_ends(tmp_path):
         ("", 'expected the columns "period'),
     ],
 )
-def test_wrong_tables_are_told(tmp_path, text, told):
+def test_wrong_tables_are_reported(tmp_path, text, told):
     (tmp_path / "spectrum.csv").write_text(text)
     with pytest.raises(ConfigError, match=told):
         spectrum_of(CheckSettings(spectrum="table", file="spectrum.csv"), tmp_path)
 
 
-def test_no_file_and_no_demand_are_told(tmp_path):
+def test_no_file_and_no_demand_are_reported(tmp_path):
     with pytest.raises(ConfigError, match="found no file"):
         spectrum_of(CheckSettings(spectrum="table", file="none.csv"), tmp_path)
     with pytest.raises(ConfigError, match="expected the demand of the code"):

@@ -16,24 +16,24 @@ def test_a_carried_roof_and_a_plastic_tie_are_the_hand_worked_case():
     held = Mechanism((BODY, ROOF), (Force(5.0, 3.0),))
     assert held.multiplier == pytest.approx(51.0 / 280.0)
     assert held.share == pytest.approx(78400.0 / 86400.0)
-    assert held.furthest == pytest.approx(51.0 / 280.0 * 720.0 / 280.0)
+    assert held.collapse_displacement == pytest.approx(51.0 / 280.0 * 720.0 / 280.0)
 
 
 def test_a_tie_that_breaks_counts_for_the_activation_but_not_for_the_displacement():
     """It breaks after 0.1 m; d_0 = (36/280) (720/280), and at 0.4 d_0 it has moved 0.154 m: alpha = 0.6 x 36/280."""
     held = Mechanism((BODY, ROOF), (Force(5.0, 3.0, 0.0, 0.1),))
     assert held.multiplier == pytest.approx(51.0 / 280.0)
-    assert held.furthest == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
-    assert held.capacity(0.4 * held.furthest) == pytest.approx(0.6 * 36.0 / 280.0)
+    assert held.collapse_displacement == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
+    assert held.capacity(0.4 * held.collapse_displacement) == pytest.approx(0.6 * 36.0 / 280.0)
     assert held.capacity(0.05) == pytest.approx((51.0 - 280.0 * 0.05 * 280.0 / 720.0) / 280.0)
 
 
 def test_a_gap_leaves_the_activation_alone_and_moves_the_end_of_the_curve():
     slack = Mechanism((BODY,), (Force(5.0, 3.0, 0.03),))
     assert slack.multiplier == pytest.approx(0.15)
-    assert slack.furthest == pytest.approx((30.0 + 15.0) / 200.0 * 2.0)
+    assert slack.collapse_displacement == pytest.approx((30.0 + 15.0) / 200.0 * 2.0)
     # A gap that is wider than the point moves until no couple is left: the tie never acts.
-    assert Mechanism((BODY,), (Force(5.0, 3.0, 1.0),)).furthest == pytest.approx(0.3)
+    assert Mechanism((BODY,), (Force(5.0, 3.0, 1.0),)).collapse_displacement == pytest.approx(0.3)
 
 
 def test_a_roof_that_slides_holds_back_and_its_mass_stays_with_the_building():
@@ -41,7 +41,7 @@ def test_a_roof_that_slides_holds_back_and_its_mass_stays_with_the_building():
     held = Mechanism((BODY, ROOF._replace(moving=False)), (Force(8.0, 4.0),))
     assert held.multiplier == pytest.approx(0.34)
     assert held.share == 1.0
-    assert held.furthest == pytest.approx(2.0 * 68.0 / 280.0)
+    assert held.collapse_displacement == pytest.approx(2.0 * 68.0 / 280.0)
 
 
 def test_bodies_of_the_configuration_give_the_same_mechanisms():
@@ -52,7 +52,7 @@ def test_bodies_of_the_configuration_give_the_same_mechanisms():
     ((held,),) = mechanisms(rp.BlockSettings(name="a", **common, loads=(roof,), ties=(tie,))).values()
     assert held.multiplier == pytest.approx(51.0 / 280.0)
     assert held.share == pytest.approx(78400.0 / 86400.0)
-    assert held.furthest == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
+    assert held.collapse_displacement == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
     sliding = rp.LoadSettings(weight=20e3, height=4.0, friction=0.4)
     ((other,),) = mechanisms(rp.BlockSettings(name="b", **common, loads=(sliding,))).values()
     assert (other.multiplier, other.share) == (pytest.approx(0.34), 1.0)

@@ -114,7 +114,7 @@ def test_correlated_records_of_few_events_widen_the_band():
         (
             lambda: fit_capacities(np.full(4, np.inf), limits=[1.0, 2.0, 3.0, 2.5]),
             Status.NOTHING_REACHED,
-            "none of 4 records reached the limit state, looked at up to 1 to 3",
+            "none of 4 records reached the limit state, at levels up to 1 to 3",
         ),
         (
             lambda: fit_capacities([1.2, np.inf, np.inf], limits=[5.0, 5.0, 5.0]),
@@ -134,7 +134,7 @@ def test_correlated_records_of_few_events_widen_the_band():
         (
             lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
             Status.EVERYTHING_REACHED,
-            "all of 4 records reached the limit state at every level, from 1; look at lower levels",
+            "all of 4 records reached the limit state at every level, from 1; add lower levels",
         ),
         (
             lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [0, 0, 1, 1]),
@@ -171,12 +171,12 @@ def test_what_makes_no_curve_is_said_and_no_number_is_given(curve, status, words
         (
             lambda: fit_capacities([0.9, 2.9, *[np.inf] * 20], limits=[3.0] * 22),
             Extrapolated.ABOVE,
-            r"extrapolated: the median, [\d.]+, lies above every level looked at, up to 3; 2 records of 22 reached",
+            r"extrapolated: the median, [\d.]+, lies above all levels that were analysed, up to 3; 2 records of 22",
         ),
         (
             lambda: fit_stripes(np.repeat([1.0, 2.0, 3.0], 8), [k % 8 < 5 + k // 8 for k in range(24)]),
             Extrapolated.BELOW,
-            r"extrapolated: the median, 0\.[\d]+, lies below every level looked at, from 1; 18 records of 24 reached",
+            r"extrapolated: the median, 0\.[\d]+, lies below all levels that were analysed, from 1; 18 records of 24",
         ),
         (lambda: fit_capacities(CAPACITIES, EVENTS), Extrapolated.NO, "^$"),
         (lambda: fit_capacities([np.inf] * 3, limits=[1.0] * 3), Extrapolated.NO, "none of 3 records"),
@@ -236,8 +236,8 @@ def test_a_median_at_the_last_level_is_no_extrapolation():
     assert sides == [Extrapolated.BELOW, *[Extrapolated.NO] * 3, Extrapolated.ABOVE]
     (said,) = curves.extrapolation_statement(3.5, rows)
     assert said == (
-        "extrapolated: the median, 3.5, lies above every level looked at, up to 3; 1 record of 3 reached the limit "
-        "state"
+        "extrapolated: the median, 3.5, lies above all levels that were analysed, up to 3; 1 record of 3 reached "
+        "the limit state"
     )
 
 
@@ -265,7 +265,7 @@ def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
     assert rows.records == 3
     assert rows.qualities[:, 0].tolist() == [10.0, 11.0, 20.0, 30.0]
     assert rows.weight.tolist() == [0.5, 0.5, 1.0, 2.0]
-    assert [rows.having(column).tolist() for column in (0, 1)] == [[True] * 4, [False, False, False, True]]
+    assert [rows.with_property(column).tolist() for column in (0, 1)] == [[True] * 4, [False, False, False, True]]
     assert rows.without_each_event().tolist() == [
         [0.5, 0.5, 1.0, 2.0],
         [0.5, 0.0, 1.0, 2.0],

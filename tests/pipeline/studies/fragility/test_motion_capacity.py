@@ -210,5 +210,5 @@ def test_weights_move_the_curve_and_the_annual_frequency(alike, tmp_path):
 
 
 def test_records_that_are_not_there_are_an_error(tmp_path):
-    with pytest.raises(ConfigError, match=r"\[fragility\] selection: no record has an id that fits nobody"):
+    with pytest.raises(ConfigError, match=r"\[fragility\] selection: no record id matches nobody"):
         curves(tmp_path, "record,factor\nr0,1\nnobody,1\n")

@@ -64,7 +64,7 @@ def test_the_frequency_is_that_of_the_fitted_curve(tree, law):
         assert float(same["frequency"]) == pytest.approx(expected, rel=1e-6)
 
 
-def test_the_levels_that_nothing_was_looked_at_are_told(tree, law):
+def test_the_levels_that_nothing_was_looked_at_are_reported(tree, law):
     whole = rp.risk(tree, law, resamples=0).sel(block="wall")
     # The curve ends at 0.3 m/s, below the strongest levels that records were looked at.
     curve = rp.HazardCurve("pgv", [0.05, 0.3], law.rate(np.array([0.05, 0.3])))
@@ -102,7 +102,7 @@ def test_the_band_is_over_earthquakes():
 
 
 @pytest.mark.slow
-def test_draws_that_rest_on_one_earthquake_are_lost_and_told(tree, law):
+def test_draws_that_rest_on_one_earthquake_are_lost_and_reported(tree, law):
     """Draws with no curve without one of their earthquakes have no standard error: left out, they would narrow it."""
     found = rp.risk(tree, law, resamples=200).sel(block="wall")
     assert np.isnan(found["frequency_low"])
@@ -112,7 +112,7 @@ def test_draws_that_rest_on_one_earthquake_are_lost_and_told(tree, law):
 
 
 @pytest.mark.sweep
-def test_few_earthquakes_are_told(tree):
+def test_few_earthquakes_are_reported(tree):
     """In PGA the levels of these records overlap enough for a band of 8 earthquakes, in which some draws are lost."""
     found = rp.risk(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), resamples=200).sel(block="wall")
     told = str(found["statement"].values)
@@ -172,7 +172,7 @@ def test_uplift_in_pga_is_the_rate_of_the_acceleration_that_lifts(tree):
     )
 
 
-def test_what_is_taken_for_granted_is_told(tree, law):
+def test_what_is_taken_for_granted_is_reported(tree, law):
     told = rp.risk(tree, law, resamples=0).attrs
     assert "records scaled to levels (stripes); lognormal" in told["fragility"]
     assert "16 records of 8 earthquakes, in which records count alike" in told["fragility"]

@@ -54,6 +54,12 @@ def test_a_curve_through_a_power_law_is_that_power_law():
             0.1,
             -math.log1p(-0.1),
         ),
+        (
+            "# mean, investigation_time=50.0, imt=SA(0.5)\nlon,lat,depth,poe-0.1,poe-0.4\n0,0,0,0.5,0.1\n",
+            "sa_0.5",
+            G * 0.1,
+            math.log(2.0) / 50.0,
+        ),
     ],
 )
 def test_files_are_read_with_their_units(tmp_path, text, measure, level, rate):

@@ -162,7 +162,7 @@ def test_the_sum_over_a_hazard_is_exact_between_its_bends_and_from_the_uplift_on
     assert rp.inventory_frequency(results, body, hazard)["frequency"].item() == pytest.approx(expected, rel=1e-8)
 
 
-def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_told(results):
+def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_reported(results):
     bodies = models.Block(width=[0.4, 1.0], height=[3.0, 1.0], restitution=[0.9, 0.9])
     assert np.isnan(rp.inventory_frequency(results, bodies, LAW)["frequency"].values).tolist() == [False, True]
     config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)))
@@ -214,7 +214,7 @@ def test_nothing_overturns_below_the_acceleration_that_lifts(results):
 
 
 @pytest.mark.sweep
-def test_the_shares_beyond_the_curve_and_beyond_the_factors_are_told(results):
+def test_the_shares_beyond_the_curve_and_beyond_the_factors_are_reported(results):
     body = models.Block(width=[0.35], height=[2.6])
     curve = rp.HazardCurve("pgv", [0.25, 0.5], [8e-3, 2e-3])
     found = rp.inventory_frequency(results, body, curve)

@@ -10,14 +10,14 @@ from rocking.body.supports import floor_motion
 from rocking.march.recorded import recorded_response
 from rockpulse.cli import main
 from rockpulse.studies.selftest import selftest
-from rockpulse.studies.selftest.selftest import COLUMNS, TABLE, lobes, stored_cases, tried
+from rockpulse.studies.selftest.selftest import COLUMNS, TABLE, lobes, solve_case, stored_cases
 
 STORED = {one.case.case: one for one in stored_cases()}
 
 
 def found(name, **changed):
     """Outcome and peak by the kernel of a stored case with other properties."""
-    return tried(STORED[name]._replace(case=replace(STORED[name].case, **changed)))
+    return solve_case(STORED[name]._replace(case=replace(STORED[name].case, **changed)))
 
 
 def test_the_cases_are_of_every_kind():
@@ -36,7 +36,7 @@ def test_the_cases_are_of_every_kind():
 
 def test_every_case_is_within_its_bound():
     for stored in STORED.values():
-        one = tried(stored)
+        one = solve_case(stored)
         assert one.passed, (stored.case.case, one.error)
         assert stored.bound <= (1e-8 if stored.case.kind == "near-critical" else 1e-11)
         assert np.isnan(one.cost) == (stored.outcome == "AT_REST")
@@ -84,10 +84,10 @@ def test_a_floor_shakes_harder_than_its_ground():
 
 
 def test_solve_ivp_is_tried_on_short_plain_cases_only():
-    one = tried(STORED["one pulse"])
+    one = solve_case(STORED["one pulse"])
     assert one.error < 1e-15 < one.error_of_solve_ivp < 1e-3
     assert one.cost_of_solve_ivp > 10.0 * one.cost
-    assert np.isnan(tried(STORED["before a wall"]).cost_of_solve_ivp)
+    assert np.isnan(solve_case(STORED["before a wall"]).cost_of_solve_ivp)
 
 
 def test_the_verb_prints_a_table_and_ends_with_zero(monkeypatch, capsys):

@@ -151,7 +151,7 @@ def test_unresolved_pairs_count_as_overturned(monkeypatch):
 
 def test_one_event_is_a_statement_not_a_number():
     one = site([dataclasses.replace(record, event="Kobe") for record in RECORDS])
-    assert str(one["site_warnings"].item()).startswith("ONE EVENT (Kobe): nothing can be left out")
+    assert str(one["site_warnings"].item()).startswith("ONE EVENT (Kobe): no event can be left out")
     names = ["coverage", "coverage_lower", "coverage_upper", "median_lower", "median_upper", "design_lower"]
     assert all(np.isnan(one[name]).all() for name in [*names, "design_upper", "dispersion_upper", "left_out_main"])
     assert np.isfinite(one["design"]).all()
@@ -238,7 +238,7 @@ def test_a_record_that_fails_is_a_row_and_never_the_end():
     rows = tree["failures"].to_dataset()
     assert (rows["kind"].values.tolist(), rows["stage"].values.tolist()) == (["failed"], ["calibrate"])
     assert "dead" in str(rows["reason"].values[0])
-    with pytest.raises(RecordRefused, match=r"not one record could be calibrated[\s\S]*dead"):
+    with pytest.raises(RecordRefused, match=r"no record could be calibrated[\s\S]*dead"):
         rp.calibrate([dead], config(), BLOCKS)
 
 

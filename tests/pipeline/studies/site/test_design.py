@@ -17,7 +17,7 @@ from rockpulse.studies.site.design import (
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.sequence_design import coverage_of, judged, leave_one_event_out, unjudged_events
+from rockpulse.studies.site.sequence_design import counted_pairs, coverage_of, leave_one_event_out, untested_events
 
 BLOCKS = Block(half_width=[0.25, 0.4, 0.6], half_height=[1.2, 1.6, 1.8], restitution=0.9)
 
@@ -196,11 +196,11 @@ def test_events_that_are_not_judged_are_told_with_the_reason():
     peaks[1:3] = np.inf  # without the last one the others overturn all
     sample = sample_of(MAINS[:4], peaks=peaks)
     found = leave_one_event_out(sample, 0.84)
-    assert unjudged_events(found, sample)[0] == "unlifted"
-    assert unjudged_events(found, sample)[3] == "overturning_design"
-    assert not judged(found.covered, sample)[[0, 3]].any()
+    assert untested_events(found, sample)[0] == "unlifted"
+    assert untested_events(found, sample)[3] == "overturning_design"
+    assert not counted_pairs(found.covered, sample)[[0, 3]].any()
     lone = sample_of(MAINS[:2], peaks=np.vstack([np.full(3, np.nan), rotations(MAINS[1:2])]))
-    reasons = unjudged_events(leave_one_event_out(lone, 0.5), lone)
+    reasons = untested_events(leave_one_event_out(lone, 0.5), lone)
     assert reasons == {0: "unlifted", 1: "no_design"}
 
 

@@ -82,7 +82,7 @@ def test_the_same_results_are_the_same(cases):
     assert found.same
     assert found.sides[OUTCOME].compared == 27 * (cases or 1)
     assert text.endswith(f"The results are the same: {found.compared} values within rtol 1e-09.")
-    assert "No verdict of" in text
+    assert "None of" in text
     assert "Bodies whose" not in text
     assert "crossed 1" not in text
 
@@ -140,7 +140,7 @@ def test_verdicts_that_flipped_are_named():
         ((RECORDS[0], "column", "nonlinear"), "rocks", "unresolved"),  # the fullest model first
         ((RECORDS[0], "column", "sequence"), "rocks", "overturns"),
     ]
-    assert "\nVerdicts that flipped: 2 of 27 (1 of 9 by the nonlinear model)" in text
+    assert "\nVerdicts that changed: 2 of 27 (1 of 9 by the nonlinear model)" in text
     found, text = compare(tree(), changed, listed=1)
     assert (found.sides[OUTCOME].count, found.sides[OUTCOME].named) == (2, flips.named[:1])
     assert "and 1 more (--limit)" in text
@@ -173,7 +173,7 @@ def test_without_the_nonlinear_model_in_both_the_last_common_model_leads():
     changed["summary"]["outcome"].values[2, 0] = 1, 2
     found, text = compare(tree(), changed)
     assert found.model == "sequence"
-    assert "Verdicts that flipped: 2 of 18 (1 of 9 by the sequence model)" in text
+    assert "Verdicts that changed: 2 of 18 (1 of 9 by the sequence model)" in text
     assert [flip.place[2] for flip in found.sides[OUTCOME].named] == ["sequence", "resonance"]
 
 

@@ -36,10 +36,13 @@ def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, firs
     ax = overturning_map(assessed, record=first)
     for place, block in enumerate(assessed["summary"]["block"].values):
         lower, upper = intervals(assessed, first, block)
-        for words, lows, highs in (("overturns", lower, upper), ("stands again", upper[:-1], lower[1:])):
+        for words, lows, highs in (
+            ("overturns", lower, upper),
+            ("does not overturn above an interval", upper[:-1], lower[1:]),
+        ):
             drawn = [own for at, *own in bars(ax, words) if at == place]
             assert np.ravel(drawn) == pytest.approx(np.stack([lows, highs], axis=1).ravel())
-        assert bars(ax, "stands")[place][2] == pytest.approx(lower[0])
+        assert bars(ax, "does not overturn")[place][2] == pytest.approx(lower[0])
     assert (ax.get_xscale(), ax.get_xlabel()) == ("log", "factor on the record [-]")
     assert named_rows(ax) == ["wall", r"column of \$one\$ piece"]
     assert 1.0 in [line.get_xdata()[0] for line in ax.lines]
@@ -108,7 +111,7 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     endless = np.full(assessed["summary"]["safety_factor"].shape, np.inf)
     tree = changed({"/overturning_intervals": none}, safety_factor=endless)
     ax = overturning_map(tree, record=first)
-    assert [high for _, _, high in bars(ax, "stands")] == pytest.approx([10.0])
+    assert [high for _, _, high in bars(ax, "does not overturn")] == pytest.approx([10.0])
     assert [text.get_text().strip() for text in ax.texts] == ["none up to 10"]
     assert named_rows(ax) == ["all 2 bodies"]
     assert "smallest factor" not in ax.get_legend_handles_labels()[1]
@@ -117,7 +120,7 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     assert len(beside) == 10  # five models on two records
     assert 10.0 < min(beside) < max(beside) < ax.get_xlim()[1]
     assert [text.get_text() for text in ax.texts] == [">10"]
-    assert ">10: none found up to there." in small_print(ax)
+    assert ">10: no overturning up to this scale factor." in small_print(ax)
 
 
 @pytest.mark.parametrize("draw", [overturning_map, critical_scale])
@@ -176,7 +179,7 @@ def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
     expected = 2.94 / summary["pga"].values[by_factor]
     for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
         assert ticks(ax) == pytest.approx(expected)
-        assert small_print(ax).endswith("with its factor right of the tick the block stands there.")
+        assert small_print(ax).endswith("lies to its right does not overturn at the demand.")
     own = 2.94 / float(summary["pga"].sel(record=first))
     assert ticks(overturning_map(tree, record=first)) == pytest.approx([own, own])  # of two blocks
 
@@ -260,11 +263,11 @@ def test_a_map_of_probability_has_bars_up_to_ten_and_fifty_percent_and_beyond(li
     ):
         assert np.array(bars(ax, words)) == pytest.approx(np.array(expected))
     assert ax.get_yticklabels()[0].get_text() == "r0"  # the most likely on top
-    (dots,) = (line for line in ax.lines if line.get_label() == "factor of 10 %")
+    (dots,) = (line for line in ax.lines if line.get_label() == "scale factor at P = 10 %")
     assert dots.get_xdata() == pytest.approx([0.5, 2.0])
     assert "  none up to 10  " in [text.get_text() for text in ax.texts]
     assert not bars(ax, "overturns")
     ax = critical_scale(likely)
     (dots,) = (line for line in ax.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
     assert dots.get_xdata() == pytest.approx([0.5, 2.0])
-    assert "Nonlinear: factor of 10 % probability." in small_print(ax)
+    assert "Nonlinear: scale factor at P = 10 %." in small_print(ax)

@@ -47,7 +47,7 @@ def test_results_are_drawn_by_their_kind(assessed, fragility_tree, tmp_path):
         rp.plot(tmp_path / "none.h5")
 
 
-def test_what_has_no_picture_is_told(record):
+def test_what_has_no_picture_is_reported(record):
     with pytest.raises(TypeError, match=r"plot: expected a Record, HalfWaves, .* found list"):
         rp.plot([record])
     with pytest.raises(TypeError, match="there is nothing to choose of a Record, found kind, case"):

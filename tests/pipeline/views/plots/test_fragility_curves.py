@@ -137,7 +137,7 @@ def test_pga_stands_beside_the_measure_that_is_shown(fragility_tree):
     assert right.get_legend() is None
     words = small_print(left)
     assert words.count("2 records of 1 earthquake") == 1
-    assert "In PGA: The body is never lifted by less" in words
+    assert "In PGA: Below the grey line the body is never lifted" in words
 
 
 @pytest.mark.parametrize(

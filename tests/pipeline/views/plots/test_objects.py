@@ -53,7 +53,7 @@ def test_of_many_histories_six_are_drawn():
     time, rotation = np.arange(5.0), np.arange(40.0).reshape(2, 4, 5)
     ax = response(of(np.ones((2, 4), dtype=int), np.full((2, 4), 0.3), time=time, rotation=rotation, velocity=rotation))
     assert [line.get_ydata().tolist() for line in ax.lines[1:]] == [row.tolist() for row in rotation.reshape(8, 5)[:6]]
-    assert "first 6 of 8 lanes" in small_print(ax)
+    assert "first 6 of 8 bodies" in small_print(ax)
     time = np.linspace(0.0, 300.0, 3001)
     rotation = np.where((time > 200.0) & (time < 210.0), 0.05 * np.sin(time), 0.0)
     ax = response(of(np.array(1), np.array(0.3), time=time, rotation=rotation, velocity=rotation))

@@ -66,10 +66,10 @@ def test_without_probabilities_it_is_the_verdict_of_the_model():
     assert dict(zip(names, values[:, 0].tolist(), strict=True)) == pytest.approx(
         {"r0": 1.0, "r1": 0.0, "r2": np.nan}, nan_ok=True
     )
-    assert in_legend(ax) == ["overturns", "stands", "not known"]
+    assert in_legend(ax) == ["overturns", "does not overturn", "not known"]
     assert not ax.texts
     assert len(ax.figure.axes) == 1
-    assert "No probability is known: whether the nonlinear model overturns" in small_print(ax)
+    assert "No probability is known: shown is whether the body overturns" in small_print(ax)
     with pytest.raises(ResultsError, match="is not known in these results"):
         probability_map(tree_of(summary_of([np.nan], outcomes=[Outcome.UNRESOLVED])))
 

@@ -66,7 +66,7 @@ def test_the_computed_history_reaches_the_stored_peak(assessed, first, changed):
     peak = assessed["summary"]["peak_rotation_ratio"].values.copy()
     peak[..., 3] = 0.9
     (found,) = histories(changed(peak_rotation_ratio=peak), first, COLUMN, ["linear"])
-    assert "stored is 0.9" in found.warning
+    assert "stored peak 0.9" in found.warning
 
 
 def test_impacts_are_ticks_in_a_row_of_each_model_and_the_legend_says_how_it_ends(drawn, assessed, first):
@@ -94,7 +94,7 @@ def test_stored_histories_are_those_computed_again(assessed, with_histories, fir
         assert np.array_equal(stored.rotation, computed.rotation)
 
 
-def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_told(changed, assessed, first):
+def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_reported(changed, assessed, first):
     outcome = assessed["summary"]["outcome"].values.copy()
     outcome[..., 3] = 3
     found = histories(changed(outcome=outcome), first, "wall", ["nonlinear", "linear"])
@@ -146,7 +146,7 @@ def test_a_factor_on_the_record_is_the_motion_of_the_stronger_record(assessed, f
     np.testing.assert_allclose(found.rotation, own.rotation / body.alpha_c, rtol=1e-9, atol=1e-12)
     assert found.peak == pytest.approx(float(own.peak_rotation_ratio))
     figure = draw(assessed, "rotation-history", record=first, block=COLUMN, model=["nonlinear"], factor=0.7)
-    assert "the record times 0.7" in " ".join(figure.get_suptitle().split())
+    assert "scale factor 0.7" in " ".join(figure.get_suptitle().split())
 
 
 @pytest.mark.parametrize(

@@ -126,7 +126,7 @@ def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, 
 
 
 @pytest.mark.sweep
-def test_other_settings_another_gravity_and_another_equation_are_told(results, bursts, bodies, fragility):
+def test_other_settings_another_gravity_and_another_equation_are_reported(results, bursts, bodies, fragility):
     fragility = rp.fragility(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).warnings == (
         "The motions were made with other settings: [conditioning] order = 4, here 2.",

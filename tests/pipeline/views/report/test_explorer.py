@@ -12,7 +12,7 @@ import rockpulse as rp
 from rockpulse.assessment.answers import Answers
 from rockpulse.models import Block, recorded_response
 from rockpulse.views.report import explorer as part
-from rockpulse.views.report.explorer import TimeColumns, explorer, packed, shown_records, steps_on
+from rockpulse.views.report.explorer import TimeColumns, explorer, factor_steps, packed, shown_records
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.words import section
 
@@ -106,10 +106,10 @@ def test_the_slider_has_the_record_as_it_is_and_the_factors_of_ten_and_fifty_per
 
 def test_factors_too_near_to_each_other_are_one_and_the_demand_is_its_own():
     answers = Answers(probable([0.5], factor_10=[1.01]))  # f_50 is 1.313
-    steps = steps_on(answers, 0, 0, CONTROLS)
-    assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "f_50", 2.0: ""}
+    steps = factor_steps(answers, 0, 0, CONTROLS)
+    assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "P = 50 %", 2.0: ""}
     answers = Answers(probable([0.0], factor_10=[np.inf], demand=2.5, at_demand=[0.07]))
-    steps = steps_on(answers, 0, 0, CONTROLS)
+    steps = factor_steps(answers, 0, 0, CONTROLS)
     assert steps[2.5] == "demand ULS"
     assert len(steps) == 5
 
@@ -125,11 +125,11 @@ def test_three_records_are_chosen_and_each_says_why():
 
 def test_a_curve_is_laid_through_what_is_stored_which_is_the_probability_where_it_is_known():
     factors, probability = np.array([0.5, 1.0, 2.0, 4.0]), np.array([0.0, 0.1, 0.5, 1.0])
-    moved, same = part.laid_through(factors, probability, {0.1: 1.1, 0.5: 2.0})
+    moved, same = part.through_stored_points(factors, probability, {0.1: 1.1, 0.5: 2.0})
     assert moved[[1, 2]] == pytest.approx([1.1, 2.0])
     assert np.array_equal(same, probability)
-    assert part.laid_through(factors, probability, {0.1: 1.1, 0.5: np.inf})[0] == pytest.approx(1.1 * factors)
-    assert part.laid_through(factors, probability, {0.1: np.nan})[0] is factors
+    assert part.through_stored_points(factors, probability, {0.1: 1.1, 0.5: np.inf})[0] == pytest.approx(1.1 * factors)
+    assert part.through_stored_points(factors, probability, {0.1: np.nan})[0] is factors
     curve = np.array([0.5, 2.0]), np.array([0.0, 0.8])
     assert part.probability_at(1.0, curve, [[1.002, 0.3]]) == 0.3
     assert part.probability_at(1.0, curve, []) == pytest.approx(0.4)

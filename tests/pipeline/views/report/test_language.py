@@ -28,7 +28,7 @@ WORDS = table("en")
 OTHERS = [language for language in LANGUAGES if language != "en"]
 
 #: Sections of other languages for what is declared in English below the views.
-BELOW = ("labels", "variables", "measures", "model_words", "parameters", "warnings")
+BELOW = ("labels", "variables", "measures", "model_words", "parameters", "names", "warnings")
 
 
 def fields(text):
@@ -82,8 +82,8 @@ def test_a_warning_is_told_by_its_code_and_values():
     assert warning_words(warning) == str(warning)
     with writing("it"):
         told = warning_words(warning)
-        assert "wall 2.5: appena sotto" in told
-        assert "25%" in told
+        assert "wall 2.5: appena al di sotto" in told
+        assert "25 %" in told
         assert "non resta alcun blocco" in told
         assert warning_words(WarningText("clipped", count=8, end="largest")).startswith("8 samples")  # a reader's
 
@@ -93,7 +93,7 @@ def test_an_italian_page():
     page = report_page(results_tree(), language="it")
     assert '<html lang="it">' in page
     front = page.split('id="annex"')[0]
-    for words in ("Giudizio", "Su che cosa si basa", "terremoti", "Non considerati: scorrimento"):
+    for words in ("Esito della verifica", "Basi della verifica", "terremoti", "Non considerati: scorrimento"):
         assert words in front
     for words in ("earthquake", "verdict<", "Not covered", "smallest", "overturns"):
         assert words not in front.split("<body>")[1]

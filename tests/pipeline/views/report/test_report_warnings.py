@@ -89,14 +89,14 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
     of = motions(3)
     found = [verdict(summary, of)]
     told = limits(warnings(answers(summary, of), found, FilesUsed(1)), found, of)
-    assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "0.78" in line]
+    assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "78 %" in line]
 
 
 def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing_count():
     said = heads(probable([0.0, 0.0]), "record")["the verdict rests on 2 earthquakes"]
     assert said.grade == "limits"
-    assert "2 earthquakes cannot tell a probability of 0.05" in said.text
-    assert "by up to 0.78 of the motions" in said.text  # 1 - 0.05^(1/2)
+    assert "2 earthquakes are too few to estimate a probability of 0.05" in said.text
+    assert "by up to 78 % of the motions" in said.text  # 1 - 0.05^(1/2)
     said = heads(probable([0.0] * 12), "record")["the verdict rests on 12 earthquakes"]
     assert "cannot tell" not in said.text
     rest = [Outcome.AT_REST, Outcome.ROCKS]

@@ -19,9 +19,10 @@ def test_numbers_are_flush_right_with_hanging_marks_and_words_flush_left():
         (Cell("b"), number_cell(24.6, ratio, (LEAST,)), Cell("overturns", 1.0, grade="bad")),
     )
     assert lines(made) == [
-        "wall               median [m/s]     verdict",
-        "a wa…name (peak?)          0.41!     stands",
-        "b                         >24.6   OVERTURNS",
+        "                   median",
+        "wall                [m/s]     verdict",
+        "a wa…name (peak?)    0.41!     stands",
+        "b                   >24.6   OVERTURNS",
     ]
 
 
@@ -33,7 +34,7 @@ def test_only_marks_that_occur_are_explained_and_each_once_behind_the_footnotes(
     made = table(*rows, footnotes=("Of the wall.",))
     assert made.notes == ("Of the wall.", FAR.note, ODD.note)
     assert table_text(made).splitlines()[0] == "Every wall"
-    assert table_text(made).splitlines()[4:6] == ["  Of the wall.", f"  {FAR.note}"]
+    assert table_text(made).splitlines()[5:7] == ["  Of the wall.", f"  {FAR.note}"]
 
 
 def test_an_absent_number_bears_no_mark_and_is_sorted_last():
@@ -46,6 +47,6 @@ def test_an_absent_number_bears_no_mark_and_is_sorted_last():
 
 
 def test_a_table_without_rows_shows_its_headings():
-    assert lines(table()) == ["wall  median [m/s]  verdict"]
+    assert lines(table()) == ["      median", "wall  [m/s]   verdict"]
     with pytest.raises(ValueError, match="table walls: row 1 has not 3 cells"):
         table((Cell("a"), Cell("b"), Cell("c")), (Cell("a"),))

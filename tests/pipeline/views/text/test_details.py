@@ -51,7 +51,7 @@ def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(
     ratio = np.full((*summary["safety_factor"].shape, 1), np.inf)
     ratio[0, 0, 2], ratio[0, 1, 2] = 0.84, np.nan
     summary = demanding(summary, {"collapse": 2.94}, capacity_ratio=((*cube, "demand"), ratio))
-    head = "Capacity (safety factor x strength, nonlinear model) over demand"
+    head = "Capacity (scale factor that overturns x strength, nonlinear model) over demand"
     of_record = record_details(summary, RECORDS[0]).partition(head)[2]
     assert "collapse (PGA 2.94 m/s2)" in of_record
     rows = [line.split() for line in of_record.splitlines()[2:5]]
@@ -75,7 +75,7 @@ def test_a_block_and_a_record_show_their_own_verdicts_only(summary):
     text = record_details(summary, RECORDS[0])
     assert text.count("boundary wall") == 2
     assert RECORDS[1] not in text
-    assert "smallest factor" in text
+    assert "smallest scale factor" in text
 
 
 def test_a_block_lists_its_restitutions_and_warnings():
@@ -114,7 +114,7 @@ def test_what_the_file_states_of_the_earthquake_has_lines_and_what_it_does_not_s
     before = dict(entries(record_details(summary, RECORDS[0])))
     summary = summary.assign(magnitude=("record", [7.1, np.nan, np.nan]), vs30=("record", [np.nan] * 3))
     shown = dict(entries(record_details(summary, RECORDS[0])))
-    assert shown["in words"] == "Ridgecrest 2019-07-06 M 7.1, station CCC, E-W"
+    assert shown["description"] == "Ridgecrest 2019-07-06 M 7.1, station CCC, E-W"
     assert shown["magnitude"] == "M 7.1"
     assert shown.keys() - before.keys() == {"magnitude"}
     assert "magnitude" not in dict(entries(record_details(summary, RECORDS[1])))

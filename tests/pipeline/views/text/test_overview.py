@@ -38,11 +38,11 @@ def test_drift_and_a_rotation_beyond_the_critical_angle_are_marked_and_explained
     text = verdict_table(summary)
     assert f"{RECORDS[0]}  PGA 0.567 g  PGV 0.71 m/s  I 0.62 m/s\n" in text
     assert f"{RECORDS[1]}  PGA 0.471 g  PGV ~0.43 m/s (drift)  I 0.35 m/s\n" in text
-    assert "  ~ (drift): the record's baseline drifts" in text
+    assert "  ~ (drift): the baseline of the record drifts" in text
     assert "drift" not in verdict_table(summary.sel(record=list(RECORDS[:1])))
     assert "Above 1" not in verdict_table(summary)
     summary["peak_rotation_ratio"][1, 1, 2] = 1.13
-    assert "Above 1: rocked beyond the critical angle and back" in verdict_table(summary)
+    assert "Above 1: the body rocked beyond the critical angle and came back" in verdict_table(summary)
     assert "Above 1" not in verdict_table(summary.sel(block=list(BLOCKS[:1])))
 
 
@@ -52,7 +52,7 @@ def test_what_a_model_cannot_say_is_marked_and_explained(summary):
     assert "slenderness below 3" in text
     summary["applicable"][:] = 1
     assert "*" not in verdict_table(summary)
-    assert "unresolved: the model cannot say (free flight)" in verdict_table(summary)
+    assert "unresolved: the model cannot answer (free flight)" in verdict_table(summary)
     summary["outcome"][0, 0, 2] = -1
     assert row(verdict_table(summary), "boundary wall", RECORDS[0])[-1] == "-"
 
@@ -112,8 +112,8 @@ def test_the_factor_of_the_fullest_model_stands_beside_the_verdicts(searched):
     assert row(text, "boundary wall", RECORDS[1])[-1] == "1.70"
     assert row(text, "boundary wall", RECORDS[2])[-1] == "none"
     words = " ".join(text.split())
-    assert "SF: smallest factor on the record" in words
-    assert "1 with SF below 1 that rocks: a weaker record overturns it." in words
+    assert "SF: smallest scale factor on the record" in words
+    assert "1 with SF below 1 rocks only: a smaller scale factor overturns the body." in words
     assert row(factor_table(Answers(searched)), "column", RECORDS[0])[-2:] == ["0.84", "(3)"]
 
 
@@ -130,7 +130,7 @@ def test_what_a_search_may_miss_is_said(searched, step, models, told):
     searched["search_step"] = xr.full_like(searched["safety_factor"], step)
     shown = searched if models is None else searched.assign_coords(model=("model", models))
     text = " ".join(verdict_table(shown).split())
-    words = " may lie below it: do not read it to two digits "
+    words = " may lie below it: two digits of it are not reliable "
     assert told.replace("|", words) in text if told else "Bands narrower" not in text
 
 
@@ -157,8 +157,13 @@ def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searc
     text = verdict_table(searched)
     assert row(text, "boundary wall", RECORDS[0])[-1] == "1.70!"
     assert row(text, "column", RECORDS[0])[-1] == "0.84!"
-    assert "!: from this factor on the model cannot answer, as in free flight (2 of 9)" in " ".join(text.split())
-    assert "1 with SF below 1 that rocks: a weaker record overturns it, or may (!)." in " ".join(text.split())
+    assert (
+        "!: a lower bound: from this scale factor on the model cannot answer (free flight, for one; 2 of 9)"
+        in " ".join(text.split())
+    )
+    assert "1 with SF below 1 rocks only: a smaller scale factor overturns the body, or may (!)." in " ".join(
+        text.split()
+    )
     assert row(factor_table(Answers(searched)), "column", RECORDS[0])[-2:] == ["0.84!", "(3)"]
     assert "!: a lower bound" in factor_table(Answers(searched))
     ends = {len(line.rstrip("!")) for line in text.splitlines() if line.startswith(("  column", "  boundary wall"))}
@@ -186,7 +191,9 @@ def test_capacities_are_compared_with_every_demand_and_shown_only_where_one_is(s
     tree = results_tree()
     assert "Capacity" not in overview(tree, whole=True)
     tree["summary"] = xr.DataTree(with_demands(searched))
-    assert "Capacity (safety factor x strength, nonlinear model) over demand" in overview(tree, whole=True)
+    assert "Capacity (scale factor that overturns x strength, nonlinear model) over demand" in overview(
+        tree, whole=True
+    )
 
 
 def test_a_capacity_that_rests_on_a_lower_bound_is_marked(searched):
@@ -197,7 +204,7 @@ def test_a_capacity_that_rests_on_a_lower_bound_is_marked(searched):
     assert row(text, "boundary wall")[1:] == ["0.60!,", "1.50!", "0.24!,", "0.60!"]  # of 0.6 or more, 1.5 and none
     assert row(text, "column")[1:] == ["0.60,", "1.50!", "0.24,", "0.60!"]
     assert "!: a lower bound" in " ".join(text.split())
-    assert "-: not known; left out where others are (3 of the records)" in " ".join(text.split())
+    assert "-: not known, left out of smallest and median (3 of the records)" in " ".join(text.split())
     summary["factor_resolved"][:] = 1
     assert "!" not in smallest_capacities(Answers(summary))
 
@@ -211,12 +218,15 @@ def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
     searched = up_to_ten(searched)
     text = verdict_table(searched)
     assert row(text, "boundary wall", RECORDS[2])[-1] == ">10"
-    assert ">10: none found up to there, where the search ends ([search] factor_max)" in " ".join(text.split())
+    assert (
+        ">10: no overturning up to this scale factor, the largest that was searched ([search] factor_max)"
+        in " ".join(text.split())
+    )
     assert "none" not in text.replace("none found", "")
     assert "none found" not in verdict_table(searched.sel(record=list(RECORDS[:2])))
     factors = factor_table(Answers(searched))
     assert row(factors, "column", RECORDS[2])[3:] == [">10", ">10", "1.70"]
-    assert ">: none found up to there" in factors
+    assert ">: no overturning up to this scale factor" in factors
     searched["safe_up_to"][2, 0, 2] = 12.37
     assert row(verdict_table(searched), "boundary wall", RECORDS[2])[-1] == ">12.3"  # never more than was searched
 
@@ -254,22 +264,22 @@ def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(su
 def test_what_overturns_is_named_and_counted_and_what_a_weaker_copy_does(summary):
     text = overturned(Answers(summary))
     assert f"boundary wall: {RECORDS[0]}\n" in text
-    assert "column: nothing does" in text
+    assert "column: none" in text
     counts = next(line for line in text.splitlines() if line.startswith("  boundary wall  "))
     assert counts.split()[2:] == ["2", "of", "3", "2", "of", "3", "1", "of", "3"]
     assert "weaker copy" not in overturned(Answers(summary))
     summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
     text = overturned(Answers(summary))
-    assert "column: nothing as recorded does, but see below" in text
+    assert "column: none as recorded, but see below" in text
     assert text.endswith(
-        f"What rocks, but a weaker copy of the record overturns it (SF in brackets):\n  column: {RECORDS[1]} (0.82)"
+        f"Records that overturn the body only if scaled down (SF in brackets):\n  column: {RECORDS[1]} (0.82)"
     )
 
 
 def test_the_record_that_governs_is_told_in_words_once(summary):
     known = summary.assign(magnitude=("record", [7.1, 7.1, np.nan]))
     text = governing(Answers(known))
-    assert text.splitlines()[0] == "What governs (the record that overturns, by the nonlinear model):"
+    assert text.splitlines()[0] == "Governing records (the one that overturns, nonlinear model):"
     assert text.count("Ridgecrest 2019-07-06 M 7.1, station CCC") == 1
     assert f"  {RECORDS[0]}: Ridgecrest 2019-07-06 M 7.1, station CCC, E-W (for boundary wall, cabinet)" in text
     tree = results_tree()

@@ -27,7 +27,7 @@ def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
     text = overview(tree, whole=True)
     head, tables = text.split("\n\n", 1)
     pair = tables.splitlines()[0]
-    assert ": 1 pair, 9 directions, 2 blocks; " in head
+    assert ": 1 pair, 9 directions, 2 bodies; models:" in head
     assert pair.startswith("CI.CCC..90-0@20190706T031953  PGA ")
     assert "(at 40°)" in pair
     assert tables.partition("Verdict on")[0].count("  wall") == 1
@@ -61,7 +61,7 @@ def test_a_table_of_a_sweep_marks_a_doubtful_peak_and_says_how_far_was_searched(
     assert f"{directions['pair'].values[0]} (peak?)  PGA" in text
     assert "(peak?): a peak above 5 g" in text
     assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5:7] == [">10", "-"]
-    assert ">10: none found up to there" in " ".join(text.split())
+    assert ">10: no overturning up to this scale factor" in " ".join(text.split())
     one, other = directions["record_index"].values[0, :2]
     for first, second, shown in ((0.0, 10.0, ">0"), (10.0, 0.0, ">0"), (10.0, np.nan, "none"), (np.nan, 10.0, "none")):
         summary["safe_up_to"][one], summary["safe_up_to"][other] = first, second
@@ -80,7 +80,7 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
     text = overview(tree, whole=True)
     rows = [line.split() for line in text.splitlines() if line.startswith("  wall")]
     assert rows[0][5:7] == [f"{factor:.2f}", f"{azimuth:g}°"]
-    assert "SF: smallest factor on the record, over direction, at which the block overturns" in text
+    assert "SF: smallest scale factor on the record, over direction, at which the block overturns" in text
     assert "of the pairs, each in its worst direction" in " ".join(text.split())
     capacity = f"{summary['capacity_ratio'].min().item():.2f}"
     assert rows[1][1:3] == ["no", "verdict"]  # of one earthquake
@@ -102,7 +102,7 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
 
 def capacity_part(text):
     """The table of capacities over demand in an overview, as far as the blank line behind its note."""
-    return text[text.index("Capacity (safety factor x strength") :].split("\n\n")[:3]
+    return text[text.index("Capacity (scale factor that overturns x strength") :].split("\n\n")[:3]
 
 
 @pytest.mark.sweep
@@ -151,7 +151,7 @@ def test_a_sweep_shows_the_smallest_factor_of_ten_percent_with_its_azimuth(tree)
     text = direction_table(summary, directions)
     row = next(line.split() for line in text.splitlines() if line.startswith("  wall"))
     assert row[5:7] == ["0.85", f"{directions['direction_azimuth'].values[4]:g}°"]
-    assert "factor of 10 %: smallest factor on the record, over direction, at which P is 10 %" in " ".join(text.split())
+    assert "Scale factor at P = 10 %: smallest multiplier on the record, over direction" in " ".join(text.split())
     swept = xr.DataTree.from_dict({"/summary": summary, "/directions": directions})
     (wall, _) = verdicts(answers_of(swept))
     assert wall.share.value == 0.19  # of the worst direction

@@ -36,7 +36,7 @@ class WorkerLost:
 
 
 @dataclass(eq=False)
-class Crew:
+class WorkerPool:
     """Workers that live as long as a ``with`` block; made by one of the class methods."""
 
     executor: Executor | None  # None for this process
@@ -151,7 +151,7 @@ def version() -> str:
 
 
 class _Cluster(Executor):
-    """Executor of the workers of a running dask.distributed cluster; errors as in :meth:`Crew.scheduler`."""
+    """Executor of the workers of a running dask.distributed cluster; errors as in :meth:`WorkerPool.scheduler`."""
 
     def __init__(self, address: str, timeout: float) -> None:
         try:

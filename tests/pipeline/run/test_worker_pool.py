@@ -1,4 +1,4 @@
-"""The crew: every item answered once, whoever works and whoever dies; nobody left behind."""
+"""The pool: every item answered once, whoever works and whoever dies; nobody left behind."""
 
 import os
 import pickle
@@ -9,12 +9,12 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import crew_functions as toys
+import pool_functions as toys
 import pytest
 
 from rockpulse.run import processes
-from rockpulse.run.crew import Crew, WorkerLost
 from rockpulse.run.processes import ALGEBRA, WorkerProcesses
+from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 
 #: How long a busy machine may take for what it does at once when it is idle [s].
 PATIENCE = 300.0
@@ -23,8 +23,8 @@ PATIENCE = 300.0
 @pytest.fixture(scope="module")
 def pair():
     """Two worker processes for several tests: what one test kills is there again for the next."""
-    with Crew.local(2) as crew:
-        yield crew
+    with WorkerPool.local(2) as pool:
+        yield pool
 
 
 def alive(process):
@@ -55,11 +55,11 @@ def wait_for(condition, seconds):
 
 @pytest.mark.sweep
 def test_every_item_is_answered_once_whoever_works(pair):
-    with Crew.inline() as alone:
-        for crew, workers in ((alone, 1), (pair, 2)):
-            assert crew.size == workers
-            assert sorted(crew.run(toys.square, range(23))) == [(number, number**2) for number in range(23)]
-            assert list(crew.run(toys.square, [])) == []
+    with WorkerPool.inline() as alone:
+        for pool, workers in ((alone, 1), (pair, 2)):
+            assert pool.size == workers
+            assert sorted(pool.run(toys.square, range(23))) == [(number, number**2) for number in range(23)]
+            assert list(pool.run(toys.square, [])) == []
 
 
 def test_results_come_in_order_of_completion(pair, tmp_path):
@@ -119,7 +119,7 @@ def test_a_worker_that_is_killed_from_outside_while_idle_changes_nothing(pair):
 def test_what_the_function_raises_is_raised_with_the_traceback_of_the_worker(pair):
     with pytest.raises(KeyError, match="three") as caught:
         list(pair.run(toys.refuse, range(8)))
-    assert "crew_functions.py" in caught.value.__notes__[0]
+    assert "pool_functions.py" in caught.value.__notes__[0]
     assert "in refuse" in caught.value.__notes__[0]
     assert dict(pair.run(toys.square, [5])) == {5: 25}
 
@@ -138,8 +138,8 @@ def test_exceptions_and_results_that_do_not_pickle_are_told_all_the_same(pair):
 
 def test_workers_run_kernels_on_one_thread_and_this_process_on_all(pair):
     assert list(pair.run(toys.kernel_threads, [0])) == [(0, 1)]
-    with Crew.inline() as crew:
-        assert list(crew.run(toys.kernel_threads, [0])) == [(0, 6)]
+    with WorkerPool.inline() as pool:
+        assert list(pool.run(toys.kernel_threads, [0])) == [(0, 6)]
 
 
 def test_a_worker_is_light_until_it_has_work(pair):
@@ -162,8 +162,8 @@ def test_leaving_by_an_error_ends_busy_workers_at_once(tmp_path):
         raise KeyboardInterrupt
 
     interrupted = []
-    with pytest.raises(KeyboardInterrupt), Crew.local(2) as crew:
-        list(crew.run(toys.report_and_doze, interrupted_with_two_at_work()))
+    with pytest.raises(KeyboardInterrupt), WorkerPool.local(2) as pool:
+        list(pool.run(toys.report_and_doze, interrupted_with_two_at_work()))
     assert time.monotonic() - interrupted[0] < 30.0  # of the minute that they would have slept
     assert not any(alive(process) for process in numbers_of(tmp_path, 2))
 
@@ -172,14 +172,14 @@ SCRIPT = """
 import signal
 import sys
 from pathlib import Path
-from crew_functions import report_and_doze
-from rockpulse.run.crew import Crew
+from pool_functions import report_and_doze
+from rockpulse.run.worker_pool import WorkerPool
 
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a shell have it ignored
     Path(sys.argv[2]).touch()
-    with Crew.local(2) as crew:
-        list(crew.run(report_and_doze, [sys.argv[1]] * 6))
+    with WorkerPool.local(2) as pool:
+        list(pool.run(report_and_doze, [sys.argv[1]] * 6))
 """
 
 
@@ -235,8 +235,8 @@ def test_an_interrupt_from_the_keyboard_ends_all_and_only_the_parent_says_so(bat
 def test_a_worker_that_is_killed_while_it_starts_is_started_again(monkeypatch, tmp_path):
     monkeypatch.setenv("CREW_TEST_FILE", str(tmp_path / "seen"))
     monkeypatch.setattr(processes, "serve", toys.serve_at_the_second_start)
-    with Crew.local(1) as crew:
-        assert list(crew.run(toys.square, [3])) == [(3, 9)]
+    with WorkerPool.local(1) as pool:
+        assert list(pool.run(toys.square, [3])) == [(3, 9)]
     assert (tmp_path / "seen").exists()
 
 
@@ -250,23 +250,23 @@ def test_a_worker_that_is_killed_while_it_starts_is_started_again(monkeypatch, t
 def test_a_worker_that_cannot_start_is_an_error_that_says_what_to_do(monkeypatch, start, message):
     monkeypatch.setattr(processes, "serve", start)
     monkeypatch.setattr(processes, "STARTS", 2)
-    with pytest.raises(ChildProcessError, match=message), Crew.local(1) as crew:
-        list(crew.run(toys.square, [3]))
+    with pytest.raises(ChildProcessError, match=message), WorkerPool.local(1) as pool:
+        list(pool.run(toys.square, [3]))
 
 
 def test_any_executor_will_do_and_stays_open():
-    with ThreadPoolExecutor(2) as pool:
-        with Crew.through(pool) as crew:
-            assert crew.size >= 1
-            assert sorted(crew.run(toys.square, range(5))) == [(number, number**2) for number in range(5)]
+    with ThreadPoolExecutor(2) as executor:
+        with WorkerPool.through(executor) as pool:
+            assert pool.size >= 1
+            assert sorted(pool.run(toys.square, range(5))) == [(number, number**2) for number in range(5)]
             with pytest.raises(KeyError, match="three"):
-                list(crew.run(toys.refuse, range(5)))
-        assert pool.submit(toys.square, 4).result() == 16
+                list(pool.run(toys.refuse, range(5)))
+        assert executor.submit(toys.square, 4).result() == 16
 
 
-def test_a_crew_has_at_least_one_worker():
+def test_a_pool_has_at_least_one_worker():
     with pytest.raises(ValueError, match="workers"):
-        Crew.local(0)
+        WorkerPool.local(0)
 
 
 @pytest.mark.sweep

@@ -1,4 +1,4 @@
-"""What the workers of the crew tests do; here, so that a worker process can import it."""
+"""Functions for the workers of the pool tests, in a module that a worker process can import."""
 
 import multiprocessing.connection
 import os

@@ -1,0 +1,281 @@
+"""Defects of a channel, judged on its samples as they came: gaps, spikes, drift, noise, cut and coarse records.
+
+The bounds were chosen on real records, see docs/decisions/021-defects.md.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.warning_text import WarningText, code_of, find, has_warning
+
+#: Codes of the warnings on defects.
+DEFECTS = (
+    "dead_channel",
+    "noise_only",
+    "held_value",
+    "filled_gap",
+    "repeated_samples",
+    "repeated_block",
+    "spike",
+    "starts_strong",
+    "ends_strong",
+    "coarse_sampling",
+    "velocity_drift",
+    "twin_differs",
+    "components_apart",
+    "same_samples",
+    "same_direction",
+)
+#: Shorter records are judged by nothing but that they are dead [samples].
+FEWEST = 100
+#: A straight line is reported from this length on [s] and this many samples; digitised film has shorter ones.
+LINE_LENGTH, LINE_SAMPLES = 0.12, 8
+#: On both sides of it the second differences are this many times those of a line.
+LINE_CONTRAST = 20.0
+#: Share of equal neighbours in the strong part that is reported, where a step is this many times the resolution.
+REPEATED_SHARE, STEP_CONTRAST = 0.3, 10.0
+#: A block of samples that comes twice is reported from this length on [samples].
+BLOCK_SAMPLES = 32
+#: Half the width of the median that a spike is compared with, and of the surroundings [samples].
+SPIKE_HALF, SPIKE_AROUND = 3, 50
+#: A spike is this many times the largest deviation from the median near it, from a share of the peak on; or the spikes
+#: are this many times all other deviations, from a larger share on.
+SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
+SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
+#: Length of the two ends of a record [s], and their root mean square over the peak from which one is in strong motion;
+#: over that of the quietest such stretch, or a weak motion in noise would begin and end in strong motion.
+END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
+#: Noise: the strongest second is below this many times the median one; white (energy of the differences over that of
+#: the samples), or weak [m/s2]; over this many windows at least. Steps of the resolution that a dead channel spans.
+NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
+WHITE, WEAK, NOISE_WINDOWS, DEAD_STEPS = 0.8, 0.02, 10, 8.0
+#: Longest interval that is not coarse [s]; it decides where the energy of the differences is this share of that of the
+#: samples, so that the frequencies go on beyond those that are in the record.
+COARSE, UNDERSAMPLED = 0.0999, 1.0
+#: Window of the mean that parts the slow velocity from the rest [s], at most this share of the record.
+SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
+#: The slow velocity is reported from this many times the largest of the rest on; from the second on it decides.
+DRIFT, DECIDING_DRIFT = 1.2, 2.5
+
+
+def checked(record: Record) -> Record:
+    """The record with a warning for each defect of its samples; as it is where that was done before."""
+    if record.stage != "read":
+        return record
+    known = {code_of(warning) for warning in record.warnings}
+    found = tuple(one for one in defects(record) if one.code not in known)
+    return replace(record, warnings=(*record.warnings, *found), stage="checked")
+
+
+def deciding(record: Record) -> list[WarningText]:
+    """The defects of a conditioned record that make its verdict: it does not count before they are confirmed."""
+    found = [one for one in record.warnings if isinstance(one, WarningText) and one.values.get("decides")]
+    if find(record.warnings, "dead_channel"):
+        found += [WarningText("dead_channel")]
+    # What a filter or a baseline has taken out makes no velocity any more.
+    left = find(record.warnings, "baseline_drift") is not None
+    return [one for one in found if one.code != "velocity_drift" or left]
+
+
+def drifts(record: Record) -> bool:
+    """Whether the ground velocity of a record drifts, or did so before its baseline was subtracted."""
+    return any(has_warning(code_of(one), "baseline_drift", "velocity_drift") for one in record.warnings)
+
+
+def defects(record: Record) -> list[WarningText]:
+    """The defects of the samples of a record as read, in the order of `DEFECTS`."""
+    samples, dt = record.acceleration, record.dt
+    steps = np.diff(np.unique(samples))
+    steps = steps[steps > 1e-9 * np.ptp(samples)]
+    if not steps.size:
+        return [WarningText("dead_channel")]
+    if samples.size < FEWEST:
+        return []
+    resolution = float(steps.min())
+    centred = samples - np.median(samples)
+    if dead := _noise(samples, dt, resolution):
+        return [dead]
+    energy = np.cumsum(centred**2)
+    strong = np.searchsorted(energy, (0.05 * energy[-1], 0.95 * energy[-1]))
+    found = [
+        *_lines(record, centred, resolution, strong),
+        *_repeated(samples, dt, resolution, strong),
+        *_spikes(centred, dt),
+        *_ends(samples, centred, dt),
+    ]
+    if dt > COARSE:
+        decides = bool(np.sum(np.diff(samples) ** 2) > UNDERSAMPLED * np.sum((samples - np.mean(samples)) ** 2))
+        found.append(WarningText("coarse_sampling", rate=1.0 / dt, nyquist=0.5 / dt, decides=decides))
+    slow, rest = min(
+        (slow_velocity(samples - constant, dt) for constant in (0.0, np.mean(samples), np.median(samples))),
+        key=lambda one: one[0] / one[1],
+    )
+    if slow > DRIFT * rest:
+        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(slow > DECIDING_DRIFT * rest)))
+    return found
+
+
+def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
+    """Largest slow velocity, the mean over a window of 10 s or a quarter of the record, and largest rest [m/s]."""
+    velocity = np.concatenate(([0.0], np.cumsum(0.5 * dt * (acceleration[1:] + acceleration[:-1]))))
+    size = velocity.size
+    width = min(max(int(min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 2), size)
+    total = np.concatenate(([0.0], np.cumsum(velocity)))
+    # Near an end the window stays whole: part of a cycle would have a mean of its own.
+    low = np.clip(np.arange(size) - width // 2, 0, size - width)
+    slow = (total[low + width] - total[low]) / width
+    return float(np.max(np.abs(slow))), float(max(np.max(np.abs(velocity - slow)), np.finfo(float).tiny))
+
+
+def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | None:
+    """The warning on a channel that spans a few steps of its resolution only, or never rises above its noise."""
+    span = float(np.ptp(samples))
+    if span <= DEAD_STEPS * resolution:
+        return WarningText("noise_only", reason=f"the samples span {span / resolution:.0f} steps only", decides=True)
+    length = max(round(1.0 / dt), 20)
+    count = samples.size // length
+    if count < NOISE_WINDOWS:
+        return None
+    levels = samples[: count * length].reshape(count, length).std(axis=1)
+    median = float(np.median(levels))
+    contrast = float(np.max(levels)) / median if median > 0.0 else np.inf
+    white = np.sum(np.diff(samples) ** 2) > WHITE * np.sum((samples - np.mean(samples)) ** 2)
+    weak = 0.5 * span < WEAK
+    if (white and contrast < NOISE_CONTRAST["white"]) or (weak and contrast < NOISE_CONTRAST["weak"]):
+        reason = f"the strongest second has {contrast:.2g} times the level of the median one"
+        return WarningText("noise_only", reason=reason, decides=True)
+    return None
+
+
+def _runs(mask: np.ndarray) -> np.ndarray:
+    """(k, 2) first index of each run of True, and the index behind it."""
+    return np.flatnonzero(np.diff(np.concatenate(([0], mask.view(np.int8), [0])))).reshape(-1, 2)
+
+
+def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
+    """Warnings on the longest constant stretch and the longest straight line amid samples that curve."""
+    bend = np.abs(np.diff(centred, 2))
+    straight = max(2.1 * resolution, 1e-6 * float(np.max(np.abs(centred))))
+    clipped = find(record.warnings, "clipped") is not None
+    found: dict[str, list[WarningText]] = {"held_value": [], "filled_gap": []}
+    for begin, end in _runs(bend <= straight).tolist():
+        length = (end - begin + 1) * record.dt
+        if end - begin + 2 < LINE_SAMPLES or length < LINE_LENGTH:
+            continue
+        around = max(end - begin, 20)
+        sides = [bend[max(begin - around, 0) : begin], bend[end : end + around]]
+        held = not np.any(np.diff(centred[begin : end + 2]))
+        level = float(np.abs(centred[begin]))
+        peak = float(np.max(np.abs(centred)))
+        if min(side.size for side in sides) < LINE_SAMPLES // 2:
+            # At an end of the record: zeros before the motion are sound, a recorder that hangs is not.
+            sides = [side for side in sides if side.size >= LINE_SAMPLES // 2]
+            if not sides or level < END_SHARE * peak:
+                continue
+        if min(float(np.median(side)) for side in sides) < LINE_CONTRAST * straight:
+            continue
+        if held and clipped and level > 0.5 * peak:
+            continue
+        code = "held_value" if held else "filled_gap"
+        decides = bool(end >= strong[0] and begin <= strong[1])
+        found[code].append(WarningText(code, length=length, start=begin * record.dt, decides=decides))
+    return [
+        max(every, key=lambda one: (one.values["decides"], one.values["length"])) for every in found.values() if every
+    ]
+
+
+def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:
+    """Warnings on samples that repeat the one before throughout the strong part, and on a block that comes twice."""
+    change = np.abs(np.diff(samples[strong[0] : strong[1] + 1]))
+    moved = change[change > 0.0]
+    if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:
+        return []
+    share = 1.0 - moved.size / change.size
+    # One long hold is a gap, reported as such: runs count by their number, each as its median length.
+    runs = _runs(change == 0.0)
+    longest = int(np.max(runs[:, 1] - runs[:, 0], initial=0))
+    share = share if len(runs) > 2 * longest else 0.0
+    if share > REPEATED_SHARE:
+        return [WarningText("repeated_samples", share=100.0 * share, decides=True)]
+    return _block(samples, dt, resolution)
+
+
+def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningText]:
+    """The warning on a block of samples that comes twice, not more often as in a periodic signal."""
+    width = 8
+    bits = samples.view(np.uint64)
+    if samples.size < 4 * BLOCK_SAMPLES:
+        return []
+    code = np.zeros(samples.size - width + 1, dtype=np.uint64)
+    for place in range(width):
+        code = code * np.uint64(0x9E3779B97F4A7C15) + bits[place : place + code.size]
+    order = np.argsort(code, kind="stable")
+    twin = code[order[1:]] == code[order[:-1]]
+    first, lag = order[:-1][twin], np.diff(order)[twin]
+    if first.size < BLOCK_SAMPLES - width + 1:
+        return []
+    lags, counts = np.unique(lag, return_counts=True)
+    for shift in lags[counts >= BLOCK_SAMPLES - width + 1].tolist():
+        same = np.zeros(samples.size, dtype=bool)
+        same[first[lag == shift]] = True
+        for begin, end in _runs(same).tolist():
+            length = end - begin + width - 1
+            block = samples[begin : begin + length]
+            third = samples[begin + 2 * shift : begin + 2 * shift + length]
+            before = samples[max(begin - shift, 0) : max(begin - shift, 0) + length]
+            rich = length >= BLOCK_SAMPLES and np.median(np.abs(np.diff(block))) > STEP_CONTRAST * resolution
+            if rich and not np.array_equal(block, third) and not (begin >= shift and np.array_equal(block, before)):
+                values = {"start": begin * dt, "length": length * dt, "again": (begin + shift) * dt}
+                return [WarningText("repeated_block", **values, decides=True)]
+    return []
+
+
+def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
+    """The warning on samples far beyond those beside them."""
+    windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
+    beyond = np.zeros(centred.size)
+    beyond[SPIKE_HALF:-SPIKE_HALF] = np.abs(
+        centred[SPIKE_HALF:-SPIKE_HALF] - np.partition(windows, SPIKE_HALF, axis=1)[:, SPIKE_HALF]
+    )
+    peak, largest = float(np.max(np.abs(centred))), int(np.argmax(np.abs(centred)))
+    left, places, heights = beyond.copy(), [], []
+    for _ in range(SPIKE_COUNT + 1):
+        place = int(np.argmax(left))
+        places.append(place)
+        heights.append(float(left[place]))
+        left[max(place - SPIKE_HALF - 1, 0) : place + SPIKE_HALF + 2] = 0.0
+    spikes: list[int] = []
+    for count in range(SPIKE_COUNT, 0, -1):
+        if heights[count - 1] > max(SPIKE_FAR * heights[count], SPIKE_FAR_SHARE * peak):
+            spikes = places[:count]
+            break
+    blocks = beyond[: beyond.size // SPIKE_AROUND * SPIKE_AROUND].reshape(-1, SPIKE_AROUND)
+    tops = np.argmax(blocks, axis=1) + SPIKE_AROUND * np.arange(len(blocks))
+    for place in tops[beyond[tops] > SPIKE_NEAR_SHARE * peak].tolist():
+        near = beyond[max(place - SPIKE_AROUND, 0) : place + SPIKE_AROUND + 1].copy()
+        own = place - max(place - SPIKE_AROUND, 0)
+        near[max(own - SPIKE_HALF - 1, 0) : own + SPIKE_HALF + 2] = 0.0
+        if place not in spikes and beyond[place] > SPIKE_NEAR * float(np.max(near)):
+            spikes.append(place)
+    if not spikes:
+        return []
+    decides = any(abs(place - largest) <= SPIKE_HALF for place in spikes)
+    strongest = max(spikes, key=lambda place: beyond[place])
+    height = float(np.abs(centred[strongest])) / STANDARD_GRAVITY
+    return [WarningText("spike", count=len(spikes), peak=height, time=strongest * dt, decides=decides)]
+
+
+def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
+    """Warnings on a record that begins or ends in strong motion; a first or last sample of zero is a rest."""
+    peak, length = float(np.max(np.abs(centred))), min(max(round(END_LENGTH / dt), 3), centred.size)
+    whole = centred[: centred.size // length * length].reshape(-1, length)
+    quietest = float(np.sqrt(np.min(np.mean(whole**2, axis=1))))
+    ends = (("starts_strong", centred[:length], samples[0]), ("ends_strong", centred[-length:], samples[-1]))
+    found = []
+    for code, end, edge in ends:
+        level = float(np.sqrt(np.mean(end**2)))
+        if level > max(END_SHARE * peak, END_CONTRAST * quietest) and abs(edge) > 1e-6 * peak:
+            found.append(WarningText(code, share=100.0 * level / peak))
+    return found

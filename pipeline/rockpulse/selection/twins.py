@@ -1,0 +1,233 @@
+"""Comparison of records of one motion, and of components of one instrument, before one of them counts."""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Literal
+
+import numpy as np
+
+from rockpulse.errors import Failure
+from rockpulse.record.components import concurrent, find_pairs, offset, sensor_level
+from rockpulse.record.defects import checked, deciding
+from rockpulse.record.record import Record, id_matches, outline_of
+from rockpulse.warning_text import WarningText
+
+#: Two volumes of one motion differ by less in their peaks, and have at least this correlation.
+LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
+#: Peaks of the two horizontal components of one instrument differ by less.
+COMPONENTS_RATIO = 10.0
+#: The two components of a pair face lines that are further apart [degrees].
+LEAST_TURN = 45.0
+#: Band in which records are compared [Hz], below this share of the lower sampling rate.
+BAND, BAND_SHARE = (0.5, 10.0), 0.4
+#: A clock is off by no more than this [s]; the correlation, and the agreement of the times of the energy, that tell so.
+CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
+#: Width of the classes of azimuths in which candidates are looked for [degrees].
+SAME_LINE = 5.0
+#: Causes of a ratio of two peaks, within 1.5 %.
+CAUSES = {
+    10.0: "one of them may be in mm/s2 and read as cm/s2, or in g/10 and read as g",
+    9.80665: "one of them may be in g and read as m/s2",
+    98.0665: "one of them may be in g/10 and read as cm/s2",
+    100.0: "one of them may be in cm/s2 and read as m/s2",
+    980.665: "one of them may be in g and read as cm/s2",
+    1000.0: "one of them may be in mm/s2 and read as m/s2",
+}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Comparison:
+    """Another record that a channel of a planned motion is compared with."""
+
+    kind: Literal["volume", "clock", "component"]  # of one motion; perhaps of one, its clock off; of one instrument
+    channel: int  # place among the channels of the planned motion
+    other: Record  # as read
+    beside: tuple[Record, ...] = ()  # the other channels of its volume, as read
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """The other record and those beside it."""
+        return self.other, *self.beside
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """Two records of one motion after a common filter and alignment."""
+
+    ratio: float  # peak of the other over that of the first
+    correlation: float  # signed, in the time that both have
+
+
+def likeness(record: Record, other: Record) -> Likeness:
+    """The likeness of two records in :data:`BAND`, aligned by the largest absolute cross-correlation."""
+    dt = max(record.dt, other.dt)
+    first, second = (
+        np.interp(np.arange(0.0, one.duration + 0.5 * dt, dt), one.time, one.acceleration - np.mean(one.acceleration))
+        for one in (record, other)
+    )
+    size = 1 << (first.size + second.size - 1).bit_length()
+    frequency = np.fft.rfftfreq(size, dt)
+    low, high = BAND[0], min(BAND[1], BAND_SHARE / dt)
+    window = (frequency**4 / (frequency**4 + low**4)) / (1.0 + (frequency / high) ** 8)
+    spectra = [np.fft.rfft(one, size) * window for one in (first, second)]
+    one, two = (np.fft.irfft(spectrum, size)[: n.size] for spectrum, n in zip(spectra, (first, second), strict=True))
+    cross = np.fft.irfft(np.conj(spectra[0]) * spectra[1], size)
+    shift = int(np.argmax(np.abs(cross)))
+    shift -= size if shift >= second.size else 0
+    # A short stretch that happens to fit is no likeness: the energy counts at least half.
+    least = [0.5 * float(each @ each) for each in (one, two)]
+    begin, end = max(0, -shift), min(one.size, two.size - shift)
+    one, two = one[begin:end], two[begin + shift : end + shift]
+    norm = math.sqrt(max(float(one @ one), least[0]) * max(float(two @ two), least[1]))
+    peaks = float(np.max(np.abs(one), initial=0.0)), float(np.max(np.abs(two), initial=0.0))
+    if norm == 0.0 or peaks[0] == 0.0:
+        return Likeness(math.inf, 0.0)
+    return Likeness(peaks[1] / peaks[0], float(one @ two) / norm)
+
+
+def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
+    """The channels of a planned motion, as read, with a warning for each comparison that leaves one in doubt."""
+    found = list(channels)
+    for one in comparisons:
+        channel = channels[one.channel]
+        told = _components(channel, one.other) if one.kind == "component" else _volumes(channel, one)
+        if told is not None:
+            found[one.channel] = found[one.channel].with_warning(told)
+    return found
+
+
+def clock_twin(
+    channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str], stage: str
+) -> list[Failure]:
+    """Rows where a record turns out to be another one by a clock that is off, and is left out for it.
+
+    A confirmed record goes before one that is not, then a processed one before a raw one.
+    """
+
+    def place(record: Record) -> tuple[bool, int, str]:
+        return not id_matches(record.id, confirm), [True, None, False].index(record.processed), record.id
+
+    for one in comparisons:
+        channel = channels[one.channel]
+        if one.kind != "clock" or place(channel) < place(one.other):
+            continue
+        like = likeness(channel, one.other)
+        if abs(like.correlation) >= CLOCK_CORRELATION:
+            off = abs(offset(channel, one.other))
+            reason = (
+                f"the same motion as {one.other.id} of {one.other.source} (correlation {like.correlation:.3f}), "
+                f"which is taken in its place, by a clock that is {off:.6g} s off"
+            )
+            return [Failure(each.source, stage, f"{each.id}: {reason}", "duplicate") for each in channels]
+    return []
+
+
+def _volumes(channel: Record, against: Comparison) -> WarningText | None:
+    like = likeness(channel, against.other)
+    if against.kind == "clock" and abs(like.correlation) < CLOCK_CORRELATION:
+        return None
+    expected = (
+        1.0 if channel.orientation == "vertical" else math.cos(math.radians(channel.azimuth - against.other.azimuth))
+    )
+    said: list[str] = []
+    if abs(like.correlation) < LEAST_CORRELATION:
+        told = f"the correlation is {like.correlation:.2f}"
+        for other in against.beside:
+            crosswise = likeness(channel, other)
+            if abs(crosswise.correlation) >= LEAST_CORRELATION:
+                told += (
+                    f", and {crosswise.correlation:.2f} with {other.id}: the labels of the components may be swapped"
+                )
+                break
+        said.append(told)
+    elif like.correlation * expected < 0.0:
+        said.append("the sign is opposite: one of them may be positive the other way")
+    if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
+        said.append(": ".join(filter(None, (f"it is {_ratio(like.ratio)}", _cause(like.ratio)))))
+    if not said:
+        return None
+    told = "; ".join(said)
+    return WarningText(
+        "twin_differs",
+        other=against.other.id,
+        source=PurePath(against.other.source).name,
+        differences=told,
+        decides=True,
+    )
+
+
+def _ratio(ratio: float) -> str:
+    return f"{ratio:.3g} times stronger" if ratio > 1.0 else f"{1.0 / ratio:.3g} times weaker"
+
+
+def _cause(ratio: float) -> str:
+    size = max(ratio, 1.0 / ratio)
+    return next((told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
+
+
+def _components(channel: Record, other: Record) -> WarningText | None:
+    """The warning on a component whose peak is far from that of the other one; None where a defect explains that."""
+    mine, others = (outline_of(one) for one in (channel, other))
+    if not mine or not others or any(deciding(checked(one)) for one in (channel, other)):
+        return None
+    ratio = mine[1] / others[1]
+    cause = _cause(ratio) or "a unit or gain may be wrong"
+    return WarningText("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
+
+
+def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
+    """Comparisons of channels with the other one of their pair, where their peaks as read are far apart."""
+    for place, channel in enumerate(channels):
+        other = partner.get(id(channel))
+        if other is None or _between(channel, other) < LEAST_TURN:
+            continue
+        mine, others = outline_of(channel), outline_of(other)
+        if mine and others and not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2:
+            yield Comparison("component", place, other)
+
+
+def _between(one: Record, other: Record) -> float:
+    """Angle between the lines of two channels [degrees], 90 where one is not known."""
+    between = one.azimuth - other.azimuth
+    return abs(math.remainder(between, 180.0)) if math.isfinite(between) else 90.0
+
+
+def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
+    """The other channel of the pair of each horizontal channel that has one, by the identity of the channel."""
+    return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
+
+
+def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
+    """By identity of a record another one that may be the same by a clock that is off: alike in the times of energy."""
+    groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
+    for record in records:
+        if not record.station or record.start_time is None or not (outline := outline_of(record)):
+            continue
+        if record.orientation != "vertical" and not math.isfinite(record.azimuth):
+            continue
+        line = -1 if record.orientation == "vertical" else round(record.azimuth % 180.0 / SAME_LINE) % 36
+        spans = np.diff(outline[2:])
+        floor = record.component if record.orientation == "structural" else ""
+        key = record.network, record.station, record.location, sensor_level(record), line, floor
+        groups[key].append((float(spans.sum()), record, spans))
+    found: dict[int, Record] = {}
+    for group in groups.values():
+        group.sort(key=lambda one: (one[0], one[1].id))
+        totals = np.array([total for total, _, _ in group])
+        spans = np.array([each for _, _, each in group])
+        starts = np.array([one.start_time.timestamp() for _, one, _ in group if one.start_time is not None])
+        lasts = np.searchsorted(totals, totals * (1.0 + CLOCK_SHARE) + 0.1, side="right").tolist()
+        for place, (total, record, own) in enumerate(group):
+            near = slice(place + 1, lasts[place])
+            alike = np.all(np.abs(spans[near] - own) <= CLOCK_SHARE * total + 2.0 * record.dt, axis=1)
+            alike &= np.abs(starts[near] - starts[place]) <= CLOCK_S
+            for step in np.flatnonzero(alike).tolist():
+                other = group[place + 1 + step][1]
+                if other.source != record.source and not concurrent(record, other):
+                    found.setdefault(id(record), other)
+                    found.setdefault(id(other), record)
+                    break
+    return found
