@@ -57,7 +57,7 @@ def example_names(tmp_path_factory: pytest.TempPathFactory) -> Examples:
         rp.Record(
             (0.30 + 0.05 * number) * envelope * np.sin(2.0 * np.pi * frequency * time),
             dt=0.01,
-            id=f"burst.{number}",
+            id=f"burst.{number}" if number < 4 else "CI.CCC",
             event=f"Quake {number}, 6/12/{1980 + number}",
             processed=True,
             orientation="horizontal",

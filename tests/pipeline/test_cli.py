@@ -102,13 +102,15 @@ def test_the_examples_of_a_help_run(verb, example_names, tmp_path, monkeypatch, 
         shutil.copytree(example_names.folder, folder, symlinks=True)
         monkeypatch.chdir(folder)
         words = shlex.split(example.partition(" >")[0])[1:]  # `completion` is redirected to a file
+        for path in Path("records").glob("burst.[1-9].*") if verb.name == "fragility" else ():
+            path.unlink()  # two records are enough for a study that takes seconds a record
         written = Path(words[words.index("-o") + 1] if "-o" in words else "report.html")
         if "--overwrite" not in words:
             written.unlink(missing_ok=True)
         capsys.readouterr()
         assert main(words) == 0, (example, capsys.readouterr().err)
         assert capsys.readouterr().out
-        assert "-o" not in words or written.exists(), example
+        assert "-o" not in words or list(Path().glob(f"{written.stem}*{written.suffix}")), example
 
 
 @pytest.mark.sweep
