@@ -73,10 +73,10 @@ def twice(samples, dt, strength):
 
 
 def spike(samples, dt, strength):
-    """One sample of so many times the peak in the strong motion."""
+    """So many times the peak added to one sample of the strong motion."""
     place = at(samples, 0.3)
     changed = samples.copy()
-    changed[place] = np.copysign(strength * np.max(np.abs(samples)), samples[place])
+    changed[place] += np.copysign(strength * np.max(np.abs(samples)), samples[place])
     return changed, dt
 
 
@@ -110,7 +110,7 @@ MADE = {
     "filled": ("filled_gap", filled, (0.05, 0.3, 1.0)),
     "repeated": ("repeated_samples", repeated, (0.1, 0.5, 0.75)),
     "twice": ("repeated_block", twice, (16, 64, 200)),
-    "spike": ("spike", spike, (0.5, 5.0, 10.0)),
+    "spike": ("spike", spike, (0.02, 3.0, 10.0)),
     "noise": ("noise_only", noise, (2.0, 0.05, 0.0)),
     "late": ("starts_strong", late, (1e-4, 0.3, 0.4)),
     "early": ("ends_strong", early, (0.9999, 0.65, 0.4)),

@@ -49,7 +49,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Parse the arguments (by default those of the process), run one verb, and return the exit code."""
+    """Parse the arguments (by default ``sys.argv``), run one verb, and return the exit code."""
     try:
         return _run(argv)
     except KeyboardInterrupt as error:
@@ -105,7 +105,7 @@ def _ended(why: str, code: int) -> int:
 
 
 def _output_closed() -> bool:
-    """Whether standard output, not a pipe of the run itself, has been closed; unwritten output is dropped."""
+    """Return whether standard output (not a pipe of the run itself) has been closed; unwritten output is dropped."""
     try:
         print(flush=True)  # unwritten output may have been dropped before
     except BrokenPipeError:

@@ -1,8 +1,9 @@
 """Statistics over earthquakes: resampling, intervals and weighted quantiles.
 
 .. note:: Records of one earthquake are not independent: resamples draw whole earthquakes, and a jackknife leaves out
-   each in turn. Weights (n,) are not negative; `events` (n,) are indices from 0; `draws` (b, g) count each earthquake
-   in each resample; `estimates` (1 + K, ...) are from all data, then with each of K earthquakes left out.
+one earthquake at a time. Weights (n,) are not negative; `events` (n,) are the indices of the earthquakes, from 0;
+`draws` (b, g) give how often each resample contains each earthquake; `estimates` (1 + K, ...) are first the estimate
+from all data, then the estimates with each of K earthquakes left out.
 """
 
 import math
@@ -12,35 +13,35 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: Confidence of the interval of a probability over earthquakes [-], and smallest number of earthquakes for a statement
-#: on other earthquakes.
+#: Confidence level of the interval of a probability [-], and smallest number of earthquakes from which a statement on
+#: other earthquakes is made.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
-#: Rounding tolerance of sums of weights: a share of 0.84 may be computed as slightly less.
+#: Rounding tolerance of sums of weights: a share of 0.84 may be computed as a slightly smaller number.
 ROUNDING = 1e-9
-#: Largest share of the samples of a bootstrap-t that may have no value.
+#: Largest share of bootstrap-t samples that may be NaN.
 LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Mask (g, n) of the records of each of g earthquakes, in the order of their labels."""
+    """Return the mask (g, n) of the records of each of g earthquakes, in the order of the labels."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
 
 def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Weights (g, n) of n records in the mean of each of g earthquakes."""
+    """Return the weights (g, n) of n records in the mean of each of g earthquakes."""
     own = members(events)
     return np.asarray(own / own.sum(axis=1, keepdims=True))
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Counts (b, g) of g earthquakes in b resamples; a seed of several numbers gives an independent stream."""
+    """Draw b resamples and return how often each contains each of g earthquakes (b, g); `seed` may be a sequence."""
     return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
 def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
-    """Smallest finite value of (n,) with at least a share `level` of the weight at or below it; NaN if none."""
+    """Return the smallest finite value (of n) with at least a share `level` of the weight at or below it, or NaN."""
     known = np.isfinite(values) & (weights > 0.0)
     if not np.any(known):
         return math.nan
@@ -50,7 +51,7 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Clopper and Pearson's interval (1934) of a mean probability over `events` earthquakes.
+    """Return Clopper and Pearson's interval (1934) of a mean probability over `events` earthquakes.
 
     >>> [round(float(end), 3) for end in probability_interval(0.0, 10)], round(1.0 - 0.05 ** (1 / 10), 3)
     ([0.0, 0.259], 0.259)
@@ -68,12 +69,12 @@ def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.
 def share_interval(
     hits: np.ndarray, weights: np.ndarray, events: np.ndarray, confidence: float
 ) -> tuple[float, float, float]:
-    """A weighted share of hits (n,), from 0 to 1 each, with the ends of its interval; NaN for one earthquake.
+    """Return the weighted mean of hits (n,), each from 0 to 1, and its confidence limits; NaN for one earthquake.
 
-    Korn and Graubard's interval (1998, Survey Methodology 24, 193-201): Clopper and Pearson's for the effective number
-    of independent trials, s(1 - s)/var s with the variance of the ratio over earthquakes, times (z/t_(g-1))^2. For s =
-    0 or 1 this variance is zero, and every earthquake counts as one trial, so that few earthquakes give a wide
-    interval.
+    Korn and Graubard's interval (1998, Survey Methodology 24, 193-201) is Clopper and Pearson's interval for the
+    effective number of independent trials, s(1 - s)/var s times (z/t_(g-1))^2, with the variance of the share s over
+    earthquakes. For s = 0 or 1 this variance is zero, and the number of trials is that of earthquakes, so that few
+    earthquakes give a wide interval.
     """
     from scipy.stats import beta, norm, t
 
@@ -97,14 +98,14 @@ def share_interval(
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Ends of the interval of an estimate from its values (b,) in resamples; `sizes` (g,) are weights.
+    """Return the confidence limits of an estimate from its values (b,) in resamples; `sizes` (g,) are weights.
 
-    Estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g earthquakes gives a variance
-    that is too small by (g - 1)/g and ignores that it is an estimate (Hesterberg 2015, sections 3.2 and 4.4,
-    doi:10.1080/00031305.2015.1089789). For earthquakes with weights s_g and one value each, the mean of the resampled
-    variance of their mean is 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 times the true one, and f + 1 = 1/sum s^2 is their
-    effective number, at least 2. NaN without finite values, inf if the share of infinite resamples exceeds the upper
-    tail.
+    The limits are the estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g
+    earthquakes gives a variance that is too small by the factor (g - 1)/g and neglects the uncertainty of this variance
+    (Hesterberg 2015, sections 3.2 and 4.4, doi:10.1080/00031305.2015.1089789). For earthquakes with weights s_g and one
+    value each, the mean of the resampled variance of their mean is 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 times the true
+    one, and f + 1 = 1/sum s^2 is their effective number, at least 2. The limits are NaN without finite values, and
+    infinite if the share of infinite resamples exceeds the upper tail.
     """
     correction, student = _few_earthquakes(sizes, confidence)
     known = resampled[np.isfinite(resampled)]
@@ -116,7 +117,7 @@ def bootstrap_interval(
 
 
 def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float]:
-    """Factor on a bootstrap variance, and Student's t for its uncertainty; NaN for a single earthquake."""
+    """Return the correction factor of a bootstrap variance, and Student's t; NaN for a single earthquake."""
     from scipy.stats import t
 
     shares = sizes[sizes > 0.0] / np.sum(sizes)
@@ -128,7 +129,7 @@ def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float
 
 
 class Quantiles(NamedTuple):
-    """A quantile of k values over records, with its interval; NaN with a single earthquake."""
+    """Quantiles of k values over records, with confidence limits that are NaN for a single earthquake."""
 
     value: np.ndarray  # (k,)
     lower: np.ndarray  # (k,)
@@ -145,7 +146,7 @@ def record_quantiles(
     draws: np.ndarray,
     confidence: float,
 ) -> list[Quantiles]:
-    """Weighted quantiles of values (n, ...) over records, one per level; intervals of logarithms if `logarithmic`."""
+    """Return weighted quantiles of values (n, ...), one per level; limits are from logarithms if `logarithmic`."""
     flat = values.reshape(values.shape[0], -1)
     found = np.empty((len(levels), 3, flat.shape[1]))
     sizes = np.bincount(events, weights)
@@ -168,7 +169,7 @@ def record_quantiles(
 
 
 class Limits(NamedTuple):
-    """Limits of a quantity by the bootstrap-t, NaN if too many samples lack a value, and the share of these."""
+    """Confidence limits from the bootstrap-t (NaN if too many samples are NaN), and the share of NaN samples."""
 
     low: float
     high: float
@@ -176,7 +177,7 @@ class Limits(NamedTuple):
 
 
 def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """Limits exp(estimate - score error) from the scores (b,) = (sample - estimate)/(standard error of the sample)."""
+    """Return exp(estimate - score x error) for scores (b,) = (sample - estimate)/(standard error of the sample)."""
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):
@@ -186,23 +187,23 @@ def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confid
 
 
 def jackknife_error(estimates: np.ndarray) -> np.ndarray:
-    """Standard errors (...) of estimates (1 + K, ...)."""
+    """Return the jackknife standard errors (...) of estimates (1 + K, ...)."""
     events = estimates.shape[0] - 1
     return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
 
 
 def jackknife_half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
-    """Half the width (...) of confidence intervals of estimates (1 + K, ...): Student's t times the standard error."""
+    """Return half the width (...) of the intervals of estimates (1 + K, ...): Student's t times the standard error."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
 
 
 def lognormal_mean_half_width(values: np.ndarray, confidence: float) -> np.ndarray:
-    """Half width (m,) of the interval of ln of the mean of lognormal values (m, k) over k earthquakes.
+    """Return half the width (m,) of the interval of ln(mean) of lognormal values (m, k) over k earthquakes.
 
     With s^2 the variance of the logarithms, the variance of ln of the mean is s^2/k + s^4/(2 (k - 1)) (Cox, in Land
-    1972, Technometrics 14(1), 145-158); its root is multiplied by Student's t with k - 1 degrees of freedom.
+    1972, Technometrics 14(1), 145-158); its square root is multiplied by Student's t with k - 1 degrees of freedom.
     """
     from scipy.special import stdtrit
 
@@ -214,7 +215,7 @@ def lognormal_mean_half_width(values: np.ndarray, confidence: float) -> np.ndarr
 
 @dataclass(frozen=True, eq=False)
 class Lognormal:
-    """Weighted lognormal fit of p parameters."""
+    """Weighted lognormal fit of p parameters: medians, dispersions and confidence limits."""
 
     median: np.ndarray  # (p,) exp of the mean of the logarithms; NaN without a value
     dispersion: np.ndarray  # (p,) standard deviation of the logarithms; NaN with too few values
@@ -225,13 +226,12 @@ class Lognormal:
 def fit_lognormal(
     logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray, confidence: float
 ) -> Lognormal:
-    """Fit median and dispersion of lognormal parameters, given by logarithms (n, p) with NaN for missing values.
+    """Fit median and dispersion of lognormal parameters from their logarithms (n, p), NaN for missing values.
 
-    The dispersion is for records of different earthquakes, half the weighted mean of (x_i - x_j)^2 over pairs from
-    different ones: unlike the usual estimator it is unbiased for any split of the variance between and within
-    earthquakes. With a single earthquake it is the dispersion within it. The interval of the median is
-    :func:`bootstrap_interval` of the logarithm, that of the dispersion chi-square with degrees of freedom from the
-    resamples.
+    The squared dispersion is half the weighted mean of (x_i - x_j)^2 over pairs of records of different earthquakes:
+    unlike the usual estimator it is unbiased for any split of the variance between and within earthquakes. For a single
+    earthquake, the pairs are those within it. The interval of the median is the :func:`bootstrap_interval` of the
+    logarithm; the interval of the dispersion is chi-square with degrees of freedom from the resamples.
     """
     once = np.ones((1, draws.shape[1]), dtype=int)
     mean, spread = (values[0] for values in log_moments(logarithms, weights, events, once))
@@ -253,7 +253,7 @@ def fit_lognormal(
 def log_moments(
     logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes; NaN with too few values."""
+    """Return mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes; NaN for too few values."""
     known = np.isfinite(logarithms)
     values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
     sums = np.stack([share, share * values, share * values**2], axis=1)
@@ -278,11 +278,11 @@ def log_moments(
 def _dispersion_interval(
     dispersion: float, dispersions: np.ndarray, means: np.ndarray, sizes: np.ndarray, most: int, confidence: float
 ) -> tuple[float, float]:
-    """Chi-square interval of a dispersion, its degrees of freedom from the resamples.
+    """Return the chi-square interval of a dispersion, with degrees of freedom from the resamples.
 
     The variance of the mean gives the effective number of records, s^2/var m, times (z/t)^2, at least 1; the variance
-    of the dispersion gives 2 s^4/var s^2, which is less for heavy tails. The smaller is used, at most the number of
-    records minus one.
+    of s^2 gives 2 s^4/var s^2, which is smaller for heavy tails. The degrees of freedom are the smaller of the two, and
+    at most the number of records minus one.
     """
     from scipy.stats import chi2, norm
 

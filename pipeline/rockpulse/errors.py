@@ -1,4 +1,4 @@
-"""The errors of rockpulse, which can be pickled as each consists of its message, and the rows of failures."""
+"""The errors of rockpulse, which can be pickled, and the rows of the table of failures."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -13,12 +13,12 @@ class RockpulseError(ValueError):
     ...     rp.assess(record)
     ... except rp.RockpulseError as error:
     ...     print(error)
-    no block to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT
+    no body to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT
     """
 
 
 class RecordFormatError(RockpulseError):
-    """A file that violates the rules of its format, or that no reader recognises.
+    """Error: a file violates the rules of its format, or no reader recognises it.
 
     >>> rp.read("curve.csv")
     Traceback (most recent call last):
@@ -27,7 +27,7 @@ class RecordFormatError(RockpulseError):
 
 
 class RecordRefused(RockpulseError):
-    """A well-formed file without usable ground acceleration (velocity, spectra, counts without a gain).
+    """Error: a well-formed file contains no usable ground acceleration (velocity, spectra, counts without a gain).
 
     >>> rp.condition_pair(rp.Pair(record, record))
     Traceback (most recent call last):
@@ -36,7 +36,7 @@ class RecordRefused(RockpulseError):
 
 
 class TooWeak(RecordRefused):
-    """A record that moves too few bodies to be used; it is "skipped", as its file is not faulty.
+    """Error: a record moves too few bodies to be used; it is listed as "skipped", as its file is not faulty.
 
     >>> config = rp.Config(fragility=rp.FragilitySettings(pga_min=6.0))
     >>> rp.fragility(record, config, {"pier": (1.0, 4.0)})["failures"]["reason"].item()
@@ -45,7 +45,7 @@ class TooWeak(RecordRefused):
 
 
 class UnitError(RockpulseError):
-    """A unit that is missing, unknown, or contradicts the file.
+    """Error: a unit is missing or unknown, or contradicts the file.
 
     >>> rp.read("records/burst.2.AT2", units="ft")
     Traceback (most recent call last):
@@ -54,7 +54,7 @@ class UnitError(RockpulseError):
 
 
 class ConfigError(RockpulseError):
-    """A configuration file or command-line option that cannot be used.
+    """Error: a configuration file or a command-line option cannot be used.
 
     >>> rp.BlockSettings("pier", width=1.0, height=-3.0)
     Traceback (most recent call last):
@@ -63,7 +63,7 @@ class ConfigError(RockpulseError):
 
 
 class ResultsError(RockpulseError):
-    """A results file that cannot be written, or that this version cannot read.
+    """Error: a results file cannot be written, or cannot be read by this version.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class ResultsError(RockpulseError):
 
 
 class StoppedAtFailure(RockpulseError):
-    """A batch with ``strict`` has stopped at the first file or record that failed.
+    """Error: a batch with ``strict`` has stopped at the first file or record that failed.
 
     >>> rp.assess_files("velocity.csv", config, "none.h5", rp.BatchOptions(strict=True))
     Traceback (most recent call last):
@@ -91,12 +91,12 @@ class StoppedAtFailure(RockpulseError):
     """
 
 
-#: Reason for skipping a text, a table or a picture among the records.
+#: Reason for skipping a file among the records that is a text, a table or a picture.
 NO_RECORD = "no record"
 FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
 #: Pattern of a line number after the file name in a reason.
 _LINE = re.compile(r":\d+(?=: )")
-#: Pattern of the id of a record before a reason; an id contains a point and no blank.
+#: Pattern of the id of a record before a reason; an id contains a full stop and no blank.
 _ID = re.compile(r"\S+\.\S*(?=: )")
 #: Number of files named as examples for a reason that several files share.
 _EXAMPLES = 10
@@ -115,7 +115,7 @@ class Failure:
 
     @property
     def place(self) -> str:
-        """The file, with the line or the record if the reason begins with one."""
+        """Name of the file, with the line or the record if the reason begins with one."""
         if self.reason.startswith(f"{self.file}:"):
             line = _LINE.match(self.reason, len(self.file))
             return self.reason[: line.end()] if line else self.file
@@ -124,7 +124,7 @@ class Failure:
 
     @property
     def bare(self) -> str:
-        """The reason without file, line and record."""
+        """The reason without the names of the file and the record and without the line number."""
         return self.reason.removeprefix(f"{self.place}: ").replace(f": '{self.file}'", "")
 
 
@@ -137,7 +137,7 @@ def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
 
 
 def reasons_in_words(group: Sequence[Failure]) -> str:
-    """Format the reason of a group of rows: with the place of a single row, or the number of rows and two places."""
+    """Format the reason of a group of rows, with the place of a single row, or with their number and two places."""
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line number
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
@@ -147,13 +147,13 @@ def reasons_in_words(group: Sequence[Failure]) -> str:
 
 
 def some(names: Sequence[str], most: int) -> str:
-    """List the first names and the number of further names."""
+    """List the first names, and the number of the others."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return (", ".join(names[:most]) or "none") + more
 
 
 def unread(rows: Iterable[Failure]) -> bool:
-    """Whether a file could not be read, so that a name or pattern without a match may refer to it."""
+    """Return whether a file could not be read, so that a name or pattern without a match may refer to it."""
     return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
 
 

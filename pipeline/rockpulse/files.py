@@ -1,4 +1,4 @@
-"""Reading of files that the user names and of tables, and atomic writing of several files."""
+"""Reads files and tables that the user names, and writes several files atomically."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _KINDS = {stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket", stat.S_ISCHR: "a d
 
 
 def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = ConfigError) -> None:
-    """Raise `error` for a pipe, a socket or a device, which may never end; a missing file is accepted."""
+    """Raise `error` for a pipe, a socket or a device, which may be endless; a missing file is accepted."""
     if not os.path.exists(path):  # noqa: PTH110 - Path.exists raises for a name that is too long
         return
     mode = os.stat(path).st_mode  # noqa: PTH116 - as above
@@ -42,7 +42,7 @@ def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = Co
 
 
 def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
-    """Read a file in UTF-8; raise ConfigError, which names it `what`, for a pipe, a large file or another encoding."""
+    """Read a UTF-8 file; raise ConfigError, which calls it `what`, for a pipe, a large file or another encoding."""
     check_regular(path)
     with path.open("rb") as file:
         content = file.read(limit + 1)
@@ -88,7 +88,7 @@ def separator(text: str) -> str:
 
 
 def table_of(path: str, text: str) -> pd.DataFrame:
-    """Return the cells of a table as texts; empty lines and comments (#) are skipped, decimal commas become points."""
+    """Return the cells of a table as strings, without empty lines and comments (#); decimal commas become points."""
     import pandas as pd
 
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
@@ -134,7 +134,7 @@ def column_numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
 
 
 def _hidden(target: Path) -> Path:
-    """Return a new temporary name in the folder of a file."""
+    """Return an unused temporary path in the folder of a file."""
     return target.with_name(f".rockpulse.{os.getpid()}.{secrets.token_hex(4)}.part")
 
 
@@ -167,7 +167,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Context manager that puts the requested file name into errors of the operating system."""
+    """Replace the temporary name by the requested one in errors of the operating system; a context manager."""
     try:
         yield
     except OSError as fault:
@@ -175,7 +175,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 class FileSet:
-    """Files written under temporary names beside their targets, moved by `commit`, and otherwise removed at the end."""
+    """Files written under temporary names in the folders of their targets; removed at the end without a `commit`."""
 
     def __init__(self) -> None:
         self._parts = ExitStack()
@@ -196,12 +196,12 @@ class FileSet:
         return part
 
     def add(self, target: Path, content: bytes) -> None:
-        """Write the content of a file at its temporary path; an OSError carries the name of `target`."""
+        """Write the content of a file to its temporary path; an OSError contains the name of `target`."""
         with _named(target):
             self.part(target).write_bytes(content)
 
     def commit(self) -> None:
-        """Move every file to its target; if one fails, restore all previous files and raise the OSError."""
+        """Move every file to its target; if one cannot be moved, restore all previous files and raise the OSError."""
         with ExitStack() as copies, ExitStack() as undo:
             for target, part, place in self._moves:
                 with _named(target):

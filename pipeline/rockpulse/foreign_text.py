@@ -1,13 +1,13 @@
-"""Escaping of text from files, headers and other libraries for a terminal, a log, a table or a page."""
+"""Escapes text from files, headers and other libraries for a terminal, a log, a table or a page."""
 
 import re
 
-#: Control characters (C0 except tab and line feed, C1), unusual line breaks, marks of writing direction, and single
-#: surrogates, which no encoding supports.
+#: Control characters (C0 except tab and line feed, C1), unusual line breaks, marks of writing direction, and unpaired
+#: surrogates, which cannot be encoded.
 _UNSAFE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]")
-#: Patterns of the start of a formula in a spreadsheet, and of numbers, which are allowed.
+#: Pattern of the start of a formula in a spreadsheet, and pattern of numbers, which are no formulas.
 _FORMULA, _NUMBER = re.compile(r"[=+\-@\t]."), re.compile(r"[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?")
-#: Largest number of characters of a foreign message that is shown.
+#: Largest number of characters shown of a message of another library.
 _LONGEST = 300
 
 
@@ -23,5 +23,5 @@ def first_line(error: object) -> str:
 
 
 def not_a_formula(text: str) -> str:
-    """Put an apostrophe before a text that a spreadsheet would take for a formula; numbers are unchanged."""
+    """Put an apostrophe before a text that a spreadsheet would read as a formula; numbers are unchanged."""
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text

@@ -99,7 +99,7 @@ def _search_recorded(block: rocking.Block, scene: Scene, *, equation: Equation) 
     )
 
 
-#: Models in the order of results and of rank: the verdict uses the last one that results contain.
+#: Models in the order of results, from the simplest: the verdict uses the last one that the results contain.
 _ROWS = (
     Model(
         name="resonance",
@@ -197,17 +197,17 @@ _ROWS = (
     ),
 )
 
-#: Every model by name, and the names.
+#: All models by name, and their names.
 MODELS = {row.name: row for row in _ROWS}
 NAMES = tuple(MODELS)
-#: Models used by default, and models used for "all".
+#: Models used by default, and models used for the word "all".
 DEFAULT_MODELS = tuple(row.name for row in _ROWS if row.default)
 ALL_MODELS = tuple(row.name for row in _ROWS if not row.fitted)
-#: Working point of the rule that paired models use with `[sequence] method = "rule"`.
+#: Variant of the rule that paired models use with `[sequence] method = "rule"`.
 RULE_POINT = "conservative"
 #: Models whose input is a sequence; the others need the accelerogram or its half-waves.
 SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.takes == "sequence")
-#: The most complete models first: those with a history, those that accept a factor on the record, and those that are
+#: Models from the most complete to the simplest: models with a history, models that accept a scale factor, and
 #: equations of motion under the accelerogram.
 DRAWN = tuple(row.name for row in reversed(_ROWS) if row.follows or row.cycles)
 FOLLOWING = tuple(row.name for row in reversed(_ROWS) if row.follows)
@@ -215,12 +215,12 @@ EQUATIONS = tuple(row.name for row in reversed(_ROWS) if row.equation)
 
 
 def is_upper_bound(name: str) -> bool:
-    """Whether overturning by a model only means that a body may be unsafe, as its input is an upper bound."""
+    """Return whether the input of a model is an upper bound, for which overturning means that a body may be unsafe."""
     return name in MODELS and MODELS[name].upper_bound != ""
 
 
 def is_full(name: str) -> bool:
-    """Whether a model is the full equation of motion."""
+    """Return whether a model is the full equation of motion."""
     return name in MODELS and MODELS[name].full
 
 
@@ -246,7 +246,7 @@ class ModelSettings(Section):
 
 @dataclass(frozen=True)
 class SearchSettings(Section):
-    """The models whose overturning factors are computed, and the grid of factors of the search.
+    """The models for which scale factors of overturning are computed, and the grid of the search.
 
     >>> rp.SearchSettings(models=["linear"], intervals=True).asks_for("linear")
     True
@@ -260,5 +260,5 @@ class SearchSettings(Section):
     step: float = number(Scene.step, low=1.0001)
 
     def asks_for(self, model: str) -> bool:
-        """Whether the factors of a model are requested; `intervals` decides for models that need hundreds of runs."""
+        """Return whether the scale factors of a model are requested; `intervals` governs models that need many runs."""
         return model in self.models and (self.intervals or not MODELS[model].searched)

@@ -1,4 +1,4 @@
-"""Keys of a section of the configuration: dataclass fields that check their values with uniform messages."""
+"""The keys of a section of the configuration: dataclass fields that check their values, with uniform messages."""
 
 import dataclasses
 import difflib
@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError
 
 @dataclass(frozen=True)
 class KeyType:
-    """The values that a key accepts."""
+    """The type of a key: the values that it accepts."""
 
     expected: str  # description of the values in a message
     accepts: Callable[[Any], bool]
@@ -22,13 +22,13 @@ class KeyType:
     finite: bool = False  # whether the value is a number, so that the error can name inf or nan
 
 
-#: Largest number of a configuration; the smallest besides 0 is one over it.
+#: Largest number in a configuration; the smallest positive number is its reciprocal.
 LARGEST = 1e15
 
 
 @dataclass(frozen=True)
 class Section:
-    """Base of the sections: checks the value of every field, and can be unpacked as keyword arguments.
+    """Base class of the sections: it checks the value of every field, and can be unpacked as keyword arguments.
 
     >>> dict(**rp.HalfWaveSettings(threshold=0.05))
     {'threshold': 0.05, 'min_duration_s': 0.0, 'merge': True}
@@ -64,7 +64,7 @@ class Section:
 
 
 def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
-    """Return ``; did you mean "x"?`` if a known word is close to the wrong one in any case, then `told`.
+    """Return ``; did you mean "x"?`` if a known word is similar to the wrong one, ignoring case, followed by `told`.
 
     >>> hint("wdth", ["width"], "known are width"), hint("x", ["width"], "known are width")
     ('; did you mean "width"? Known are width', '; known are width')
@@ -77,7 +77,7 @@ def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
 
 
 def is_number(value: Any) -> bool:
-    """True for an int or a finite float; False for a bool."""
+    """Return True for an int or a finite float; False for a bool."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
     # TOML allows integers of any length; a float only up to 2**1024.
@@ -85,7 +85,7 @@ def is_number(value: Any) -> bool:
 
 
 def _of_no_size(value: Any) -> str:
-    """The advice on a number that is too large or too small for any formula; empty for others."""
+    """Return advice on a number that is too large or too small for any formula; empty for other numbers."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     if isinstance(value, float) and not math.isfinite(value):
@@ -157,7 +157,7 @@ def count(default: int, low: int, high: int | None = None) -> Any:
 
 
 def entries(cls: type[Section]) -> Any:
-    """Declare a key that contains any number of sections; in TOML each has the heading of its class."""
+    """Declare a key that contains any number of sections; in TOML each begins with the heading of its class."""
 
     def accepts(value: Any) -> bool:
         return isinstance(value, (list, tuple)) and all(isinstance(item, cls) for item in value)
@@ -167,7 +167,7 @@ def entries(cls: type[Section]) -> Any:
 
 
 def key(default: Any, values: KeyType) -> Any:
-    """Make a dataclass field with its check; with the default ``dataclasses.MISSING`` it must be given."""
+    """Make a dataclass field that checks its value; with the default ``dataclasses.MISSING`` the key is required."""
     return dataclasses.field(default=default, metadata={"values": values})
 
 

@@ -1,4 +1,4 @@
-"""Public functions that draw results on given or new Axes and return the Axes; loaded on first use."""
+"""Public functions that draw results on given or new Axes and return the Axes; they are loaded on first use."""
 
 from rockpulse.views import plots
 

@@ -1,3 +1,3 @@
-"""The version of rockpulse, used by the build and the command line and stored in every file."""
+"""The version of rockpulse, which the build and the command line use and every results file contains."""
 
 __version__ = "0.2.0"

@@ -1,18 +1,18 @@
-"""Warnings on records and results: a code and values, and the English text made from them."""
+"""Warnings on records and results: each has a code and values, from which the English text is made."""
 
 import json
 import re
 from collections.abc import Iterable
 from typing import Any
 
-#: Text on intervals from few earthquakes.
+#: Template of a warning on intervals from few earthquakes.
 _WIDE = (
     "the intervals are wide because little is known (those of two or three events may come out narrow by chance), and "
     "even so they take the parameters for lognormal; correlations of so few mean little; take records of more "
     "earthquakes"
 )
 
-#: Text of each code of a warning on a record, or of a processing step.
+#: Template for each code of a warning on a record or of a processing step.
 WARNINGS = {
     # a channel as it was read
     "dead_channel": "all samples are equal: a dead channel",
@@ -79,7 +79,7 @@ WARNINGS = {
     "of_channel": "{channel}: {warning}",
 }
 
-#: Text of each code of a warning on results.
+#: Template for each code of a warning on results.
 STATEMENTS = {
     "plain": "{text}",
     # parts of a warning
@@ -200,23 +200,23 @@ def find(warnings: Iterable[str], code: str) -> WarningText | None:
 
 
 def has_warning(codes: str, *wanted: str) -> bool:
-    """Whether one of some codes is among the stored ones, also as warning on a source channel."""
+    """Return whether one of the `wanted` codes is among the stored ones, including warnings on a source channel."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 
 def with_codes(warnings: Iterable[str]) -> tuple[str, str]:
-    """Return warnings as stored: texts, one per line, and the codes of the lines, separated by blanks."""
+    """Return two strings for storage: the warnings, one per line, and the codes of the lines, separated by blanks."""
     lines = [(line, code_of(one)) for one in warnings for line in one.splitlines() if line]
     return "\n".join(line for line, _ in lines), " ".join(code for _, code in lines)
 
 
 def counted(count: int, noun: str) -> WarningText:
-    """Return a number with its noun, "record" or "event", as part of a warning."""
+    """Return a number with its noun, such as "2 records", for a warning."""
     return WarningText(noun if count == 1 else f"{noun}s", count=int(count))
 
 
 def as_stored(warnings: Iterable[str]) -> str:
-    """Return warnings as JSON of codes and values; other texts get the code `PLAIN`."""
+    """Return warnings as JSON of codes and values; text without a code gets the code `PLAIN`."""
     coded = (one if isinstance(one, WarningText) else WarningText(PLAIN, text=one) for one in warnings)
     return json.dumps([_packed(one) for one in coded], ensure_ascii=False)
 
@@ -231,7 +231,7 @@ def _packed(value: Any) -> Any:
 
 
 def restored(stored: str) -> list[WarningText]:
-    """Read the warnings of :func:`as_stored`; an empty text gives none."""
+    """Read the warnings written by :func:`as_stored`; an empty string contains none."""
     return json.loads(stored, object_hook=_unpacked) if stored else []
 
 

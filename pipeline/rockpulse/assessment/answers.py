@@ -201,7 +201,7 @@ class Answers:
     @property
     def bound(self) -> np.ndarray:
         """Mask (records, bodies) of factors that are lower bounds, as the model gives no result there."""
-        return np.asarray(~self.probable & (self["factor_resolved"] == 0))
+        return np.asarray((self["factor_resolved"] == 0) & (not self.probable))
 
     @property
     def counts(self) -> list[int]:

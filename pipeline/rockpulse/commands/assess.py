@@ -1,4 +1,4 @@
-"""``rockpulse assess``: assess blocks under records or a design sequence; write results and print verdicts."""
+"""``rockpulse assess``: assess bodies under records or a design sequence; write results and print verdicts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rockpulse check``: check bodies by design codes, and compare with time histories."""
+"""``rockpulse check``: check bodies according to design codes, and compare the checks with time histories."""
 
 import argparse
 from pathlib import Path

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 
-#: Help text on installing the script.
+#: Help text on the installation of the script.
 HOW = {
     "bash": "rockpulse completion bash > ~/.local/share/bash-completion/completions/rockpulse",
     "zsh": "rockpulse completion zsh > ~/.zfunc/_rockpulse     (~/.zfunc in fpath, before compinit)",
@@ -14,7 +14,7 @@ HOW = {
     "powershell": "rockpulse completion powershell >> $PROFILE",
 }
 
-#: Placeholders of file names in the help.
+#: Placeholders that stand for file names in the help.
 FILES = frozenset(
     "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )

@@ -7,7 +7,7 @@ from rockpulse.commands.parser import Verb
 from rockpulse.commands.shared_options import QUIET, READING, reading_options
 from rockpulse.commands.terminal import progress_bars, tell
 
-#: Kinds of skipped records that are not failures.
+#: Largest number of skipped records that are listed.
 LISTED = 3
 
 

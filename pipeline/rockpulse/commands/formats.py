@@ -5,9 +5,9 @@ import argparse
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 
-#: Width of the list in columns of the terminal.
+#: Width of the list [characters].
 WIDTH = 100
-#: Indent of further lines of a format.
+#: Indentation of the second and further lines of a format.
 _INDENT = "    "
 
 

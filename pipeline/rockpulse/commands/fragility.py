@@ -1,4 +1,4 @@
-"""``rockpulse fragility``: compute fragility curves of blocks under records, with their bands."""
+"""``rockpulse fragility``: compute fragility curves of bodies under records, with their confidence bands."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError
 from rockpulse.files import write_files
 
-#: First and last column of the comments of the template.
+#: First and last column of the comments in the template.
 BEGIN, END = 28, 122
 
 
@@ -42,7 +42,7 @@ def _meaning(measure: Any) -> str:
 
 
 def _filled(line: str, told: dict[str, str]) -> str:
-    """Fill in the names between braces in a line of the template, and wrap its comment."""
+    """Replace the names in braces in a line of the template, and wrap its comment."""
     filled = re.sub(r"\{(\w+)\}", lambda name: told[name[1]], line)
     if filled == line or "\n" in filled or not filled.startswith("# ", BEGIN):
         return filled

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
-#: Files of other verbs by their characteristic group: description of the file, and module that prints it.
+#: Files of other verbs, found by their characteristic group: description of the file, and module that prints it.
 SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
 #: Options that request a list of cases.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
-#: Options that set order or number of cases in another way, or request another list.
+#: Options that cannot be combined with the list of the worst cases.
 BESIDE_WORST = ("sort", "limit", "records", "blocks")
 #: Default number of cases in a list.
 CASES = 20
@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """Return the requested parts in the order of the help, by default the overview."""
+    """Return the requested parts in the order of the help; the overview if none is requested."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
@@ -64,7 +64,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
-    """Show single records and blocks, or a list of cases if a pattern matches several."""
+    """Show the selected record or body, or a list of cases if a pattern matches several."""
     from rockpulse.storage.export.row_selection import positions_matching
     from rockpulse.views.text.overview import block_details, record_details
 

@@ -1,4 +1,4 @@
-"""Verbs of the command line as data, and a parser that takes only full option names and suggests known words."""
+"""Verbs of the command line as data, and a parser that accepts only full option names and suggests known words."""
 
 import argparse
 import sys
@@ -11,14 +11,14 @@ from typing import Any, NoReturn, TypeAlias
 from rockpulse.foreign_text import escaped
 from rockpulse.option import hint
 
-#: Arguments of a verb: flags and value, such as "-o --output FILE", with the help or keywords of ``add_argument``.
-#: Without a flag an argument is positional, without a value a switch; "NAME ..." may be repeated and gives a list;
-#: "FILE !" is required.
+#: Arguments of a verb: flags and value, such as "-o --output FILE", with their help or the keywords of
+#: ``add_argument``. An argument without a flag is positional, and one without a value is a switch; "NAME ..." may be
+#: repeated and gives a list; "FILE !" is required.
 Options: TypeAlias = Mapping[str, str | tuple[str, Mapping[str, Any]]]
 
 
 class Either(dict[str, "str | tuple[str, Mapping[str, Any]]"]):
-    """Options that exclude each other."""
+    """Mutually exclusive options."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Verb:
 
 
 def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
-    """Return the flags or the name, and the keywords for ``add_argument``, of an option given as text."""
+    """Return the flags or the name of an option given as text, and the keywords for ``add_argument``."""
     parts = words.split()
     flags = [part for part in parts if part.startswith("-")]
     metavar = next((part for part in parts if not part.startswith("-") and part not in ("...", "!")), None)
@@ -65,7 +65,7 @@ def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser that takes no abbreviations, suggests known words, and keeps the lines of an epilog."""
+    """An ArgumentParser that accepts no abbreviations, suggests known words, and keeps the line breaks of an epilog."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **options)
@@ -75,7 +75,7 @@ class Parser(argparse.ArgumentParser):
 
     # argparse declares its return type by overloads.
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
-        """Parse as ArgumentParser does; report an unknown word by this parser, which knows the options of its verb."""
+        """Parse as ArgumentParser does, but report unknown words here, as this parser knows the options of its verb."""
         self._given = list(sys.argv[1:] if args is None else args)
         for word in self._given:
             meant = self._option_string_actions.get(f"-{word}")

@@ -1,4 +1,4 @@
-"""``rockpulse report``: write the report of a results file as a page of HTML or a PDF."""
+"""``rockpulse report``: write the report of a results file as an HTML page or a PDF."""
 
 import argparse
 

@@ -1,4 +1,4 @@
-"""``rockpulse risk``: compute annual frequencies from a hazard and a fragility file, or results and an inventory."""
+"""``rockpulse risk``: compute annual frequencies from a hazard and fragility curves, or results and an inventory."""
 
 import argparse
 import sys

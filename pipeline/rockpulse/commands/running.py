@@ -1,4 +1,4 @@
-"""Execution of a verb that processes many records: log file, message of a stopped run, and final output."""
+"""Runs a verb that processes many records, with its log file, the message of a stopped run, and the final output."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
 
 
 def batch_options(args: argparse.Namespace) -> BatchOptions:
-    """Return the options of the batch."""
+    """Return the options of the batch given on the command line."""
     from rockpulse.run.options import BatchOptions
 
     return BatchOptions(
@@ -52,12 +52,12 @@ class _Escaping(logging.Formatter):
 
 
 class _LogFile(logging.FileHandler):
-    """A log file that stops after a write error, stored in `failed`, while the run continues."""
+    """A log file to which nothing is written after a write error, which `failed` contains, while the run continues."""
 
     failed = ""
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Store the reason why a line could not be written, and stop writing."""
+        """Store the reason why a line could not be written, and write no further lines."""
         fault = sys.exception()
         if not isinstance(fault, OSError):
             super().handleError(record)
@@ -70,7 +70,7 @@ class _LogFile(logging.FileHandler):
 
 @contextmanager
 def recorded(args: argparse.Namespace) -> Iterator[None]:
-    """Context manager that writes the requested log file and treats SIGTERM like Ctrl-C."""
+    """Return a context manager that writes the requested log file and treats SIGTERM like Ctrl-C."""
     with ExitStack() as meanwhile:
         if args.log_file is not None:
             meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))
@@ -120,7 +120,7 @@ def _check_log(log: Path, output: Path) -> None:
 
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
-    """Print why no record could be used, with --quiet in one line, and return the exit code."""
+    """Print why no record could be used (one line with --quiet), and return the exit code."""
     from rockpulse.views.shared.files_used import count_files
     from rockpulse.views.text.left_out import rows_not_used
 
@@ -134,7 +134,7 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
 
 
 def print_overview(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
-    """Print the overview, or with --quiet one line on failures, and return the exit code."""
+    """Print the overview (with --quiet one line on failures), and return the exit code."""
     from rockpulse.views.shared.files_used import files_used
 
     failed = files_used(tree).line

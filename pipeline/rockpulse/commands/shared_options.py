@@ -1,4 +1,4 @@
-"""Options that several verbs share, and the configuration or selection of results made from them."""
+"""The options of several verbs, and the configuration or selection of results that they define."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 #: What --quiet does.
 QUIET = "print only one line on what failed"
 
-#: Options for properties that a file may not state.
+#: Options for properties that a file may lack.
 READING: Options = {
     "--units UNIT": 'unit of files that do not state theirs: "g", "cm/s2", ...',
     "--dt SECONDS": ("sampling interval [s] of columns without times, such as 0.01", {"type": float}),
@@ -27,7 +27,7 @@ READING: Options = {
 
 
 def from_records(output: str) -> Options:
-    """Options of a verb that reads records and writes a file (RESULTS or SITE): paths, configuration, bodies."""
+    """Return the options of a verb that reads records and writes RESULTS or SITE: paths, configuration and bodies."""
     return {
         "PATHS": ("files, folders, zips or globs; they replace the paths of the configuration", {"nargs": "*"}),
         f"-o --output {output} !": "file to write (HDF5)",
@@ -83,7 +83,7 @@ def parse_count(words: str) -> int:
     return number
 
 
-#: Options that select a part of results, for a verb with its own ``--record`` and ``--block``.
+#: Options that select a part of the results, besides ``--record`` and ``--block``, which the verb defines itself.
 SELECTION: Options = {
     "--model NAME ...": "only this model (* and ? are wildcards); repeatable",
     "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
@@ -97,7 +97,7 @@ SELECTION: Options = {
 
 
 def read_selection(args: argparse.Namespace) -> RowSelection:
-    """Return the selection by the options SELECTION, ``record`` and ``block``; ResultsError if invalid."""
+    """Return the selection from the options SELECTION, ``record`` and ``block``; raise ResultsError if invalid."""
     from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
@@ -110,7 +110,7 @@ def read_selection(args: argparse.Namespace) -> RowSelection:
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """Return the section [records] with the options READING, which apply to all files and [[records.file]]."""
+    """Return the section [records] with the options READING, which apply to all files and to [[records.file]]."""
     from rockpulse.config.settings import RecordSettings
     from rockpulse.readers.kit.text import canonical_unit
 
@@ -126,7 +126,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
 
 def configured(args: argparse.Namespace) -> Config:
-    """Return the configuration with the blocks of the command line and absolute paths of its tables."""
+    """Return the configuration with the bodies of the command line and absolute paths of its tables."""
     from rockpulse.config.block_settings import parse_block_option
     from rockpulse.config.configuration import Config, load_config, located
     from rockpulse.config.settings import WEIGHTS
@@ -142,7 +142,7 @@ def configured(args: argparse.Namespace) -> Config:
 
 
 def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
-    """Return the configuration with absolute paths, to repeat the run in any folder, and the paths as typed."""
+    """Return the configuration with absolute paths, so that any folder can repeat the run, and the paths as typed."""
     from rockpulse.config.configuration import located
 
     config = configured(args)

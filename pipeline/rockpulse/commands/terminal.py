@@ -1,4 +1,4 @@
-"""Output on the terminal, which may be closed: texts, progress bars, and descriptions of file errors."""
+"""Writes messages, progress bars and descriptions of file errors to the terminal, which may be closed."""
 
 import argparse
 import errno
@@ -16,7 +16,7 @@ from rockpulse.foreign_text import escaped
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
-    """Print a text with control characters escaped; text for a closed pipe, as in ``| head``, is dropped."""
+    """Print a text with control characters escaped; drop it if the pipe is closed, as by ``| head``."""
     file = sys.stdout if file is None else file
     try:
         print(escaped(text), file=file, flush=True)
@@ -41,10 +41,10 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
 
 
 class _KernelLines(logging.Handler):
-    """Print the warnings of the kernel cache above a progress bar, and the start of a compilation on terminals only."""
+    """Prints warnings of the kernel cache above a progress bar, and the start of a compilation only on terminals."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print the line of a record."""
+        """Print the message of a log record."""
         from tqdm import tqdm
 
         if record.levelno >= logging.WARNING or sys.stderr.isatty():
@@ -54,7 +54,7 @@ class _KernelLines(logging.Handler):
 
 @contextmanager
 def kernel_messages(quiet: bool) -> Iterator[None]:
-    """Context manager that prints the messages of the kernel cache on standard error, unless `quiet`."""
+    """Return a context manager that prints messages of the kernel cache on standard error, unless `quiet`."""
     logger, handler = logging.getLogger("rockpulse.kernels"), _KernelLines()
     if not quiet:
         logger.addHandler(handler)
@@ -66,7 +66,7 @@ def kernel_messages(quiet: bool) -> Iterator[None]:
         logger.setLevel(logging.NOTSET)
 
 
-#: Command that makes a missing file, by the argument that names the file.
+#: For each argument that names a file: the command that makes the file if it is missing.
 MISSING = {
     "config": "rockpulse init-config -o {file} writes one to fill in",
     "sequence": "rockpulse calibrate writes one",
@@ -77,7 +77,7 @@ MISSING = {
     "second": "rockpulse assess writes one",
 }
 
-#: Advice on a fault of a file, by the numbers of the error.
+#: For each number of an operating-system error: advice on the fault of the file.
 ADVICE = {
     (errno.ENOSPC, errno.EDQUOT): "; make room there, or choose another folder",
     (errno.EACCES, errno.EPERM, errno.EROFS): "; check the permissions, or choose another folder",
@@ -85,18 +85,18 @@ ADVICE = {
     (errno.EAGAIN, errno.EBUSY, errno.ETXTBSY): "; another program holds the file: close it there, or wait",
 }
 
-#: Arguments that name results to read.
+#: Arguments that name a results file to read.
 RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
 #: Largest number of differences of a results file in a message.
 SAID = 3
 #: Arguments that name a file to write.
 WRITTEN = ("output", "log_file")
-#: Arguments whose name is omitted in messages that begin with the file.
+#: Arguments whose name is omitted in messages, which begin with the file name.
 BARE = ("results", "first", "second")
 
 
 def file_fault(error: OSError, args: argparse.Namespace) -> str:
-    """Describe the fault of a file, the argument that named it, and a remedy."""
+    """Describe the fault of a file, name the argument that contains it, and suggest a remedy."""
     if not isinstance(error.filename, str | bytes | os.PathLike):
         return str(error.strerror or error)
     shown = os.fsdecode(error.filename)
@@ -121,7 +121,7 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
 
 
 def differing_results(args: argparse.Namespace) -> str:
-    """Describe how the results that a verb reads differ from what was written; empty without differences."""
+    """Describe how a results file to be read differs from the file that was written; empty if it does not differ."""
     from rockpulse.storage.hdf5.verification import verify
 
     named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]

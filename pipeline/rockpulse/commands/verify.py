@@ -1,4 +1,4 @@
-"""``rockpulse verify``: check that a results file, and the records behind it, are unchanged."""
+"""``rockpulse verify``: check that a results file and its input records are unchanged."""
 
 import argparse
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
 
 logger = logging.getLogger("rockpulse")
-#: An unusually large size is taken for millimetres from this number on, and for centimetres below it.
+#: An unusually large size is assumed to be in millimetres above this number, and in centimetres below it.
 _MILLIMETRES = 500.0
 
 
@@ -61,10 +61,10 @@ _CORNERS = ("b_1", "b_2", "centre", "gyration")
 
 @dataclass(frozen=True)
 class _OfModel(Section):
-    """Base of settings that have the same keys as a class of the model."""
+    """Base class of settings with the same keys as a class of the model."""
 
     def made(self) -> Any:
-        """Return the object of the model."""
+        """Return the object of the model with these values."""
         import rocking
 
         cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))
@@ -92,9 +92,9 @@ class TieSettings(_OfModel):
 
 @dataclass(frozen=True)
 class FloorSettings(Section):
-    """A mode of the building under a body, as for :func:`rocking.floor_motion`, with the mass of the floor.
+    """A mode of the building under a body (as in :func:`rocking.floor_motion`), and the mass of the floor.
 
-    `level` is the height of the floor over that of the building [-], needed for code checks.
+    `level` is the height of the floor divided by the height of the building [-], needed for code checks.
 
     >>> rp.FloorSettings(period=0.4).damping, rp.FloorSettings(period=0.4).participation
     (0.05, 1.0)
@@ -139,9 +139,9 @@ class ThrustSettings(_OfModel):
 
 @dataclass(frozen=True)
 class PedestalSettings(Section):
-    """A rectangular pedestal under the centre of a body, which may rock together with it as one body.
+    """A rectangular pedestal centred under a body; both may rock together as one body.
 
-    `friction` is the coefficient at the base of the pedestal, used to check sliding of both together.
+    `friction` is the coefficient of friction at the base of the pedestal, used to check whether both slide together.
 
     >>> pedestal = rp.PedestalSettings(width=0.9, height=1.2, mass=2300.0)
     >>> list(rp.BlockSettings("statue", 0.5, 1.8, mass=600.0, pedestals=[pedestal]).with_pedestals())
@@ -167,7 +167,7 @@ def floors_from_text(told: str) -> list[FloorSettings]:
 
 @dataclass(frozen=True)
 class BlockSettings(Section):
-    """One body: given by full width and height, by its corners, or by p and alpha with an optional radius.
+    """One body, defined by full width and height, by its corners, or by p and alpha with an optional radius.
 
     Attributes
     ----------
@@ -176,8 +176,9 @@ class BlockSettings(Section):
     width, height : float or None
         Full size in the plane of rocking [m].
     p, alpha, radius : float or None
-        Frequency parameter [1/s] and critical angle [rad] of a body of another shape, and R from the corner to the
-        centre of mass [m] for its angular momentum; by default that of the rectangle with the same alpha.
+        Frequency parameter [1/s] and critical angle [rad] of a body of another shape, and distance R from the corner to
+        the centre of mass [m], which its angular momentum needs; R is by default that of a rectangle with the same p
+        and alpha.
     restitution : float, str or tuple of float
         Velocity ratio of an impact [-], "housner" (the largest that angular momentum allows), or several values that
         are assessed in parallel.
@@ -192,28 +193,28 @@ class BlockSettings(Section):
     one_sided : bool
         Whether the body leans on a wall and can fall only away from it.
     rebound : float, str, tuple of float or None
-        For a one-sided body, instead of the restitution: the share of speed after a return to the wall [-], or
-        "sorrentino" (default).
+        For a one-sided body, instead of the restitution: the share of speed that remains after the impact on the wall
+        [-], or "sorrentino" (default).
     facing, azimuth : float or None
-        Azimuth, clockwise from north [degrees], towards which a one-sided body falls, and azimuth in which the body
-        rocks, for pairs of channels; by default `facing`, else the azimuth of [records].
+        Azimuths, clockwise from north [degrees], towards which a one-sided body falls, and in which the body rocks (for
+        pairs of channels). `azimuth` is by default `facing`, or the azimuth of [records] if neither is given.
     friction : float or None
         Coefficient of friction at the base, used to check sliding [-].
     mass, density, length : float or None
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
     ties, loads, thrusts, floors, pedestals : tuple
-        In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]: floors are the
-        modes of the building under the body, pedestals the parts below it from top to bottom: it is assessed alone, and
-        as one body with the first pedestal, the first two, and so on.
+        In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]. Floors are the
+        modes of the building under the body; pedestals are the parts below it from top to bottom: the body is assessed
+        alone, and as one body with the first pedestal, with the first two, and so on.
     confirm_size : bool
-        Accept a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body given by p
-        and alpha is judged as the rectangle with its R and alpha.
+        Accept a body that is larger than 30 m, less than 5 cm high, less than 1 mm wide, or wider than high. For a body
+        given by p and alpha these limits apply to the rectangle with its R and alpha.
 
     Raises
     ------
     ConfigError
-        Unless exactly one of the three descriptions is given, with positive sizes, for an unusual size that is not
-        confirmed, and for a key that is not allowed with the others.
+        If not exactly one of the three descriptions is given, a size is not positive, an unusual size is not confirmed,
+        or a key is not allowed with the others.
 
     Examples
     --------
@@ -293,7 +294,7 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """Make the block, one lane or one per restitution, and log its warnings; raise ConfigError if it is refused."""
+        """Make the block, with one lane per restitution, and log its warnings; raise ConfigError if it is rejected."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
@@ -317,7 +318,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """Return the body combined with its first pedestal, the first two, ..., by name; ConfigError without a mass."""
+        """Return by name the body combined with its first pedestal, the first two, ...; ConfigError without a mass."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
@@ -335,7 +336,7 @@ class BlockSettings(Section):
 
 
 def require_pairs(blocks: Iterable[BlockSettings], records: RecordSettings) -> None:
-    """Raise ConfigError for a body with its own direction if channels are used as recorded."""
+    """Raise ConfigError if a body has its own direction but channels are used as recorded."""
     own = [block.where for block in blocks if block.azimuth is not None]
     if own and records.components == "horizontal":
         raise ConfigError(
@@ -345,7 +346,7 @@ def require_pairs(blocks: Iterable[BlockSettings], records: RecordSettings) -> N
 
 
 def _doubt(block: BlockSettings) -> str:
-    """Say why the size of a body looks wrong, and what to give instead; empty for usual sizes."""
+    """Return why the size of a body is probably wrong, and what to give instead; empty for usual sizes."""
     if block.width is not None and block.height is not None:
         width, height = block.width, block.height
         larger = "millimetres?" if max(width, height) >= _MILLIMETRES else "centimetres?"
@@ -371,7 +372,7 @@ def _doubt(block: BlockSettings) -> str:
 
 
 def parse_block_option(option: str, confirm_size: bool = False) -> BlockSettings:
-    """Parse ``NAME=WIDTHxHEIGHT`` with full sizes in m; ConfigError for other texts and unusual sizes."""
+    """Parse ``NAME=WIDTHxHEIGHT`` with full sizes in m; raise ConfigError for other text or unusual sizes."""
     name, equals, size = option.rpartition("=")
     width, times, height = size.lower().partition("x")
     if not (equals and times):

@@ -15,12 +15,12 @@ from rockpulse.config.block_settings import BlockSettings, FloorSettings, requir
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 
-#: If the mass of a body over that of its floor is above this, it would change the floor's motion noticeably [-].
+#: A body whose mass divided by the mass of its floor exceeds this ratio would change the floor's motion noticeably [-].
 LIGHT = 0.05
 
 
 class FeltMotion(NamedTuple):
-    """The direction and the floor that determine the motion under a body."""
+    """The direction and the building modes that determine the motion under a body."""
 
     azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for the record's own
     floors: tuple[FloorSettings, ...]  #: modes of the building under the body; empty on the ground
@@ -31,16 +31,16 @@ class Bodies:
     """Named bodies in the order of the configuration, and their lanes."""
 
     names: tuple[str, ...]
-    #: len(names) x `cases` lanes, with the cases of one body adjacent.
+    #: len(names) x `cases` lanes; the cases of one body are adjacent.
     lanes: Block
-    #: Restitution values per body; 1 unless a list was given (a single value is then repeated).
+    #: Number of restitution values per body; 1 unless a list was given (single values are then repeated).
     cases: int
-    #: Full sizes of each body [m]; NaN for a body given by p and alpha.
+    #: Full width and height of each body [m]; NaN for a body given by p and alpha.
     width: np.ndarray
     height: np.ndarray
     #: Azimuth towards which each one-sided body falls [degrees]; NaN if unknown.
     facing: np.ndarray
-    #: Azimuth to which pairs of channels are rotated for each body [degrees]; NaN for that of the records.
+    #: Azimuth to which pairs of channels are rotated for each body [degrees]; NaN for the azimuth of the records.
     azimuth: np.ndarray
     #: Coefficient of friction at the base of each body [-]; NaN if not given.
     friction: np.ndarray
@@ -95,7 +95,7 @@ class Bodies:
 
 
 def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodies:
-    """Collect the bodies of a configuration or Python, a Block (c,) as c restitutions of one; ConfigError if none."""
+    """Collect the bodies of a configuration or from Python; a Block (c,) is one body with c restitutions."""
     bodies = list(given_bodies(blocks))
     if records is not None:
         require_pairs([one for _, one in bodies if isinstance(one, BlockSettings)], records)
@@ -146,14 +146,14 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
 
 
 def refuse_floors(bodies: Bodies, why: str) -> None:
-    """Raise ConfigError with the reason `why` if a body stands on a floor."""
+    """Raise ConfigError with the reason `why` if a body is on a floor of a building."""
     names = [name for name, floors in zip(bodies.names, bodies.floors, strict=True) if floors]
     if names:
         raise ConfigError(f"[[block.floor]] of {', '.join(names)}: {why}; leave such bodies out, or their floors")
 
 
 def _values_of_key(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
-    """Return the value of a key for each body; NaN if it was not given or the body is a Block."""
+    """Return the value of a key for each body; NaN if the value was not given or the body is a Block."""
     values = [given[name][key] if name in given else None for name in named]
     return np.array([np.nan if value is None else value for value in values], dtype=float)
 
@@ -170,7 +170,8 @@ def _heavy(body: BlockSettings, block: Block) -> list[str]:
     ]
 
 
-#: Bodies: by their names full (width, height) in m, Blocks or BlockSettings; BlockSettings in a row; or one Block.
+#: Bodies: a mapping from names to full (width, height) in m, Blocks or BlockSettings; a sequence of BlockSettings; or
+#: one Block.
 Blocks: TypeAlias = Mapping[str, tuple[float, float] | Block | BlockSettings] | Sequence[BlockSettings] | Block
 
 EXPECTED = (
@@ -180,7 +181,7 @@ EXPECTED = (
 
 
 def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
-    """Return every body with its name, with sizes converted to settings; ConfigError for other input."""
+    """Return names and bodies, with sizes converted to BlockSettings; raise ConfigError for other input."""
     if isinstance(blocks, Block | BlockSettings):
         blocks = {getattr(blocks, "name", "block"): blocks}
     if isinstance(blocks, Mapping):
@@ -211,6 +212,6 @@ def _named(name: Any, body: Any) -> Block | BlockSettings:
 
 
 def _found(value: Any) -> str:
-    """Describe a wrong value by its type and the part of it that fits on a line."""
+    """Describe a wrong value by its type and as much of it as fits on a line."""
     text = repr(value)
     return f"{type(value).__name__} {text if len(text) <= 60 else text[:57] + '...'}"

@@ -17,7 +17,7 @@ from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
 
-#: Sections that may occur several times.
+#: Sections that may occur more than once.
 SEVERAL = ("block", "demand")
 #: Name of a stored configuration in messages.
 STORED = "the configuration stored in the results"
@@ -25,7 +25,7 @@ STORED = "the configuration stored in the results"
 
 @dataclass(frozen=True)
 class Config:
-    """The settings of an assessment, all inputs besides the records.
+    """The settings of an assessment: all inputs except the records.
 
     Attributes
     ----------
@@ -35,12 +35,12 @@ class Config:
     bodies, demands : tuple of BlockSettings, tuple of DemandSettings
         The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file.
     folder : Path
-        Folder of the file, to which ``records.paths`` is relative. Not part of comparison or text.
+        Folder of the file, to which ``records.paths`` is relative. Ignored in comparisons and in the text.
 
     Raises
     ------
     ConfigError
-        For two blocks or two demands with the same name, and for sections that contradict each other.
+        If two bodies or two demands have the same name, or sections contradict each other.
 
     Examples
     --------
@@ -101,7 +101,7 @@ class Config:
 
     @property
     def has_probability(self) -> bool:
-        """Whether a probability of overturning is computed: it is requested, and a full model is in use."""
+        """Whether a probability of overturning is computed, which must be requested and needs a full model."""
         return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
@@ -109,7 +109,7 @@ class Config:
         return [located(path, self.folder) for path in self.records.paths]
 
     def as_text(self) -> str:
-        """Return the resolved configuration as TOML, which loads back to an equal Config."""
+        """Return the complete configuration as TOML, from which an equal Config can be loaded."""
         parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
         parts += [_as_toml(entry.heading, entry) for entry in (*self.bodies, *self.demands)]
         return "\n".join(parts)
@@ -130,13 +130,13 @@ def _require_different(heading: str, names: list[str]) -> None:
 
 
 def located(path: str, folder: Path) -> Path:
-    """Join a path or pattern to the folder to which it is relative; the folder's name is not used as a pattern."""
+    """Join a path or pattern to the folder to which it is relative; wildcards in the folder's name are escaped."""
     found = folder / path
     return Path(escape(str(folder))) / path if has_magic(path) and not os.path.lexists(found) else found
 
 
 def config_from_text(text: str) -> Config:
-    """Read the configuration stored in results, as :meth:`Config.as_text` wrote it; ResultsError for other text."""
+    """Read a stored configuration written by :meth:`Config.as_text`; raise ResultsError for other text."""
     try:
         return _build(stored_sections(text), Path())
     except ConfigError as error:
@@ -144,7 +144,7 @@ def config_from_text(text: str) -> Config:
 
 
 def stored_sections(text: str) -> dict[str, Any]:
-    """Return the sections of the configuration stored in results; ResultsError if it has none."""
+    """Return the sections of the configuration stored in results; raise ResultsError if it has no sections."""
     found = parse_toml(text, STORED, ResultsError)
     for name, values in found.items():
         several = name in SEVERAL and isinstance(values, list)
@@ -156,7 +156,7 @@ def stored_sections(text: str) -> dict[str, Any]:
 def given_config(
     config: Config | str | os.PathLike[str] | None, units: str | None = None, dt: float | None = None
 ) -> Config:
-    """Return the given configuration, that of a file, or the defaults for None, with a unit and interval of files."""
+    """Return a given configuration, one read from a file, or the defaults (None), with a unit and interval of files."""
     if units is not None or dt is not None:
         asked = given_config(config)
         return dataclasses.replace(asked, records=asked.records.for_all(units, dt))
@@ -184,7 +184,7 @@ def load_config(path: str | Path) -> Config:
     Raises
     ------
     ConfigError
-        For a pipe or a device, a file above 1 MB or that is not TOML, an unknown section or key, a wrong type, a value
+        For a pipe or a device, a file larger than 1 MB or not in TOML, an unknown section or key, a wrong type, a value
         that is not allowed, or a logo that is not a small PNG.
     OSError
         If the file cannot be opened.
@@ -241,7 +241,7 @@ def _section(cls: type[Section], values: Any) -> Any:
 
 
 def _toml_key(item: dataclasses.Field[Any]) -> str:
-    """Return the TOML key of a field; nested sections use the last word of their heading, as in [[records.file]]."""
+    """Return the TOML key of a field; for nested sections the last word of their heading, as in [[records.file]]."""
     cls = item.metadata.get("entries")
     return item.name if cls is None else str(cls.heading).strip("[]").rpartition(".")[2]
 

@@ -13,21 +13,21 @@ from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quot
 
 #: Spacings of the secondary impulses.
 SPACINGS = ("end", "middle", "start", "open", "continuous")
-#: Values of `weights`, which may also be the name of a table.
+#: Words allowed for `weights`, which may also be the name of a table.
 WEIGHTS = ("equal", "event")
 #: Largest number of processes on one machine.
 MOST_WORKERS = 10_000
 
 
 def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "drop it") -> ConfigError:
-    """Return the error for keys that are only allowed with other values of another key."""
+    """Return the error for keys that the value of another key does not allow."""
     they = "they belong" if "," in keys else "it belongs"
     return ConfigError(f'{section.where} {keys}: {they} to {key} = {words}, found {key} = "{section[key]}"; {advice}')
 
 
 @dataclass(frozen=True)
 class SiteSettings(Section):
-    """Name and description of the study, free text that is stored in the results.
+    """Name and description of the study: free text that is stored in the results.
 
     >>> rp.Config(site=rp.SiteSettings(name="Basilica of San Bernardino")).site
     SiteSettings(name='Basilica of San Bernardino')
@@ -40,13 +40,13 @@ class SiteSettings(Section):
 
 @dataclass(frozen=True)
 class RecordSettings(Section):
-    """The records to read, their unit if the file does not state it, and the stored part of them.
+    """The records to read, their unit if the file does not state it, and which part of them is stored.
 
-    `confirm` holds patterns of the ids of channels that are right in spite of a doubt (a peak above 5 g, a defect, a
-    twin that differs); `files` the units and intervals of some files only, in TOML [[records.file]].
+    `confirm` contains patterns of the ids of channels that are confirmed in spite of a doubt (a peak above 5 g, a
+    defect, a twin that differs); `files` contains units and intervals of single files, in TOML [[records.file]].
 
-    The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, 45 degrees for a
-    façade that faces north-east. 45 and 225 are the same for a body that rocks to both sides.
+    The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, e.g. 45 degrees
+    for a façade that faces north-east. For a body that rocks to both sides, 45 and 225 degrees are the same.
 
     >>> rp.RecordSettings(components="azimuth")
     Traceback (most recent call last):
@@ -86,7 +86,7 @@ class RecordSettings(Section):
             )
 
     def for_all(self, units: str | None, dt: float | None) -> RecordSettings:
-        """The same with a unit and an interval [s] of all files that state none, also of those of [[records.file]]."""
+        """Return these settings with a unit and an interval [s] for files that state none, also in [[records.file]]."""
         rows = []
         for row in self.files:
             own = row.units if units is None else None, row.dt if dt is None else None
@@ -98,7 +98,7 @@ class RecordSettings(Section):
 
 @dataclass(frozen=True)
 class ConditioningSettings(Section):
-    """Baseline, filter and sampling; keyword arguments of :func:`rockpulse.condition`.
+    """Options of baseline, filter and sampling; keyword arguments of :func:`rockpulse.condition`.
 
     >>> rp.condition(record, **rp.ConditioningSettings(highpass_hz=0.1)).processing[-1].split(",")[0]
     'filter: Butterworth high-pass 0.1 Hz'
@@ -166,8 +166,8 @@ class IntensePhaseSettings(Section):
 class SequenceSettings(Section):
     """Options of a record's sequence; all except the method are arguments of :func:`rockpulse.record_sequence`.
 
-    The method "rule" gives every body its own sequence, by the conservative point of the rule; "statistics" gives one
-    sequence for all bodies, from the half-waves of the record.
+    The method "rule" gives every body its own sequence, from the conservative variant of the rule; "statistics" gives
+    one sequence for all bodies, from the half-waves of the record.
 
     >>> rp.record_sequence(rp.half_waves(record), **rp.SequenceSettings(secondary="mean").statistics)
     <ImpulseSequence I 1.186 m/s, I_s 0.2749 m/s, dT 0.4922 s, duration 7.99 s, main impulses 4, spacing end>
@@ -195,9 +195,9 @@ _NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str)
 
 @dataclass(frozen=True)
 class DemandSettings(Section):
-    """The demand of the site in one limit state: the strength to which records are scaled to judge bodies.
+    """The demand of the site in one limit state: the intensity to which records are scaled to assess bodies.
 
-    `acceleration` is another way to write `measure = "pga"` with its `value`.
+    `acceleration` is short for `measure = "pga"` with this `value`.
 
     >>> rp.DemandSettings("SLV", measure="pga", value=2.5).strength
     2.5
@@ -228,7 +228,7 @@ class DemandSettings(Section):
 
     @property
     def strength(self) -> float:
-        """The value, in the unit of the measure."""
+        """The value of the demand, in the unit of the measure."""
         given = self.acceleration if self.value is None else self.value
         assert given is not None  # checked above
         return given
@@ -238,7 +238,8 @@ class DemandSettings(Section):
 class CalibrationSettings(Section):
     """Options of the calibration of a site on its records (:func:`rockpulse.calibrate`).
 
-    By default earthquakes have equal weights with the method "spectrum", and records with "statistics".
+    By default earthquakes have equal weights with the method "spectrum", and records have equal weights with
+    "statistics".
 
     >>> rp.CalibrationSettings(method="statistics").weighting
     'equal'
@@ -267,7 +268,7 @@ class CalibrationSettings(Section):
 
     @property
     def weighting(self) -> str:
-        """The weights in use: the given ones, or the default of the method."""
+        """The weights in use: the given weights, or the default of the method."""
         if self.weights is not None:
             return self.weights
         return "event" if self.method == "spectrum" else "equal"

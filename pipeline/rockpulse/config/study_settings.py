@@ -17,11 +17,11 @@ from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENC
 if TYPE_CHECKING:
     from rocking.spectrum.probability import Uncertainty
 
-#: Limit states other than rotations.
+#: Names of the limit states that are not rotations.
 UPLIFT, OVERTURNING = "uplift", "overturning"
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-#: Units of the levels of each measure of a hazard.
+#: Allowed units of the levels of a hazard curve, for each measure.
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 #: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
@@ -30,7 +30,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def _are_numbers(value: Any, count: int = 0) -> bool:
-    """Whether it is a list of numbers above 0, with at least one or exactly `count` of them."""
+    """Return whether a value is a list of positive numbers, at least one or exactly `count`."""
     numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
     return numbers and (len(value) == count if count else bool(value))
 
@@ -77,8 +77,8 @@ _LEVELS = KeyType("a list of positive numbers that ascend", _ascend, _floats)
 class UncertaintySettings(Section):
     """The uncertainty of the probability of overturning, and whether it is computed.
 
-    The probability is that of the nonlinear model, and is not computed without it. A body whose restitution is a list
-    has the range of its values instead of `restitution`.
+    The probability is computed only with the nonlinear model. For a body whose restitution is a list, the range of its
+    values replaces `restitution`.
 
     >>> rp.UncertaintySettings(restitution=(0.85, 0.95)).of_draws()
     Uncertainty(restitution=(0.85, 0.95))
@@ -93,7 +93,7 @@ class UncertaintySettings(Section):
     spectrum: str = choice("bodies", ("bodies", "all"))
 
     def of_draws(self) -> Uncertainty:
-        """Return the uncertainty in the form of the solver."""
+        """Return the uncertainty as the solver needs it."""
         from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
@@ -103,13 +103,13 @@ class UncertaintySettings(Section):
 class FragilitySettings(Section):
     """Limit states, measures and fits of :func:`rockpulse.fragility`.
 
-    `selection` is a table of records selected by other software, with their factors or levels and weights; it replaces
-    `stripe_levels`, `factors` and `pga_min`.
+    `selection` is a table of records selected by other software, with their scale factors or levels and weights; it
+    replaces `stripe_levels`, `factors` and `pga_min`.
 
     Raises
     ------
     ConfigError
-        For a selection without stripes.
+        If a selection is given without stripes.
 
     Examples
     --------
@@ -142,15 +142,15 @@ class FragilitySettings(Section):
 
 @dataclass(frozen=True)
 class HazardSettings(Section):
-    """The hazard of the site, from the file of a curve or as power law k0 x^-k, and the exposure time.
+    """The hazard of the site, from the file of a curve or as a power law k0 x^-k, and the exposure time.
 
-    `longitude` and `latitude` select the site in a file of several. `measure` and `unit` apply to the power law, by
-    default in SI; a file states its own. `soil_factor` converts levels on rock to the ground of the site.
+    `longitude` and `latitude` select the site in a file of several sites. `measure` and `unit` (by default SI) apply to
+    the power law; a file states its own. `soil_factor` converts levels on rock to levels on the ground of the site.
 
     Raises
     ------
     ConfigError
-        For both a file and a power law, half of a power law, or half of a site.
+        If both a file and a power law are given, or only one of k0 and k, or only one of longitude and latitude.
 
     Examples
     --------
@@ -182,7 +182,7 @@ class HazardSettings(Section):
 
 @dataclass(frozen=True)
 class CheckSettings(Section):
-    """The elastic spectrum of a code, of one limit state, and the factors of the checks.
+    """The elastic spectrum of a code in one limit state, and the factors of the checks.
 
     Attributes
     ----------
@@ -199,15 +199,15 @@ class CheckSettings(Section):
     limit_state : str
         Limit state of Circolare 7/2019: "slv" or "slc".
     q, confidence_factor : float
-        Behaviour factor of the linear checks, and FC. FC is that of knowledge level LC1 unless the multiplier accounts
-        for crushing of the masonry (Circolare 7/2019, C8.7.1.2.1.3).
+        Behaviour factor of the linear checks, and confidence factor FC, which is that of knowledge level LC1 unless the
+        multiplier accounts for crushing of the masonry (Circolare 7/2019, C8.7.1.2.1.3).
     q_a, gamma_a : float
         Behaviour factor and importance factor of a non-structural element (EN 1998-1, 4.3.5).
 
     Raises
     ------
     ConfigError
-        For a table without a file, a file without "table", and a spectrum with missing parameters.
+        If "table" has no file, a file is given without "table", or parameters of the spectrum are missing.
 
     Examples
     --------
@@ -248,7 +248,7 @@ class CheckSettings(Section):
 
     @property
     def given(self) -> bool:
-        """Whether a demand is given."""
+        """Whether the demand is given."""
         return self.ag is not None or self.file is not None
 
 
@@ -268,7 +268,7 @@ class ReportSettings(Section):
 
 
 def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
-    """Read the logo, whose path is relative to a folder; ConfigError if it is missing, too large or not a PNG."""
+    """Read the logo, whose path is relative to a folder; raise ConfigError if it is missing, too large or not a PNG."""
     if report.logo is None:
         return b""
     path = folder / report.logo

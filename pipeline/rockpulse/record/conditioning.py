@@ -172,8 +172,9 @@ def _watched(record: Record) -> Record:
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
     record = record if warnings == record.warnings else replace(record, warnings=warnings)
     slow, rest = slow_velocity(record.acceleration, record.dt)
-    drifts = abs(final) > DRIFT_SHARE * peak or slow > DRIFT * rest
-    return _warned(record, WarningText("baseline_drift", velocity=final, slow=slow, pgv=peak)) if drifts else record
+    if abs(final) <= DRIFT_SHARE * peak and slow <= DRIFT * rest:
+        return record
+    return _warned(record, WarningText("baseline_drift", velocity=final, slow=slow, rest=rest, pgv=peak))
 
 
 def _warned(record: Record, warning: WarningText) -> Record:

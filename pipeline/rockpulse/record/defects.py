@@ -57,7 +57,7 @@ COARSE, UNDERSAMPLED = 0.0999, 1.0
 #: Window of the mean that parts the slow velocity from the rest [s], at most this share of the record.
 SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
 #: The slow velocity is reported from this many times the largest of the rest on; from the second on it decides.
-DRIFT, DECIDING_DRIFT = 1.2, 2.5
+DRIFT, DECIDING_DRIFT = 1.25, 1.5
 
 
 def checked(record: Record) -> Record:
@@ -75,8 +75,9 @@ def deciding(record: Record) -> list[WarningText]:
     if find(record.warnings, "dead_channel"):
         found += [WarningText("dead_channel")]
     # What a filter or a baseline has taken out makes no velocity any more.
-    left = find(record.warnings, "baseline_drift") is not None
-    return [one for one in found if one.code != "velocity_drift" or left]
+    left = find(record.warnings, "baseline_drift")
+    decides = left is not None and left.values["slow"] > DECIDING_DRIFT * left.values["rest"]
+    return [one for one in found if one.code != "velocity_drift" or decides]
 
 
 def drifts(record: Record) -> bool:
@@ -113,7 +114,7 @@ def defects(record: Record) -> list[WarningText]:
         key=lambda one: one[0] / one[1],
     )
     if slow > DRIFT * rest:
-        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(slow > DECIDING_DRIFT * rest)))
+        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=True))
     return found
 
 
@@ -121,11 +122,11 @@ def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
     """Largest slow velocity, the mean over a window of 10 s or a quarter of the record, and largest rest [m/s]."""
     velocity = np.concatenate(([0.0], np.cumsum(0.5 * dt * (acceleration[1:] + acceleration[:-1]))))
     size = velocity.size
-    width = min(max(int(min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 2), size)
+    half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
     total = np.concatenate(([0.0], np.cumsum(velocity)))
-    # Near an end the window stays whole: part of a cycle would have a mean of its own.
-    low = np.clip(np.arange(size) - width // 2, 0, size - width)
-    slow = (total[low + width] - total[low]) / width
+    place = np.arange(size)
+    low, high = np.maximum(place - half, 0), np.minimum(place + half + 1, size)
+    slow = (total[high] - total[low]) / (high - low)
     return float(np.max(np.abs(slow))), float(max(np.max(np.abs(velocity - slow)), np.finfo(float).tiny))
 
 
@@ -240,24 +241,17 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
         centred[SPIKE_HALF:-SPIKE_HALF] - np.partition(windows, SPIKE_HALF, axis=1)[:, SPIKE_HALF]
     )
     peak, largest = float(np.max(np.abs(centred))), int(np.argmax(np.abs(centred)))
-    left, places, heights = beyond.copy(), [], []
-    for _ in range(SPIKE_COUNT + 1):
-        place = int(np.argmax(left))
-        places.append(place)
-        heights.append(float(left[place]))
-        left[max(place - SPIKE_HALF - 1, 0) : place + SPIKE_HALF + 2] = 0.0
-    spikes: list[int] = []
-    for count in range(SPIKE_COUNT, 0, -1):
-        if heights[count - 1] > max(SPIKE_FAR * heights[count], SPIKE_FAR_SHARE * peak):
-            spikes = places[:count]
-            break
+    # A cubic through the four samples beside it follows the band; the median also sees spikes of two or three samples.
+    curved = np.zeros(centred.size)
+    curved[2:-2] = np.abs(centred[2:-2] - (4.0 * (centred[1:-3] + centred[3:-1]) - centred[:-4] - centred[4:]) / 6.0)
+    spikes = sorted({*_outliers(beyond, peak), *_outliers(curved, peak)})
     blocks = beyond[: beyond.size // SPIKE_AROUND * SPIKE_AROUND].reshape(-1, SPIKE_AROUND)
     tops = np.argmax(blocks, axis=1) + SPIKE_AROUND * np.arange(len(blocks))
     for place in tops[beyond[tops] > SPIKE_NEAR_SHARE * peak].tolist():
         near = beyond[max(place - SPIKE_AROUND, 0) : place + SPIKE_AROUND + 1].copy()
         own = place - max(place - SPIKE_AROUND, 0)
         near[max(own - SPIKE_HALF - 1, 0) : own + SPIKE_HALF + 2] = 0.0
-        if place not in spikes and beyond[place] > SPIKE_NEAR * float(np.max(near)):
+        if all(abs(place - one) > SPIKE_HALF for one in spikes) and beyond[place] > SPIKE_NEAR * float(np.max(near)):
             spikes.append(place)
     if not spikes:
         return []
@@ -265,6 +259,20 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
     strongest = max(spikes, key=lambda place: beyond[place])
     height = float(np.abs(centred[strongest])) / STANDARD_GRAVITY
     return [WarningText("spike", count=len(spikes), peak=height, time=strongest * dt, decides=decides)]
+
+
+def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
+    """Places of the few largest deviations that are far above all others; empty if there are none."""
+    left, places, heights = beyond.copy(), [], []
+    for _ in range(SPIKE_COUNT + 1):
+        place = int(np.argmax(left))
+        places.append(place)
+        heights.append(float(left[place]))
+        left[max(place - SPIKE_HALF - 1, 0) : place + SPIKE_HALF + 2] = 0.0
+    for count in range(SPIKE_COUNT, 0, -1):
+        if heights[count - 1] > max(SPIKE_FAR * heights[count], SPIKE_FAR_SHARE * peak):
+            return places[:count]
+    return []
 
 
 def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:

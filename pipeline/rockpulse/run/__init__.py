@@ -1,4 +1,4 @@
-"""Runs over many records: survey, plan, worker processes, journal, and assembly of one file.
+"""Runs over many records: survey, plan, worker processes, journal, and assembly of the results file.
 
 Steps of a run: `survey` reads every file once and keeps everything except the samples; `analysis` plans the work;
 workers (`worker_pool`) execute the `tasks`, each reading the samples of its records again; finished tasks are stored

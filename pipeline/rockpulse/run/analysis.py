@@ -1,4 +1,4 @@
-"""Analysis of a set of records in this process: plan the records, process each, collect the tree of results."""
+"""Analyses a set of records in this process: plans the records, processes each, and collects the tree of results."""
 
 import logging
 import os
@@ -36,9 +36,9 @@ logger = logging.getLogger("rockpulse")
 Records: TypeAlias = str | os.PathLike[str] | Record | Iterable[str | os.PathLike[str]] | Iterable[Record]
 #: The arrays that one record adds to the results, by variable; the first dimension grows.
 Part = Mapping[str, np.ndarray]
-#: Measures the time of a named step: ``with watch("solve"): ...``
+#: Function that measures the time of a named step: ``with watch("solve"): ...``
 Watch = Callable[[str], AbstractContextManager[Any]]
-#: Function from a record to its part; a ValueError that it raises becomes a row of /failures.
+#: Function that makes the part of a record; a ValueError that it raises becomes a row of /failures.
 Work = Callable[[Motion, Watch], Part]
 
 
@@ -52,7 +52,7 @@ class Plan:
 
 
 class Analysis(ABC):
-    """Base class of an analysis: the work on every record of a set, and the collection of the parts."""
+    """Base class of an analysis, which makes a part from every record and collects the parts."""
 
     name: ClassVar[str]  # the command, and the stage in rows of failures
     doing: ClassVar[str]  # the command in a progress bar
@@ -67,19 +67,19 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def work(self) -> Work:
-        """Return the function that makes the part of a record; small and picklable."""
+        """Return the function that makes the part of a record; it is small and can be pickled."""
 
     @property
     @abstractmethod
     def empty_part(self) -> Part:
-        """Return every array of a part, and the earthquake, with their types and shapes and zero rows."""
+        """Return the arrays of a part and of its earthquake with their types and shapes, but without rows."""
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Return the tree of results from the parts of all records, in the order of the plan."""
 
     def described(self, tree: xr.DataTree, title: str) -> xr.DataTree:
-        """Set the attributes of the root; `title` is the default name of the site."""
+        """Set the attributes of the root of the tree; `title` is the default name of the site."""
         site = self.config.site
         tree.attrs |= {"kind": self.kind, "title": site.name or title, "site_description": site.description}
         tree.attrs["configuration"] = self.config.as_text()
@@ -102,11 +102,11 @@ class Analysis(ABC):
         return Plan(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
 
     def dimension_of(self, name: str) -> str:
-        """Return the dimension along which an array of a part grows."""
+        """Return the dimension along which the parts of an array are joined."""
         return "record"
 
     def fits(self, part: Part) -> bool:
-        """Whether arrays have the names, types and shapes of a part of this analysis."""
+        """Return whether arrays have the names, types and shapes of a part of this analysis."""
         expected = {name: array for name, array in self.empty_part.items() if name != self.event_name}
         if part.keys() != expected.keys():
             return False
@@ -121,7 +121,7 @@ class Analysis(ABC):
         return all(len(every) == 1 for every in lengths.values())
 
     def of_event(self, part: Part, event: str) -> Part:
-        """Add the earthquake to a part."""
+        """Add the earthquake of the record to a part."""
         rows = len(part["record"]) if "record" in part else 1
         return {**part, self.event_name: np.array([event] * rows)}
 
@@ -147,7 +147,7 @@ def run(
 def _given(
     records: Records, failures: Iterable[Failure], options: RecordSettings
 ) -> tuple[list[Record], list[Failure]]:
-    """Return the records, reading paths first, and the failures including those of reading."""
+    """Return the records, which are read first if paths are given, and all failures including those of reading."""
     one = isinstance(records, (str, os.PathLike, Record))
     every: list[Any] = [records] if one else list(cast(Iterable[Any], records))
     if every and all(isinstance(item, (str, os.PathLike)) for item in every):
@@ -167,7 +167,7 @@ def _given(
 def worked(
     planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = nullcontext
 ) -> Iterator[Part | Failure]:
-    """Yield the part of every record of a channel or pair, or a failure for each channel that is not used."""
+    """Yield the parts of the records of each channel or pair, or a failure for each channel that is not used."""
     try:
         with watch("condition"):
             copies = clock_twin(planned.channels, planned.comparisons, config.records.confirm, "select")

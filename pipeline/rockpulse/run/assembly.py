@@ -25,15 +25,15 @@ from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.probability import MEAN
 
-#: Attribute of the root: id of the run that wrote the file, as in its journal.
+#: Attribute of the root of a results file: id of the run that wrote it, as in its journal.
 RUN_ID = "run_id"
-#: Attribute of the root: SHA-256 of all inputs of the run, as :func:`rockpulse.run.tasks.digest_of` makes it.
+#: Attribute of the root: SHA-256 of all inputs of the run, from :func:`rockpulse.run.tasks.digest_of`.
 RUN_DIGEST = "run_digest"
-#: Size of values that are written at once [bytes].
+#: Largest size of the values that are written at once [bytes].
 CHUNK = 32 * 1024**2
-#: Overhead per array in memory, and per text in the file [bytes].
+#: Overhead per array in memory, and per string in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
-#: Variables of /summary from which /directions is computed: of the record, and of its results.
+#: Variables of /summary from which /directions is computed: of the record, of its responses, and of a probability.
 SWEPT_RECORD = ("record", PGA, "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
 SWEPT_PROBABILITY = ("overturning_probability",)
@@ -41,7 +41,7 @@ SWEPT_PROBABILITY = ("overturning_probability",)
 
 @dataclass(frozen=True)
 class JournalParts:
-    """Repeatable iterator over the parts of finished tasks in an open journal, in the order of the keys."""
+    """The parts of finished tasks in an open journal, which can be iterated repeatedly, in the order of the keys."""
 
     journal: Journal
     analysis: Analysis
@@ -90,8 +90,9 @@ def assemble(
     """Write the file that :func:`rockpulse.save` would write from the whole tree; return the number of records.
 
     `template` is the tree without records. The `parts`, in the order of the rows, are iterated twice, first for their
-    sizes; an iterator raises TypeError. At most `chunk` bytes of arrays, or the largest part, are in memory; `run` has
-    the attributes for :func:`run_of`. Raises ResultsError if the file exists or cannot be written; an old file is kept.
+    sizes, so that an iterator raises TypeError. At most `chunk` bytes of arrays, or the largest part, are in memory;
+    `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file exists, which is then kept, or
+    cannot be written.
     """
     if iter(parts) is parts:
         raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
@@ -120,7 +121,7 @@ def assemble(
 
 
 def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Return id and digest of the run that wrote a file; empty texts if unknown."""
+    """Return the id and the digest of the run that wrote a file; empty strings if unknown."""
     import h5py
 
     if not Path(path).is_file() or not h5py.is_hdf5(path):
@@ -144,7 +145,7 @@ def _stored_bytes(values: np.ndarray) -> int:
 def _create_variables(
     writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
 ) -> None:
-    """Create every variable in its full size, and write those that do not grow."""
+    """Create every variable in its full size, and write the values that do not depend on the records."""
     for node in template.subtree:
         dataset = node.to_dataset(inherit=False)
         if node.path == "/":
@@ -177,7 +178,7 @@ def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
 def _write_directions(
     writer: TreeWriter, empty: xr.Dataset, pairs: Mapping[str, Sequence[str]], records: Sequence[str], chunk: int
 ) -> None:
-    """Write the statistics over direction, some pairs at a time."""
+    """Write the statistics over directions, for several pairs at a time."""
     place = {record: number for number, record in enumerate(records)}
     azimuths = empty["direction_azimuth"].values.tolist()
     answers = empty["median_rotation_ratio"]

@@ -1,4 +1,4 @@
-"""A batch run from paths to a results file: survey, plan, work, assembly; finished records are never lost."""
+"""Runs a batch from paths to a results file (survey, plan, work, assembly) without losing finished records."""
 
 import logging
 import os
@@ -28,7 +28,7 @@ from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 logger = logging.getLogger("rockpulse")
 PathLike = str | os.PathLike[str]
 Paths = PathLike | Iterable[PathLike]
-#: Number of files or records per process; for fewer, threads of this process share the bodies of each.
+#: Smallest number of files or records per process; for fewer, threads of this process share the bodies of each.
 ITEMS_PER_WORKER = 8
 
 
@@ -47,7 +47,7 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
     output : path
         The results file to write.
     options : BatchOptions, optional
-        The workers, and whether an existing file is resumed or replaced.
+        The workers, and whether an unfinished run is resumed or an existing file replaced.
 
     Returns
     -------
@@ -160,7 +160,7 @@ class _Batch:
         return report
 
     def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
-        """Survey, plan, work and assembly; True if an earlier run has finished everything."""
+        """Survey, plan and process the records and write the file; return True if an earlier run has done all this."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
         replace = options.overwrite or run_id == journal.run_id
@@ -194,7 +194,7 @@ class _Batch:
         return False
 
     def pool_for(self, items: int, resources: ExitStack, before: WorkerPool | None = None) -> WorkerPool:
-        """Return workers for a number of items, with compiled kernels; the workers `before` are kept if enough."""
+        """Return workers for a number of items, with compiled kernels: the earlier workers `before` if sufficient."""
         options = self.options
         if options.executor is not None:
             return before or resources.enter_context(WorkerPool.through(options.executor))
@@ -216,7 +216,7 @@ class _Batch:
     def surveyed(
         self, pool: WorkerPool, found: Sequence[Found], failures: Sequence[Failure]
     ) -> tuple[list[Located], list[Failure], int]:
-        """Return all channels without samples, the rows of failures, and the number of files that may be read again."""
+        """Return all channels without samples, the failures, and the number of files that may be read again."""
         look = partial(survey_file, options=read_options(self.analysis.config))
         surveys, rows, unread = [], list(failures), 0
         self.stop_at(rows)
@@ -266,7 +266,7 @@ class _Batch:
         return missing
 
     def work(self, pool: WorkerPool, missing: Sequence[Task]) -> None:
-        """Execute the missing tasks and store them in the journal; a task whose worker dies is a row of failures."""
+        """Execute the missing tasks and store their results; a task whose worker dies becomes a row of failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
         lost: dict[str, list[Failure]] = {}
@@ -294,7 +294,7 @@ class _Batch:
         return [task.key for task in self.tasks if before.get(task.key) == task.fingerprint]
 
     def kept(self, strict: bool = False) -> str:
-        """Return the message of a run that stops; remove a journal without finished records."""
+        """Return the message of a stopped run on what is kept; remove a journal without finished records."""
         journal, every = self.journal, self.journal.complete
         if not journal.is_current:
             return f"nothing is kept, for {journal.path} was removed while the run was at work"
@@ -322,7 +322,7 @@ class _Batch:
 
     @contextmanager
     def bar(self, **about: Any) -> Iterator[Any]:
-        """Context manager of a progress bar; messages that would be printed between its updates follow its end."""
+        """Return a context manager of a progress bar; messages that would interrupt it are printed at its end."""
         held: list[logging.LogRecord] = []
 
         def hold(record: logging.LogRecord) -> bool:
@@ -342,7 +342,7 @@ class _Batch:
                 logger.handle(record)
 
     def log_and_tell(self, text: str) -> None:
-        """Write a message to the log and to the user."""
+        """Write a message to the log and show it to the user."""
         logger.warning("%s", text)
         self.options.tell(text)
 
@@ -361,7 +361,7 @@ def _is_part(packed: bytes, analysis: Analysis) -> bool:  # bytes with a correct
 
 
 def _is_printed() -> bool:
-    """Whether messages of the logger appear on standard output or error."""
+    """Return whether messages of the logger appear on standard output or standard error."""
     if not logger.hasHandlers():
         return True  # Python's handler of last resort
     place: logging.Logger | None = logger

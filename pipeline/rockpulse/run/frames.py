@@ -1,4 +1,4 @@
-"""Packed arrays, and files of frames (JSON head, body of bytes, checksums), where damage affects single frames."""
+"""Packs arrays into bytes, and reads and writes files of frames, in which damage affects only single frames."""
 
 import json
 import math
@@ -11,21 +11,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: First bytes of packed arrays, and kinds of numpy types that can be packed: numbers and texts, no objects.
+#: First bytes of packed arrays, and kinds of numpy types that can be packed: numbers and strings, no objects.
 MAGIC, KINDS = b"RPA1", "biufU"
-#: First bytes of a frame: letters and a version byte.
+#: First bytes of a frame, with letters and a version byte.
 MARK = b"\x89RPJ\x03\r\n\x1a"
-#: Start of a frame: the first bytes, the sizes of head and body, and a CRC of both sizes and of the head.
+#: Start of a frame: the first bytes, the sizes of head and body, and a checksum (CRC) of both sizes and of the head.
 START = struct.Struct("<8sQQI")
-#: Largest head, and size of the blocks in which the start of a frame is searched [bytes].
+#: Largest head, and size of the blocks that are read to find the start of a frame [bytes].
 HEAD, READ_AT_ONCE = 64 * 1024**2, 1024**2
 
 
 def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Convert named arrays of numbers or texts to bytes for :func:`unpack`; TypeError for other arrays.
+    """Convert named arrays of numbers or strings to bytes for :func:`unpack`; raise TypeError for other arrays.
 
-    ``RPA1``, the length of the header (8 bytes, little-endian), the header (JSON: name, numpy type, shape of each
-    array), and the values in C order.
+    The bytes are ``RPA1``, the length of the header (8 bytes, little-endian), the header (JSON: name, numpy type and
+    shape of each array), and the values in C order.
     """
     for name, array in arrays.items():
         if array.dtype.kind not in KINDS:
@@ -35,7 +35,7 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
 
 
 def unpack(packed: bytes) -> dict[str, np.ndarray]:
-    """Return the arrays of :func:`pack`, read-only; ValueError for other bytes."""
+    """Return the arrays packed by :func:`pack`, read-only; raise ValueError for other bytes."""
     begin = len(MAGIC) + 8
     if packed[: len(MAGIC)] != MAGIC or len(packed) < begin:
         raise ValueError("expected packed arrays, found other bytes")
@@ -59,7 +59,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
 
 
 class Frame(NamedTuple):
-    """A frame with a valid head; its body may be damaged."""
+    """A frame of a file: a valid head in JSON, and a body of bytes that may be damaged."""
 
     head: dict[str, Any]
     body: int  # position of the body in the file
@@ -71,7 +71,7 @@ class Frame(NamedTuple):
         return self.body + sum(size for size, _ in self.sizes)
 
     def parts(self, file: FileIO) -> tuple[bytes, ...] | None:
-        """Read the parts of the body; None if they are damaged."""
+        """Read the parts of the body; return None if they are damaged."""
         parts, place = [], self.body
         for size, crc in self.sizes:
             parts.append(_read(file, place, size))
@@ -99,7 +99,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """Return the frames with valid heads, the end of the last one, and the number of gaps before a truncated end."""
+    """Return the frames with valid heads, the end of the last one, and the number of gaps (not a truncated end)."""
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0
@@ -137,7 +137,7 @@ def _frame(file: FileIO, place: int, size: int) -> Frame | None:
 
 
 def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
-    """Whether a frame starts at a position but was not written to its end."""
+    """Return whether a frame starts at a position but was not written to its end."""
     start = _read(file, place, START.size)
     if len(start) < START.size:
         return start[: len(MARK)] == MARK[: len(start)]
@@ -146,7 +146,7 @@ def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
 
 
 def _next_mark(file: FileIO, place: int, size: int) -> int:
-    """Return the position of the next start of a frame, or the size of the file."""
+    """Return the position at which the next frame starts, or the size of the file."""
     while place < size:
         block = _read(file, place, READ_AT_ONCE)
         if (found := block.find(MARK)) >= 0:

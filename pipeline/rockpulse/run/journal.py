@@ -1,7 +1,7 @@
-"""The journal of a run: a file beside the output in which every finished task is stored durably at once.
+"""The journal of a run: a file next to the output in which every finished task is stored durably at once.
 
 The file, ``results.h5.journal``, consists of frames (`rockpulse.run.frames`), one for the run and one for each task.
-The run locks it exclusively; the lock ends with the process. The journal does not inspect the parts that it stores.
+The run locks the file until its process ends. The journal does not inspect the parts that it stores.
 """
 
 import os
@@ -22,17 +22,17 @@ from rockpulse.run.frames import MARK, Frame, append, frames_of
 from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
-#: Fingerprint of a task that was aborted by an unreadable file, lack of memory or a program error; a resumed run
-#: repeats it.
+#: Fingerprint of a task that was aborted by an unreadable file, lack of memory or a program error, and that a resumed
+#: run repeats.
 UNFINISHED = ""
-#: Longest wait for a lock while a process starts or ends, and interval between attempts [s].
+#: Longest wait for a lock, which another process may be about to release, and interval between attempts [s].
 PATIENCE, PAUSE = 1.0, 0.02
 
 if sys.platform == "win32":
     import msvcrt
 
     def _lock(file: FileIO) -> None:
-        """Lock a byte beyond the end, as locked bytes cannot be read on Windows."""
+        """Lock one byte beyond the end of a file, as locked bytes cannot be read on Windows."""
         file.seek(2**62)
         msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
 else:
@@ -76,13 +76,13 @@ def holder(path: Path) -> str:
     return "another process"
 
 
-#: A log line: name of the logger, level and text.
+#: A log message: name of the logger, level and text.
 Message = tuple[str, int, str]
 
 
 @dataclass(frozen=True)
 class Done:
-    """The result of a task."""
+    """The result of a finished task."""
 
     key: str  # key of the task
     fingerprint: str  # fingerprint of the task, or UNFINISHED
@@ -93,7 +93,7 @@ class Done:
 
 
 class JournalError(ResultsError):
-    """Error: the journal cannot be used; the message says what happens to its records."""
+    """Error: the journal cannot be used; the message states what happens to the records in it."""
 
     def __init__(self, message: str, tells_resume: bool = True) -> None:
         super().__init__(message, tells_resume)
@@ -117,7 +117,7 @@ class Journal:
 
     @classmethod
     def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> "Journal":
-        """Create the journal of a run beside its output, or open that of a stopped run, and lock it.
+        """Create the journal of a run next to its output, or open the journal of a stopped run, and lock it.
 
         `resume` keeps the finished tasks of a stopped run, `overwrite` drops them. JournalError if the file is locked,
         is not a journal, or exists without either option.
@@ -152,7 +152,7 @@ class Journal:
 
     @property
     def is_current(self) -> bool:
-        """Whether the path still refers to the opened file."""
+        """Return whether the path still refers to the opened file."""
         return _identity_of(self.path) == self._identity
 
     @property
@@ -220,7 +220,7 @@ class Journal:
         return sorted(dropped)
 
     def _take_up(self, resume: bool, overwrite: bool) -> None:
-        """Continue after the kept frames, or start a new journal."""
+        """Continue after the frames that are kept, or start a new journal."""
         self._file.seek(0)
         begins = self._file.read(len(MARK))
         if not self.run_id and not MARK.startswith(begins):  # and not truncated within its first bytes
@@ -263,7 +263,7 @@ class Journal:
 
 
 def _is_ours(head: Mapping[str, Any]) -> bool:
-    """Whether the head of a frame has the fields and types of this journal."""
+    """Return whether the head of a frame has the fields and types that this journal writes."""
     names = ("run", "started", "key", "fingerprint") if "key" in head else ("run", "started")
     rows = head.get("failures", None if "key" in head else [])
     return (

@@ -14,7 +14,7 @@ from rockpulse.errors import Failure
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a batch; the message says what is kept and how to continue."""
+    """Error: a batch was stopped by Ctrl-C; the message states what is kept and how to continue."""
 
 
 def no_bar(**_: Any) -> AbstractContextManager[Any]:
@@ -29,24 +29,24 @@ class BatchOptions:
     Attributes
     ----------
     workers : int or "all", optional
-        Number of processes; "all" for one per core, with at least eight files or records each; 1 for this process on
-        one thread. By default the number in the configuration.
+        Number of processes; "all" for one per core, each with at least eight files or records; 1 for this process
+        alone, on one thread. By default the number in the configuration.
     scheduler : str, optional
         Address of a dask.distributed scheduler whose workers find the files under the same paths.
     executor : concurrent.futures.Executor, optional
-        Any other executor, whose processes can import rockpulse.
+        Any other executor whose processes can import rockpulse.
     resume : bool
-        Keep the finished records of a stopped run, if neither they nor the options have changed.
+        Keep the finished records of a stopped run if neither the records nor the options have changed.
     overwrite : bool
-        Replace existing results; without `resume` also the finished records of a stopped run.
+        Replace existing results and, without `resume`, the finished records of a stopped run.
     strict : bool
         Stop at the first file or record that fails.
     written : tuple of path
-        Other files written during the run, such as a log, which are therefore not read.
+        Other files written during the run, such as a log, which are not read as records.
     bar : callable
         Function of ``total``, ``initial``, ``desc`` and ``unit`` that returns a progress bar, as ``tqdm.tqdm`` does.
     tell : callable
-        Function that is called with each line of text for the user.
+        Function that shows a line of text to the user.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class BatchReport:
     path : Path or None
         The written file; None if no record gave a result.
     records, resumed : int
-        Number of records in the file, and of tasks finished by an earlier run.
+        Number of records in the file, and number of tasks finished by an earlier run.
     failures : list of Failure
         The rows of /failures.
     broken_off : int

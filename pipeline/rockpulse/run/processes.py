@@ -1,4 +1,4 @@
-"""Executor of worker processes with a pipe to each, so that a dead worker affects one item; imports stay light."""
+"""Executor of worker processes, with a pipe to each so that a dead worker affects only one item; few imports."""
 
 import multiprocessing
 import os
@@ -16,7 +16,7 @@ from typing import Any
 
 from rocking.lanes import thread_limit
 
-#: Largest number of attempts to start a worker that is killed while it starts.
+#: Largest number of attempts to start a worker, which may be killed while it starts.
 STARTS = 5
 #: Environment variables that set the number of threads of linear algebra libraries.
 ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -25,13 +25,13 @@ MASKS = hasattr(signal, "pthread_sigmask")
 
 
 def call(function: Callable[[Any], Any], item: Any) -> Any:
-    """Return the function's result for the item, with kernels on one thread, as other workers use the other cores."""
+    """Return the result of the function for the item, with kernels on one thread, as other cores have other workers."""
     with thread_limit(1):
         return function(item)
 
 
 def serve(pipe: Connection) -> None:
-    """The main loop of a worker: for (function, arguments, keywords) it sends (True, result) or (False, exception)."""
+    """Run the main loop of a worker: send (True, result) or (False, exception) for each (function, args, keywords)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole process group: the parent handles it
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
@@ -43,7 +43,7 @@ def serve(pipe: Connection) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this process when its parent ends, which a killed parent cannot signal."""
+    """End this process when its parent ends, even if the parent is killed."""
     parent = multiprocessing.parent_process()
     assert parent is not None
     wait([parent.sentinel])
@@ -68,14 +68,14 @@ def _answer(letter: bytes) -> bytes:
 
 
 class WorkerDied(RuntimeError):
-    """Error: the process that worked on an item was killed or ended."""
+    """Error: the process that worked on an item was killed or has ended."""
 
 
 class WorkerProcesses(ThreadPoolExecutor):
     """An executor of spawned processes, with one thread of this process for each (docs/decisions/014-batch.md).
 
-    A process starts at the first call for which no other is free, and again after one died. A future raises the error
-    of the function, with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no
+    A process starts at a call for which no other process is free, and is replaced if it dies. A future raises the error
+    of the function with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no
     process can be started.
     """
 
@@ -89,7 +89,7 @@ class WorkerProcesses(ThreadPoolExecutor):
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Call ``fn(*args, **kwargs)`` on a worker; function and arguments are pickled."""
+        """Call ``fn(*args, **kwargs)`` on a worker; the function and its arguments are pickled."""
         return super().submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -156,7 +156,7 @@ class WorkerProcesses(ThreadPoolExecutor):
         )
 
     def _end(self, process: SpawnProcess, pipe: Connection) -> int:
-        """Remove a worker whose pipe has closed; return its exit code, negative for a signal."""
+        """Remove a worker whose pipe has closed; return its exit code, which is negative if a signal killed it."""
         pipe.close()
         with self._changing:
             process.join(5.0)

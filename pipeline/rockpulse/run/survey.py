@@ -1,4 +1,4 @@
-"""The first reading of every file: its records without samples, and the locations of the samples."""
+"""Reads every file a first time, for its records without samples and the locations of the samples."""
 
 import hashlib
 import logging
@@ -32,14 +32,14 @@ class SamplesLocation:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
-    """A record without its samples; small and picklable."""
+    """A record without its samples, small and picklable, with their location."""
 
     record: Record  # zeros instead of the samples, in the memory of one number
     parts: tuple[SamplesLocation, ...]  # several for a record split over several files
 
     @property
     def digest(self) -> str:
-        """Digest that is equal for records with the same samples and interval."""
+        """Return a digest that is equal for records with the same samples and sampling interval."""
         digests = [part.digest for part in self.parts]
         return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
 
@@ -68,7 +68,7 @@ def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.nda
 
 @lru_cache(maxsize=2)
 def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
-    """Read every channel of a file; cached, as the tasks of a file follow each other."""
+    """Read every channel of a file; the result is cached, as the tasks of a file follow each other."""
     if member is None:
         return tuple(read_source(open_source(Path(path)), options))
     archive = _archive(path, state)
@@ -79,13 +79,13 @@ def _channels(path: str, member: int | None, state: tuple[int, int, int], option
 
 @lru_cache(maxsize=1)
 def _archive(path: str, state: tuple[int, int, int]) -> Archive:
-    """Open an archive once for all its members."""
+    """Open an archive; the result is cached for its other members."""
     return Archive(Path(path))
 
 
 @dataclass(frozen=True)
 class FileSurvey:
-    """The content of a file or archive without samples."""
+    """The content of a file or archive: records without samples, and failures."""
 
     located: tuple[Located, ...] = ()  # the channels in order
     failures: tuple[Failure, ...] = ()  # failures of the file or its members
@@ -132,7 +132,7 @@ def unexpected_fault(fault: BaseException) -> RuntimeError:
 def gather_survey(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """Collect all records as ``read_all`` does, without samples, and failures; surveys may come in any order."""
+    """Collect all records without samples, as ``read_all`` does, and all failures; the surveys may be in any order."""
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
     located = {id(one.record): one for survey in ordered for one in survey.located}

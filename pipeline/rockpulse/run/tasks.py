@@ -1,4 +1,4 @@
-"""The tasks of a batch, one per channel or pair: planned on records without samples, executed by a worker."""
+"""The tasks of a batch, one per channel or pair, which are planned without samples and executed by workers."""
 
 import hashlib
 import logging
@@ -32,21 +32,21 @@ from rockpulse.selection.tables import selection_of
 from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 
-#: Sections of the configuration that do not affect the numbers of a record, by command.
+#: For each command, the sections of the configuration that do not affect the numbers of a record.
 IDLE = {
     "assess": {"site", "report", "calibration", "fragility", "hazard", "check"},
     "calibrate": {"site", "report", "models", "search", "uncertainty", "fragility", "hazard", "check"},
     "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
 }
 
-#: Keys of [calibration] and of [fragility] that only affect the end of a run.
+#: Keys of [calibration] and [fragility] that affect only the statistics at the end of a run.
 LATE = ("weights", "quantile", "confidence", "bootstrap")
 OF_FITS = ("model", "overturning_model", "confidence")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Task:
-    """A channel, or a pair to be rotated, without samples; small and picklable."""
+    """A channel, or a pair of channels to be rotated, without samples; small and picklable."""
 
     planned: PlannedMotion
     places: Mapping[str, tuple[SamplesLocation, ...]]  # locations of the samples, by id of the record
@@ -54,16 +54,16 @@ class Task:
 
     @property
     def key(self) -> str:
-        """Id of the record or name of the pair, equal in every run on the same files."""
+        """Id of the record or name of the pair, which is the same in every run on the same files."""
         return self.planned.name
 
     @property
     def source(self) -> str:
-        """Names of the files, as in rows of failures."""
+        """Names of the files, as in the rows of failures."""
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """Read the planned record with its samples, with the options of the survey; raises as `Located.read`."""
+        """Read the planned record with its samples, with the options of the survey; errors as in `Located.read`."""
         planned = self.planned
         channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
         vertical, partner = (
@@ -82,7 +82,7 @@ class Task:
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
-    """Make a task for each channel or pair that an analysis has planned."""
+    """Return a task for each channel or pair that an analysis has planned."""
     places = {one.record.id: one.parts for one in channels}
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
     tasks = []
@@ -104,11 +104,11 @@ def read_options(config: Config) -> ReadOptions:
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
-    """Return the SHA-256 of the options that affect the numbers of a record, of the schema and of the program.
+    """Return the SHA-256 of the program, the schema, and the options that affect the numbers of a record.
 
     It excludes paths, duplicate selection, workers, names, and options for the end of a run (tables of events and
-    weights, statistics, fits). Units, intervals and confirmed ids are in the fingerprint of each task; the seed is
-    included only if bodies have a probability of overturning.
+    weights, statistics, fits). Units, intervals and confirmed ids are part of the fingerprint of each task; the seed is
+    included only if a probability of overturning is computed.
     """
     seeded = verb == "assess" and config.has_probability
     config = replace(
@@ -145,7 +145,7 @@ def _as_default(settings: Any, keys: Iterable[str]) -> Any:
 
 @lru_cache(maxsize=1)
 def program_digest() -> str:
-    """Return the SHA-256 of the sources, which may change within a version in an editable installation."""
+    """Return the SHA-256 of the source files, which may change within a version in an editable installation."""
     digest = hashlib.sha256()
     for folder in (Path(__file__).parents[1], Path(str(rocking.__file__)).parent):
         for path in sorted(folder.rglob("*.py")):
@@ -199,7 +199,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
 @contextmanager
 def _log_lines() -> Iterator[list[Message]]:
-    """Collect the log lines of this thread, which the parent process writes, without the start of a compilation."""
+    """Collect the log messages of this thread for the parent process, except those on the start of a compilation."""
     messages: list[Message] = []
     thread = get_ident()
 

@@ -1,4 +1,4 @@
-"""The workers of a batch: this process, local processes or a cluster; no item is lost if a worker dies."""
+"""The workers of a batch (this process, local processes or a cluster); no item is lost if a worker dies."""
 
 import logging
 import re
@@ -21,8 +21,8 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 #: Pattern of the address of a dask scheduler.
 ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
-#: Number of items submitted per worker, so that none is idle while the parent writes; on a cluster the transfer may
-#: take longer than a short record.
+#: Number of items submitted per worker, so that no worker is idle while the parent writes; more on a cluster, where the
+#: transfer may take longer than the work on a short record.
 AHEAD, AHEAD_ON_CLUSTER = 2, 8
 #: Interval between queries for the workers of a scheduler [s].
 ASK_EVERY = 1.0
@@ -37,7 +37,7 @@ class WorkerLost:
 
 @dataclass(eq=False)
 class WorkerPool:
-    """Workers that live as long as a ``with`` block; made by one of the class methods."""
+    """The workers of a ``with`` block, made by one of the class methods."""
 
     executor: Executor | None  # None for this process
     count: Callable[[], int]  # number of items processed at the same time
@@ -54,7 +54,7 @@ class WorkerPool:
 
     @classmethod
     def local(cls, workers: int) -> Self:
-        """Use local processes, each with one thread for its kernels."""
+        """Use local processes, each of which runs its kernels on one thread."""
         if workers < 1:
             raise ValueError(f"workers: expected a whole number of at least 1, got {workers!r}")
         return cls(WorkerProcesses(workers), lambda: workers, deaths=(WorkerDied,), tries=2)
@@ -64,8 +64,8 @@ class WorkerPool:
         """Use the workers of a running dask.distributed cluster, with one thread for the kernels of each item.
 
         The scheduler repeats an item whose worker died (its option ``allowed-failures``). Raises ConfigError if the
-        package ``distributed`` is missing, no scheduler responds at the address, such as ``tcp://10.0.0.1:8786``,
-        within the timeout [s], or a worker has another version of rockpulse.
+        package ``distributed`` is missing, if no scheduler responds within the timeout [s] at the address, such as
+        ``tcp://10.0.0.1:8786``, or if a worker has another version of rockpulse.
         """
         if not ADDRESS.fullmatch(address):
             raise ConfigError(
@@ -77,7 +77,7 @@ class WorkerPool:
 
     @classmethod
     def through(cls, executor: Executor) -> Self:
-        """Use any executor, which the caller shuts down."""
+        """Use any executor; the caller shuts it down."""
         return cls(executor, available_cores, owned=False)
 
     @property
@@ -100,9 +100,9 @@ class WorkerPool:
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
         """Yield each item with the result of a picklable function, in order of completion.
 
-        A few items per worker are submitted ahead. An item whose worker died is repeated once, alone and after all
-        others; after that its result is :class:`WorkerLost`. Raises the error of the function with the worker's
-        traceback in its notes, and ConnectionError if the cluster is lost.
+        A few items per worker are submitted in advance. An item whose worker died is repeated once, alone and after all
+        others; if its worker dies again, the result is :class:`WorkerLost`. Raises the error of the function with the
+        worker's traceback in its notes, and ConnectionError if the cluster is lost.
         """
         if self.executor is None:
             yield from ((item, function(item)) for item in items)
@@ -183,7 +183,7 @@ class _Cluster(Executor):
         self._executor = self._client.get_executor(pure=False)
 
     def size(self) -> int:
-        """Number of threads of all workers, at least 1; cached for a second, as a query is slow."""
+        """Number of threads of all workers, at least 1; it is cached for a second, as a query is slow."""
         now = time.monotonic()
         if now >= self._ask_again:
             try:

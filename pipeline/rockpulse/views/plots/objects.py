@@ -120,7 +120,7 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> rp.plots.response(rp.models.recorded_response(pier, record.acceleration, record.dt)).get_xlabel()
-    'lane'
+    'body'
     """
     ax = style.one_axes(ax)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
