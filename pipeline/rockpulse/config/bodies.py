@@ -52,7 +52,7 @@ class Bodies:
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
-        """Group body indices by place, the record's own place (`within` degrees of `azimuth`) first."""
+        """Group body indices by direction and floor; directions `within` degrees of `azimuth` are the record's own."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
@@ -75,7 +75,7 @@ class Bodies:
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
     def apart(self) -> tuple[list[str], Block, np.ndarray]:
-        """Split restitutions into bodies such as "wall C 0.9": names, lanes, body; ConfigError for equal names."""
+        """Split bodies by restitution ("wall C 0.9"): return names, lanes, body index; ConfigError for equal names."""
         names, kept = [], []
         for place, (name, own) in enumerate(
             zip(self.names, self.per_case(np.asarray(self.lanes.restitution)), strict=True)

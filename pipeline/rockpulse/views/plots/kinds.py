@@ -1,4 +1,4 @@
-"""The kinds of pictures: content, source file and options of each."""
+"""The kinds of pictures, each with its content, source file and options."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from rockpulse.storage.variables.site import SITE_KIND
 
 @dataclass(frozen=True)
 class PictureKind:
-    """One kind of picture."""
+    """One kind of picture: content, source file and options."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
     summary: str  # content of the picture
@@ -69,7 +69,7 @@ KINDS = {
     ),
 }
 
-#: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`.
+#: Options of the command line for each keyword of :func:`~rockpulse.plots.draw`.
 OPTIONS = {
     name: f"--{name.replace('_', '-')}"
     for name in ("record", "block", "model", "demand", "case", "factor", "measure", "limit_state", "restitution")
@@ -77,7 +77,7 @@ OPTIONS = {
 
 
 def kind_list() -> str:
-    """Return the list of kinds as text: content, command that makes the file, and options of each."""
+    """Return the list of kinds as text: for each its content, the command that makes the file, and the options."""
     from rockpulse.views.shared.formatting import paragraph
 
     lines = []

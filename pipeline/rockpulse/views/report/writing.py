@@ -1,4 +1,4 @@
-"""Writing of the report: one HTML page without external resources, or a PDF printed by a browser."""
+"""Writes the report as one HTML page without external resources, or as a PDF printed by a browser."""
 
 import base64
 import hashlib
@@ -35,28 +35,28 @@ from rockpulse.views.shared.words import in_dates, own_name, say, writing
 MARK = '<meta name="generator" content="rockpulse report'
 #: Mark in the last line of every PDF of a report, which PDF readers ignore; a file without it is never replaced.
 PDF_MARK = b"\n% rockpulse report\n"
-#: Number of bytes at the head of a page that are searched for the mark.
+#: Number of bytes at the start of a page in which the mark is searched.
 HEAD = 4096
-#: Names of the kinds of files.
+#: Printed names of the kinds of files.
 _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
-#: Ids of the parts of the annex; empty parts are left out.
+#: Ids of the parts of the annex, of which empty ones are omitted.
 ANNEXES = ("warnings", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 #: Replacements of terminal spellings by Greek letters and powers.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
-#: Names of usable browsers on PATH.
+#: Names of the programs of usable browsers on PATH.
 BROWSERS = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
     *("microsoft-edge", "msedge"),
 )
 
-#: Their locations on Windows, below the program folders, and on macOS, among the applications.
+#: Locations of browsers: on Windows below the program folders, on macOS among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
 WINDOWS = tuple(
     f"{name}.exe"
     for name in ("Google/Chrome/Application/chrome", "Chromium/Application/chrome", "Microsoft/Edge/Application/msedge")
 )
 MACOS = tuple(f"{name}.app/Contents/MacOS/{name}" for name in ("Google Chrome", "Chromium", "Microsoft Edge"))
-#: Time limit of printing [s]; a report of 200 records and 20 bodies takes about ten.
+#: Time limit of printing [s]; a report of 200 records and 20 bodies takes about 10 s.
 LONGEST = 180.0
 #: Advice if no browser is found.
 INSTEAD = "write the report as .html and print it from a browser"
@@ -90,7 +90,7 @@ def report(
     overwrite : bool
         Whether an existing report may be replaced; other files are never replaced.
     language : str
-        Language of texts and numbers: "en" or "it". Warnings and reasons of readers stay English.
+        Language of text and numbers: "en" or "it". Warnings and reasons of readers remain in English.
     config : Config or path, optional
         Configuration whose author, client, project and logo ([report]) replace those in the results.
 
@@ -126,7 +126,7 @@ def report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a report; raise ResultsError if it cannot be written. Called before any work."""
+    """Return the path of a report, before any work; raise ResultsError if the report cannot be written there."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -203,7 +203,7 @@ def report_page(
 
 
 def _in_language(tree: xr.DataTree) -> xr.DataTree:
-    """The tree with the names of bodies, the title and the description of samples in the language that is written."""
+    """Return the tree with names of bodies, title and description of the samples in the current language."""
 
     def renamed(node: xr.Dataset) -> xr.Dataset:
         attrs = {name: own_name(str(node.attrs[name])) for name in ("title", "site_description") if name in node.attrs}
@@ -268,7 +268,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """Return the PDF of an HTML page; raise ResultsError without a browser or after the time limit."""
+    """Return the PDF of an HTML page; raise ResultsError if no browser is found or the time limit is exceeded."""
     program = browser()
     # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

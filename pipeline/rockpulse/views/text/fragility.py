@@ -1,4 +1,4 @@
-"""A fragility file as text: medians, dispersions and bands of every body, and the most efficient measure."""
+"""A fragility file as text: medians, dispersions and confidence bands of every body, and the most efficient measure."""
 
 import math
 
@@ -40,7 +40,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
 
 
 def shown_measure(curves: xr.Dataset) -> str:
-    """Return the intensity measure to show from the node /fragility."""
+    """Return the intensity measure to be shown, from the node /fragility."""
     measures = [str(name) for name in curves["measure"].values]
     return REFERENCE if REFERENCE in measures else measures[0]
 
@@ -59,7 +59,7 @@ def state_words(name: str) -> str:
 
 
 def statement(one: xr.Dataset) -> str:
-    """Return the statement on a curve of a body and limit state in one measure; may be empty."""
+    """Return the statement on the curve of a body and limit state in one measure; it may be empty."""
     return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 
@@ -95,7 +95,7 @@ def median_table(tree: xr.DataTree) -> Table:
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Return a table of the dispersion of all bodies together, with the smallest of each limit state marked."""
+    """Return a table of the dispersions over all bodies, with the smallest for each limit state marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:
@@ -121,7 +121,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """Return a table of the numbers of cases in which capacity depends on further properties; may be empty."""
+    """Return a table of the number of cases in which the capacity depends on other properties; it may be empty."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))
@@ -141,7 +141,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
-    """Return a sentence for every property that some files state: number of records, and whether they suffice."""
+    """Return a sentence for every property that some files state: number of records, and whether it suffices."""
     total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
@@ -154,7 +154,7 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """Return one statement of each kind, by status of curve, band and median, with the number of similar ones."""
+    """Return one statement for each status of curve, band and median, with the number of similar statements."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):
