@@ -2,7 +2,7 @@
 
 Numba's own cache detects a change in the file of a kernel only, not in the kernels that it calls. Here each version of
 the sources has its own folder (docs/decisions/021-kernel-cache.md): ``rockpulse-<digest>`` in the user's cache folder,
-or in ``NUMBA_CACHE_DIR``. A file holds one kernel for one signature and one processor, with a checksum.
+or in ``NUMBA_CACHE_DIR``. A file contains one kernel for one signature and one processor, with a checksum.
 """
 
 import errno
@@ -180,7 +180,7 @@ def _warn_not_stored(error: OSError) -> None:
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file completely or not at all."""
+    """Write a file atomically."""
     part = path.with_name(f"{uuid.uuid4().hex}.part")
     try:
         part.write_bytes(content)
@@ -195,7 +195,7 @@ logged: set[str] = set()
 
 
 def _first_time(record: logging.LogRecord) -> bool:
-    """Return whether this process logs a message for the first time; each of its dozens of kernels may log it."""
+    """Return whether this process has not logged a message yet; each of its dozens of kernels may log it."""
     text = record.getMessage()
     new = text not in logged
     logged.add(text)

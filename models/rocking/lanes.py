@@ -28,7 +28,7 @@ def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
 
 
 class LaneValues:
-    """A dataclass whose fields made by :func:`lane_field` hold one value per lane; other fields hold for all lanes."""
+    """A dataclass with one value per lane in each field made by :func:`lane_field`; other fields apply to all lanes."""
 
     @classmethod
     def lane_fields(cls) -> dict[str, tuple[Any, int]]:

@@ -67,7 +67,7 @@ class Picture:
         self._parts.append(f'<circle cx="{at:.1f}" cy="{up:.1f}" r="{radius:g}" fill="{colour}"/>')
 
     def words(self, text: str, x: float, y: float, anchor: str = "middle", colour: str = INK) -> None:
-        """Write a text that begins at, ends at or is centred on a point (anchor "start", "end" or "middle")."""
+        """Write a label that begins at, ends at or is centred on a point (anchor "start", "end" or "middle")."""
         (at,), (up,) = self._placed([x], [y])
         self._parts.append(
             f'<text x="{at:.1f}" y="{up:.1f}" text-anchor="{anchor}" fill="{colour}">{html.escape(text)}</text>'

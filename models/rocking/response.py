@@ -146,7 +146,7 @@ class Response(LaneValues, Shown):
 
     @property
     def overturned(self) -> Booleans:
-        """Whether the block overturned; False if the outcome is UNRESOLVED."""
+        """True if the block overturned; False if the outcome is UNRESOLVED."""
         found = np.asarray(self.outcome) == Outcome.OVERTURNS
         return bool(found) if found.ndim == 0 else found
 

@@ -152,7 +152,7 @@ class BlockLanes(LaneValues, Shown):
         return np.array([own is not None for own in self.acting()]).reshape(self.shape)
 
     def acting(self) -> list[Restraints | None]:
-        """The restraints of each lane."""
+        """Return the restraints of each lane."""
         return list(np.ravel(np.array(self.restraints, dtype=object)))
 
     @property
@@ -161,7 +161,7 @@ class BlockLanes(LaneValues, Shown):
         return self.known_to(())
 
     def known_to(self, features: Collection[str]) -> Booleans:
-        """True for bodies that have no other :data:`FEATURES` than the given ones, which a model can treat."""
+        """Return whether a body has no :data:`FEATURES` other than the given ones, which a model can treat."""
         known = np.ones(self.shape, dtype=bool)
         for name, has in FEATURES.items():
             if name not in features:

@@ -230,7 +230,7 @@ def size_problem(width: float, height: float) -> str:
 
 
 def size_warning(width: np.ndarray, height: np.ndarray, shape: str) -> str:
-    """Return a warning of the first unusual size; for other shapes, of the rectangle with the same R and alpha."""
+    """Return a warning of the first unusual size (for other shapes, of the rectangle with the same R and alpha)."""
     sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
     for base, rise in zip(*sizes, strict=True):
         if doubt := size_problem(base, rise):

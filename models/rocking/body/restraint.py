@@ -33,7 +33,7 @@ def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]])
 
 @dataclass(frozen=True)
 class Tie:
-    """A tie or restrainer that holds a body back once it has turned far enough.
+    """A tie or restrainer that resists the rotation of a body beyond a gap.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class Restraints:
 
     @classmethod
     def from_text(cls, text: str) -> Self | None:
-        """Read restraints from the text of :meth:`as_text`; return None for an empty text."""
+        """Read restraints from the JSON of :meth:`as_text`; return None for an empty string."""
         if not text:
             return None
         parts, makers = json.loads(text), {"ties": Tie, "loads": Load, "thrusts": Thrust}

@@ -38,7 +38,7 @@ class MainSequenceLanes(NamedTuple):
 
 @njit()
 def amplification(restitution, half_cycle):
-    """Ratio Return u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
+    """Return u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
     if restitution == 1.0:
         return float(half_cycle)
     if restitution == 0.0:
@@ -227,9 +227,9 @@ def resonance(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse counts in `impacts`, but is not
-        in the table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the start
-        of the half-cycle that overturns. u = 1 overturns.
+        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse is included in `impacts`, but
+        not in the table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the
+        start of the half-cycle that overturns. u = 1 overturns.
 
     Examples
     --------

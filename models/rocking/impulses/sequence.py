@@ -60,9 +60,9 @@ def sequence_response(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table holds the half-cycles that a main impulse starts,
-        until the motion repeats itself; later half-cycles and the free decay are only included in `impacts`, which is
-        -1 for an endless motion. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
+        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table contains the half-cycles that a main impulse
+        starts, until the motion repeats itself; later half-cycles and the free decay are only included in `impacts`,
+        which is -1 for an endless motion. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
         (HALF_CYCLE_LIMIT) after 50 000 half-cycles without overturning or repetition, (SHORT_INTERVAL) below 1e-4/p.
 
     Raises

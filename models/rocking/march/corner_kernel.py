@@ -97,7 +97,7 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
 
 @njit(_nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, held):
-    """Return the state of a slot that needs attention, and whether its lane has ended."""
+    """Return the state of a slot marked ATTENTION, and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]

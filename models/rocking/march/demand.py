@@ -177,7 +177,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
 
 
 def within_measured_range(block: Block, dt: float) -> np.ndarray:
-    """True, (m,), for free blocks inside :data:`MEASURED_RANGE` under a record sampled at dt [s]."""
+    """Return a mask (m,) of free blocks inside :data:`MEASURED_RANGE` under a record sampled at dt [s]."""
     measured = {
         "p": block.p,
         "alpha": block.alpha_c,

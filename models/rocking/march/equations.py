@@ -205,7 +205,7 @@ def flight_time(excess, start, stop):
 
 @njit(_nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
-    """Nonlinear counterpart of :func:`linear_after`, by conservation of energy; tau is the time to phi = pi/2.
+    """Return the nonlinear motion as :func:`linear_after`, from conservation of energy; tau is the time to phi = pi/2.
 
     The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block below the top passes it if it moves
     outward with energy >= 0; a block beyond the top returns only if it moves inward with positive energy.

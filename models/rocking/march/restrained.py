@@ -58,7 +58,7 @@ def rotation_at(displacement, point):
 
 @njit(_nrt=False)
 def outward_displacement(phi, height, distance):
-    """Outward displacement of a point at a height and a distance behind the corner [m]."""
+    """Return the outward displacement of a point at a height and a distance behind the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 

@@ -4,7 +4,7 @@ A step of all slots is one loop without branches over contiguous rows, which the
 instructions. Row R of slot j is ``f[R + j]`` of a flat array, so that the compiler knows that rows do not overlap.
 
 .. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, tau = p t; angles in rad, speeds in
-   rad per unit of tau, accelerations over gravity.
+   rad per unit of tau, accelerations divided by gravity.
 """
 
 from typing import NamedTuple

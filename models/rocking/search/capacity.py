@@ -63,7 +63,7 @@ def critical_scale(
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes.
+        Intervals of (m,) lanes.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def impulsive_critical_scale(
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes.
+        Intervals of (m,) lanes.
 
     Notes
     -----
@@ -206,7 +206,7 @@ def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes.
+        Intervals of (m,) lanes.
 
     Examples
     --------
@@ -239,7 +239,7 @@ def sequence_critical_scale(
         Largest scale factor that is considered [-].
     step : float
         Largest ratio of neighbouring factors in a search, above 1; every spacing except "continuous" needs a search,
-        because the number of secondary impulses in a half-cycle comes from the march.
+        because the number of secondary impulses in a half-cycle is a result of the march.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
     paired : bool
@@ -248,7 +248,7 @@ def sequence_critical_scale(
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes. In closed form `safe_up_to` and `safety_factor` are the same number.
+        Intervals of (m,) lanes. In closed form `safe_up_to` and `safety_factor` are the same number.
 
     Raises
     ------

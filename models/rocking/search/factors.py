@@ -66,7 +66,7 @@ class ScaleIntervals(LaneValues):
 
     @classmethod
     def unknown(cls, lanes: tuple[int, ...]) -> Self:
-        """Return the intervals of `lanes` lanes that were not searched: NaN, without intervals."""
+        """Return a result for `lanes` lanes that were not searched: without intervals, numbers NaN."""
         nan, none, no_flag = np.full(lanes, np.nan), np.empty(0), np.empty(0, dtype=bool)
         return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
 

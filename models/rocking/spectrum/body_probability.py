@@ -1,8 +1,8 @@
 """Probability of overturning P(f) of any body under a record times f, from nonlinear marches of this body.
 
-.. note:: The intervals of 90 % come from resampling the lanes with replacement as if they were independent (Sobol
-   points scatter less). If all n = (sum w)^2/sum w^2 effective lanes near the factor one have the same outcome,
-   resampling gives no spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
+.. note:: The 90 % intervals are from resampling the lanes with replacement as if they were independent (Sobol points
+   scatter less). If all n = (sum w)^2/sum w^2 effective lanes near the factor one have the same outcome, resampling
+   gives no spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
 """
 
 import math
@@ -166,7 +166,7 @@ def overturning_probability(
     seed: int = 0,
     threads: int | None = None,
 ) -> OverturningProbability:
-    """Compute the probability that bodies overturn under a record times a factor, by the nonlinear equation.
+    """Compute the probability that bodies overturn under a record times a factor, with the nonlinear equation.
 
     Parameters
     ----------

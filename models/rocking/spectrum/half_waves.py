@@ -162,7 +162,7 @@ def demand_of_half_waves(
     Returns
     -------
     HalfWaveDemand
-        Of (m,) lanes. Without half-waves the measures are 0 and the main count 1.
+        Demand on (m,) blocks. Without half-waves the measures are 0 and the main count is 1.
 
     Notes
     -----

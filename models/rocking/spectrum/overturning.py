@@ -36,7 +36,7 @@ from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, RATES, SpectrumLan
 LEVEL_STEP = 0.05
 #: Truncation of the shift, in standard deviations.
 REACH = 6.0
-#: Standard normal quantile for intervals of 90 %.
+#: Standard normal quantile for 90 % intervals.
 TWO_SIDED = 1.6448536269514722
 #: Model error (similarity, interpolation in ln p) as a standard deviation of ln f, included in every interval
 #: (docs/decisions/018).

@@ -1,4 +1,4 @@
-"""March of slender blocks under a piecewise linear ground acceleration, by the linear equation in closed form.
+"""March of slender blocks under a piecewise linear ground acceleration, with the linear equation in closed form.
 
 .. note:: With phi = theta/alpha, tau = p t, u = s phi and g = (x/p) a_g, linear in tau over a piece, u'' = u - 1 - s g
    (Eqs. 1-2). So y = u - 1 - s g obeys y'' = y: y = A e^tau + B e^-tau with A = (y_0 + y_0')/2 and B = (y_0 - y_0')/2.

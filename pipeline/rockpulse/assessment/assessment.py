@@ -1,4 +1,4 @@
-"""Assessment of bodies under records, or under the design sequence of a site."""
+"""Assessment of bodies under records, or under the design spectrum or design sequence of a site."""
 
 import math
 import os
@@ -47,9 +47,9 @@ def assess(
     Parameters
     ----------
     records : path, Record, or iterable of either
-        Files, folders, globs and zip archives, read by ``[records]`` as by :func:`rockpulse.read_all`; or all channels,
-        as :func:`rockpulse.read` returns them. Vertical channels and, by default, structural ones are listed, not
-        assessed; ``[records] components`` says whether pairs of horizontal channels are rotated.
+        Files, folders, globs and zip archives, read with the options of ``[records]`` as in :func:`rockpulse.read_all`;
+        or all channels, as :func:`rockpulse.read` returns them. Vertical channels and, by default, structural ones are
+        listed, not assessed; ``[records] components`` sets whether pairs of horizontal channels are rotated.
     config : Config or path, optional
         Options; by default the default settings.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
@@ -59,15 +59,15 @@ def assess(
     progress : callable, optional
         Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
     units, dt : str, float, optional
-        Unit and sampling interval [s] of files that do not state theirs, in place of those of ``[records]``.
+        Unit and sampling interval [s] of files that do not state them, in place of those of ``[records]``.
     all_models : bool
-        Every model side by side, in place of ``[models] use``.
+        Whether to run every model, in place of ``[models] use``.
 
     Returns
     -------
     xarray.DataTree
-        /summary, /half_cycles, /overturning_intervals, /failures, for a sweep over direction /directions and, unless
-        switched off, /records; see docs/schema.md. ``tree.rockpulse`` is :class:`Results`, with the verdicts.
+        /summary, /half_cycles, /overturning_intervals, /failures, /directions for a sweep over direction, and /records
+        unless switched off; see docs/schema.md. ``tree.rockpulse`` is a :class:`Results`, with the verdicts.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def assess(
 
 
 class Assessment(Analysis):
-    """Computes the response of every body to every record by every model."""
+    """Computes the response of every body to every record with every model."""
 
     name = "assess"
     doing = "assessing"
@@ -106,7 +106,7 @@ class Assessment(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Empty variables of a record without results."""
+        """Return empty variables, for a record without results."""
         return empty_rows(self.bodies, self.config)
 
     def dimension_of(self, name: str) -> str:
@@ -125,7 +125,7 @@ class Assessment(Analysis):
 
 
 def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
-    """Assess all bodies under one record; raise ValueError if it has no intense phase or a model refuses it."""
+    """Assess all bodies under one record; raise ValueError if it has no intense phase or a model rejects it."""
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
@@ -135,7 +135,7 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
         return record_part(assessment)
 
 
-#: Default name of a design sequence, used instead of the id of a record.
+#: Default name of a design sequence, in place of the id of a record.
 NAME = "design sequence"
 
 
@@ -146,7 +146,7 @@ def assess_sequence(
     name: str = NAME,
     source: str = "",
 ) -> xr.DataTree:
-    """Assess bodies under the design of a site: one sequence of impulses for all bodies, or one for each.
+    """Assess bodies under the design of a site: one impulse sequence for all bodies, or one for each.
 
     Parameters
     ----------
@@ -157,20 +157,20 @@ def assess_sequence(
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     name, source : str
-        Id of the row, instead of a record's, and source file of the sequence.
+        Id of the row, in place of a record's id, and source file of the sequence.
 
     Returns
     -------
     xarray.DataTree
         A tree as from :func:`rockpulse.assess`, with one row whose record columns are empty. Models that need a record
-        (impulsive, linear, nonlinear) are left out, with a warning; for a design spectrum, where every body has its own
-        sequence, also resonance and the columns of the sequence.
+        (impulsive, linear, nonlinear) are omitted, with a warning; so are resonance and the columns of the sequence for
+        a design spectrum, with which every body has its own sequence.
 
     Raises
     ------
     ConfigError
-        Without a body, for several sequences or an endless one, for bodies outside the design spectrum, or if
-        ``[models] use`` names no model that can use the design.
+        Without a body, for several sequences or an endless one, for bodies outside the design spectrum, or if no model
+        in ``[models] use`` can use the design.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """Defects of a channel, judged on its samples as they came: gaps, spikes, drift, noise, cut and coarse records.
 
-The bounds were chosen on real records, see docs/decisions/021-defects.md.
+The bounds were chosen on real records, see docs/decisions/022-defects.md.
 """
 
 from dataclasses import replace

@@ -43,7 +43,7 @@ def _comment(config: Config) -> str:
 
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
-    """Declare a value and the ends of its interval of 90 %."""
+    """Declare a value and the ends of its 90 % interval."""
     told = {
         name: long_name,
         f"{name}_low": f"lower end of the interval of 90 % of {name}",
@@ -114,12 +114,12 @@ AT_DEMAND: Declared = {
 
 #: Nominal restitutions of a stored spectrum [-].
 RESTITUTIONS = np.linspace(0.75, 1.0, 6)
-#: Scale factors over the mean capacity at which the probability is stored [-], from 0.2 to 5.
+#: Scale factors divided by the mean capacity at which the probability is stored [-], from 0.2 to 5.
 LEVELS = np.exp(np.linspace(-1.6, 1.6, 65))
 #: Limit states of rotation with separate spectra, as theta/alpha_c [-].
 ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 
-#: Variables of a spectrum along its axes, which are equal for all records, so that all spectra form one array.
+#: Variables of a spectrum along its axes, which are the same for all records, so that all spectra form one array.
 SPECTRUM_AXES: Declared = {
     "p": real("frequency parameter of the blocks", "s-1", _fixed(RATES), dims=("p",)),
     "restitution": real(
@@ -170,7 +170,7 @@ def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
     return replace(variable, dims=("record", *variable.dims), take=take, stored=_has, of_ground=True)
 
 
-#: The group /spectra of an assessment without record names; NaN at values of p that no body needs.
+#: The group /spectra of an assessment without record names; values are NaN at a p that no body needs.
 SPECTRA: Declared = {
     **{name: replace(axis, stored=_has) for name, axis in SPECTRUM_AXES.items()},
     **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},

@@ -10,7 +10,7 @@ RiskStatus = IntEnum("RiskStatus", "GIVEN NO_CURVE NO_LIMIT NOT_COVERED", start=
 
 OWN = "unit of the measure in SI"
 
-#: Variables over the bodies, and over the levels that contribute to each.
+#: Variables along the bodies, and along the levels that contribute to each.
 RISK: Declared = {
     **along(
         ("block",),
@@ -36,7 +36,7 @@ RISK: Declared = {
     ),
 }
 
-#: Variables over the bodies of an inventory.
+#: Variables along the bodies of an inventory.
 INVENTORY: Declared = along(
     ("body",),
     frequency=real("annual frequency of overturning", "year-1"),
@@ -53,7 +53,7 @@ INVENTORY: Declared = along(
     status=flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
 )
 
-#: Variables over free bodies and levels of a measure.
+#: Variables along free bodies and levels of a measure.
 FREE_FRAGILITY: Declared = {
     **along(
         ("body", "level"),
@@ -67,7 +67,7 @@ FREE_FRAGILITY: Declared = {
     ),
 }
 
-#: Variables of the standing test, over the bodies of either.
+#: Variables of the survival test of a hazard, along the bodies.
 STANDING: Declared = {
     "chance": real("probability that the body has stood for its age, exp(-frequency age)"),
     "chance_low": real("the same at the upper limit of the frequency"),
@@ -78,7 +78,7 @@ STANDING: Declared = {
 }
 
 
-#: Variables of code checks over the bodies, and over bodies and codes; a ratio of 1 or more passes.
+#: Variables of code checks along the bodies, and along bodies and codes; a ratio of 1 or more passes.
 CHECK: Declared = {
     **along(
         ("block",),

@@ -23,8 +23,8 @@ def _of_record(name: str) -> Callable[[Any], Any]:
     return lambda one: getattr(one.record, name)
 
 
-#: Facts about earthquake and site from the file of a record, by the field names of a record, taken from any object with
-#: a `record`; stored for every record in every study.
+#: Earthquake and site data from the file of a record, by the fields of a record: functions of an object with a
+#: `record`; stored for every record in every study.
 FACTS: Declared = along(
     ("record",),
     _of_record,
@@ -56,7 +56,7 @@ def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable
     return lambda one: absent if one.sequence is None else take(one.sequence)
 
 
-#: Functions that take values other than record fields from an assessed record.
+#: Functions that return values other than record fields from an assessed record.
 _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "event": None,  # known only after all records are read
     "event_title": _of_record("event"),
@@ -80,7 +80,7 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    """Arrange the values that `pick` gives for each of k models in (b x c, ...) lanes as (b, c, k, ...)."""
+    """Arrange values (b x c, ...) that `pick` returns for each of k models as (b, c, k, ...)."""
     return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 
@@ -89,13 +89,13 @@ def _of_search(name: str) -> Callable[[Any], Any]:
 
 
 def _where_searched(name: str) -> Callable[[Any], Any]:
-    """Return a whole number of the search, or -1 without a search."""
+    """Return an integer from the search for scale factors, or -1 without a search."""
     return _per_model(
         lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
     )
 
 
-#: Functions that take values other than those of the response.
+#: Functions that return values other than those of the response.
 _OF_ANSWER: dict[str, Callable[[Any], Any]] = {
     "safety_factor": _of_search("safety_factor"),
     "factor_resolved": _where_searched("factor_resolved"),
@@ -112,7 +112,7 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
 
 
 def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
-    """Declare the variable of each measure, followed by a flag of doubt due to a drifting baseline."""
+    """Declare the variable of each measure, followed by a flag for values in doubt due to baseline drift."""
     found = {}
     for one in measures:
         long_name = f"{one.meaning or one.long_name}{one.stored}"

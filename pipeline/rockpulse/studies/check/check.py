@@ -1,4 +1,4 @@
-"""The check of the bodies of a configuration by codes, compared with time histories of the same bodies."""
+"""The code checks of the bodies of a configuration, compared with time histories of the same bodies."""
 
 import math
 import os
@@ -31,26 +31,26 @@ def check(
     config: Config | str | os.PathLike[str] | None = None,
     code: str | Sequence[str] = CODES,
 ) -> xr.Dataset:
-    """Check the bodies of a configuration by codes, from their geometry and the demand of [check].
+    """Check the bodies of a configuration according to codes, from their geometry and the demand of [check].
 
     Parameters
     ----------
     results : xarray.DataTree or path, optional
-        Of :func:`rockpulse.assess` on the same bodies, to compare with.
+        Results of :func:`rockpulse.assess` for the same bodies, for comparison.
     config : Config or path, optional
-        With [[block]] and [check]; by default that of the results.
+        Configuration with [[block]] and [check]; by default that of the results.
     code : str or sequence of str
-        Of "circolare_2009", "circolare_2019", "en_1998".
+        Codes to check: "circolare_2009", "circolare_2019", "en_1998".
 
     Returns
     -------
     xarray.Dataset
         Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
         [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
-        `displacement_ratio`, and `statement`, the reason for NaN. A ratio of 1 or more passes; it is the worse of the
-        two directions of rotation, which `activation_sense` and `displacement_sense` name. If results are given, over
-        (block): `probability` of overturning and `factor_50`, the median over the records, for the worst of several
-        restitutions; and `beside`, the reason for NaN.
+        `displacement_ratio`, and `statement`, the reason for NaN. A ratio of 1 or more passes; it is for the worse
+        direction of rotation, named in `activation_sense` and `displacement_sense`. If results are given, over (block):
+        `probability` of overturning and `factor_50`, the median over the records, for the worst of several
+        restitutions; and `beside`, the reason for NaN in these.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def _checked(
 
 
 def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies found equal in the results."""
+    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies from equal ones in the results."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]
@@ -147,7 +147,7 @@ def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) 
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name, with and without their pedestals."""
+    """Return the bodies of a configuration by name, each with and without its pedestal."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 
