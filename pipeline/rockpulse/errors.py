@@ -7,7 +7,7 @@ from typing import Literal
 
 
 class RockpulseError(ValueError):
-    """Base of every error whose message tells the user what was found, what was expected and what to do.
+    """Base class of every error whose message states what was found, what was expected and what to do.
 
     >>> try:
     ...     rp.assess(record)
@@ -68,7 +68,7 @@ class ResultsError(RockpulseError):
     Attributes
     ----------
     tells_resume : bool
-        Whether the message says what happens to a stopped run, and how to continue it.
+        Whether the message states what happens to a stopped run, and how to continue it.
 
     Examples
     --------

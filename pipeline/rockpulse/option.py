@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError
 
 @dataclass(frozen=True)
 class KeyType:
-    """The type of a key: the values that it accepts."""
+    """A type of keys, with the values that it accepts."""
 
     expected: str  # description of the values in a message
     accepts: Callable[[Any], bool]
@@ -56,7 +56,7 @@ class Section:
             object.__setattr__(self, item.name, allowed.convert(value))
 
     def keys(self) -> list[str]:
-        """Names of the keys, in the order of the template."""
+        """Return the names of the keys in the order of the template."""
         return [item.name for item in dataclasses.fields(self)]
 
     def __getitem__(self, key: str) -> Any:

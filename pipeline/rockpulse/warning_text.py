@@ -163,7 +163,7 @@ STATEMENTS = {
 }
 
 TEMPLATES = WARNINGS | STATEMENTS
-#: Code of any other text.
+#: Code of a warning without a template.
 PLAIN = "plain"
 
 

@@ -52,7 +52,7 @@ class _Escaping(logging.Formatter):
 
 
 class _LogFile(logging.FileHandler):
-    """A log file to which nothing is written after a write error, which `failed` contains, while the run continues."""
+    """A log file that takes no more lines after a write error, stored in `failed`, while the run continues."""
 
     failed = ""
 

@@ -22,7 +22,7 @@ LIGHT = 0.05
 class FeltMotion(NamedTuple):
     """The direction and the building modes that determine the motion under a body."""
 
-    azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for the record's own
+    azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for that of the record
     floors: tuple[FloorSettings, ...]  #: modes of the building under the body; empty on the ground
 
 
@@ -71,7 +71,7 @@ class Bodies:
         return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
-        """(..., b x cases) -> (..., b, cases)."""
+        """Reshape values of lanes (..., b x cases) to (..., b, cases)."""
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
     def apart(self) -> tuple[list[str], Block, np.ndarray]:

@@ -105,7 +105,7 @@ class Config:
         return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
-        """``records.paths`` relative to the current folder."""
+        """Return ``records.paths`` relative to the current folder."""
         return [located(path, self.folder) for path in self.records.paths]
 
     def as_text(self) -> str:

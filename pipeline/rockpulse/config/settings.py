@@ -11,7 +11,7 @@ from rockpulse.option import KeyType, Section, boolean, choice, count, entries, 
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
 
-#: Spacings of the secondary impulses.
+#: Names of the spacings of secondary impulses.
 SPACINGS = ("end", "middle", "start", "open", "continuous")
 #: Words allowed for `weights`, which may also be the name of a table.
 WEIGHTS = ("equal", "event")

@@ -43,7 +43,7 @@ def diff(
     Parameters
     ----------
     before, after : xarray.DataTree or path
-        Results of one kind; rows are matched by name.
+        Results of the same kind; their rows are matched by name.
     rtol, atol : float
         Numbers may differ by `rtol` times the larger number [-], plus `atol` in the unit of each variable.
     ignore : str or sequence of str

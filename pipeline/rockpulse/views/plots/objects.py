@@ -60,7 +60,7 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
 
 
 def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
-    """Draw two half-cycles of an impulse sequence (the first of several) over time in intervals dT.
+    """Draw two half-cycles of an impulse sequence (the first, if there are several) over time in units of dT.
 
     Parameters
     ----------

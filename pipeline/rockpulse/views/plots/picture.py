@@ -90,5 +90,5 @@ class NotebookFigure(Figure):
     """A figure without a window, which pyplot does not know, and which displays itself in notebooks."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """Return the picture and its display width [px]."""
+        """Return the bytes of a PNG and its display width [px]."""
         return picture_bytes(self, "png"), {"width": round(self.get_figwidth() * self.get_dpi())}

@@ -239,7 +239,7 @@ def label(variable: xr.DataArray, symbol: str = "") -> str:
 
 
 def plain(name: object) -> str:
-    """Escape a name given by the user (record, block, title), so that it cannot start a formula."""
+    """Escape a name given by the user (record, block, title), so that it contains no formula of matplotlib."""
     return escaped(str(name)).replace("$", r"\$")
 
 

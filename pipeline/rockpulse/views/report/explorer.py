@@ -26,7 +26,7 @@ from rockpulse.views.shared.words import say, section
 
 #: Number of scale factors of each record.
 STEPS = 5
-#: Scale factors added to the meaningful ones until there are five, and smallest distance between two of them.
+#: Scale factors that complete the list of meaningful ones, and smallest distance between two of them.
 OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
 #: Probabilities for which scale factors are stored, and their variables.
 SHARES = {0.1: "factor_10", 0.5: "factor_50"}

@@ -55,7 +55,7 @@ class FilesUsed:
 
     @property
     def sentence(self) -> str:
-        """Return numbers and reasons as text; empty if all files were used."""
+        """Return the numbers of files and the reasons as text; empty if all files were used."""
         return f"{self._files}: {_reasons(self.unused)}." if self.unused else ""
 
     @property
