@@ -180,7 +180,7 @@ def assess_sequence(
     """
     asked_for = given_config(config)
     gathered = gather_bodies(asked_for.bodies if bodies is None else bodies)
-    refuse_floors(gathered, "a design sequence is one of the ground")
+    refuse_floors(gathered, "a design sequence is a motion of the ground")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):
@@ -197,9 +197,7 @@ def assess_sequence(
     asked = asked_for.models.use
     use = tuple(model for model in asked if model in answering)
     if not use:
-        raise ConfigError(
-            f"[models] use: {', '.join(asked)} cannot answer {what}; it is answered by {' and '.join(answering)}"
-        )
+        raise ConfigError(f"[models] use: {', '.join(asked)} cannot be used with {what}; use {' or '.join(answering)}")
     endless = [model for model in use if MODELS[model].needs_end]
     if endless and sequence.main_count is None and math.isinf(sequence.duration):
         raise ConfigError(
@@ -225,7 +223,7 @@ def assess_sequence(
     warnings = list(done.record.warnings)
     if dropped:
         verb = "is" if len(dropped) == 1 else "are"
-        warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
+        warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot be applied to it and {verb} left out")
     if asked_for.demands:
         warnings.append(WarningText("demand_not_compared"))
     done = replace(done, scene=replace(done.scene, record=replace(done.record, warnings=tuple(warnings))))

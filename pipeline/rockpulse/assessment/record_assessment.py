@@ -171,7 +171,7 @@ def _assess_at(
         if rule is not None and (outside := np.count_nonzero(~rule.applicable(lanes))):
             warnings.append(
                 f"{model}: {outside} of {np.size(lanes.p)} bodies lie outside the range that the rule was fitted on "
-                f"({rule.range_text}): its rates of error do not hold for them"
+                f"({rule.range_text}): its error rates do not apply to them"
             )
     if warnings:
         scene = replace(scene, record=replace(scene.record, warnings=(*scene.record.warnings, *warnings)))

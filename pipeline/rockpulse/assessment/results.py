@@ -20,7 +20,13 @@ from rockpulse.storage.hdf5 import results_file
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 
 #: Colours of the verdicts in the picture, and largest number of bodies in it.
-COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
+COLOURS = {
+    Grade.AT_REST: GREY,
+    Grade.ROCKS: BLUE,
+    Grade.MAY_OVERTURN: ORANGE,
+    Grade.NOT_KNOWN: INK,
+    Grade.OVERTURNS: RED,
+}
 DRAWN = 20
 #: Height of a body in the picture [px].
 ROW = 18.0
@@ -40,10 +46,13 @@ class Results(Shown):
 
     Examples
     --------
-    >>> results.rockpulse.verdicts()["verdict"].to_dict()
-    {'stele': 'overturns', 'pier': 'rocks'}
-    >>> results.rockpulse
-    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
+    >>> import numpy as np, rockpulse as rp
+    >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+    >>> tree = rp.assess([sine], bodies={"chest": (1.0, 1.2), "wall": (0.25, 2.2)})
+    >>> tree.rockpulse.verdicts()["verdict"].to_dict()
+    {'chest': 'at rest', 'wall': 'overturns'}
+    >>> tree.rockpulse
+    <Results 1 record, 2 bodies, model nonlinear, at rest 1, overturns 1>
     """
 
     def __init__(self, tree: xr.DataTree) -> None:
@@ -55,7 +64,7 @@ class Results(Shown):
         Returns
         -------
         pandas.DataFrame
-            One row for each body, or for each restitution of a body that has several. `verdict` is "stays", "rocks",
+            One row for each body, or for each restitution of a body that has several. `verdict` is "at rest", "rocks",
             "may overturn", "not known", "overturns" or "no verdict"; it follows from `probability`, the mean
             probability of overturning over earthquakes [-] (at the worst of the site's demands, if any), with its 90 %
             interval (`low`, `high`). `overturned` is the number of the `motions` that overturn the body without

@@ -89,7 +89,7 @@ def overturning_spectrum(
     if method not in LANES:
         raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
     if method == "rule" and uncertainty not in (None, Uncertainty()):
-        raise ValueError("uncertainty: the rule was fitted under the default one and takes no other")
+        raise ValueError("uncertainty: the rule was fitted with the default uncertainty and accepts no other")
     values = stored_spectrum_values(OverturningSpectrum(LANES[method](record, rates, threads), uncertainty), nominal)
     axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}
     found = xr.Dataset(

@@ -33,7 +33,7 @@ class Standing(IntEnum):
 class Grade(IntEnum):
     """The verdict on a body under all records, from best to worst."""
 
-    STAYS = auto()  #: no motion lifts it
+    AT_REST = auto()  #: no motion lifts it
     ROCKS = auto()  #: the probability of overturning is below 0.05
     MAY_OVERTURN = auto()  #: from 0.05 to 0.5; the worst grade for upper-bound inputs
     NOT_KNOWN = auto()  #: depends on records without a result
@@ -131,7 +131,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     return [
         BodyVerdict(
             body=body,
-            grade=Grade.STAYS if stays[lane] else _grade(shares[lane], is_upper_bound(answers.model)),
+            grade=Grade.AT_REST if stays[lane] else _grade(shares[lane], is_upper_bound(answers.model)),
             share=shares[lane],
             overturned=fallen[lane],
             at_rest=resting[lane],

@@ -47,11 +47,13 @@ class Writer:
         return (self.suffix.lower(), *self.others)
 
 
-_AT2 = "AT2 keeps 8 digits in g, event, date, station and direction; not the start time, the codes, "
-_AT2 += "the processing and the warnings"
-_CSV = "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else"
-_MSEED = "miniSEED keeps every digit in m/s2, start times and codes as far as SEED has room; its StationXML, of the "
-_MSEED += "same name, the directions and whether a record is raw; not the event, the processing and the warnings"
+_AT2 = "AT2 stores accelerations in g to 8 digits, plus event, date, station and direction, but not the start time, "
+_AT2 += "the codes, the processing or the warnings"
+_CSV = "CSV stores accelerations in m/s2 to every digit, the interval and a direction in whole degrees, but nothing "
+_CSV += "else"
+_MSEED = "miniSEED stores accelerations in m/s2 to every digit, start times, and codes as far as they fit; its "
+_MSEED += "StationXML, of the same name, the directions and whether a record is raw; it does not store the event, the "
+_MSEED += "processing or the warnings"
 #: The formats by their names for ``rockpulse convert --format``.
 WRITERS = {
     "at2": Writer(".AT2", _AT2, at2_bytes, digits=0.51e-7, structure=True),
@@ -129,7 +131,7 @@ def write(
         files.commit()
     for record in records:
         if record.orientation == "structural" and not writer.structure:
-            logger.warning("%s: on a structure, which %s files cannot say", record.id, writer.suffix)
+            logger.warning("%s: on a structure, which %s files cannot store", record.id, writer.suffix)
     return written
 
 
@@ -225,7 +227,7 @@ def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) ->
         if os.path.realpath(path) in sources:
             raise ConfigError(f"{path}: a record comes from this file; choose another name")
         if path.exists() and not path.is_file():
-            raise ConfigError(f"{path}: expected the name of a file, found something that is no regular file")
+            raise ConfigError(f"{path}: expected the name of a file, found something that is not a regular file")
         if path.exists() and not overwrite:
             raise ConfigError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
         if path.exists() and path.suffix == ".xml" and b"<Source>rockpulse" not in path.read_bytes()[:HEAD]:

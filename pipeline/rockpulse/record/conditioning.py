@@ -206,7 +206,7 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
         )
         return _polynomial(record.with_note(note), 0, "mean")
     mean = float(np.mean(record.acceleration[:count]))
-    found = "found" if pre_event is None else "given"
+    found = "detected" if pre_event is None else "given"
     note = f"baseline: mean of the pre-event window 0 to {length:.4g} s ({found}), {mean:.4g} m/s2, subtracted"
     return _noted(record, record.acceleration - mean, note)
 

@@ -198,7 +198,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
     """Return channels with the other one of their pair, or with a note that it is missing; pairs are unchanged."""
     partner = partners(horizontal)
-    alone = WarningText("scaled_alone", reason="no other horizontal channel is known to go with it")
+    alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
 
     def partnered(one: PlannedMotion) -> PlannedMotion:
         other = partner.get(id(one.channels[0]))
@@ -248,7 +248,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
         return f"{conditioned.id}: {found}. {_advice([conditioned])}"
     if defects := deciding(conditioned):
         return (
-            f"{conditioned.id}: {'; '.join(defects)}. It does not count before it is confirmed: correct or leave out "
+            f"{conditioned.id}: {'; '.join(defects)}. It is not used until it is confirmed: correct or leave out "
             f"the file, or, if it is right, give {_options([conditioned])}"
         )
     return ""
@@ -274,7 +274,10 @@ def unconfirmed_channels(
         peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g" if cause.pga > LARGEST else "whose defect"
         rows += [
             Failure(
-                one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak} nobody has confirmed", "failed"
+                one.source,
+                stage,
+                f"{of_pair}{one.id}: left out with {cause.id}, {peak} has not been confirmed",
+                "failed",
             )
             for one in channels
             if id(one) not in doubted

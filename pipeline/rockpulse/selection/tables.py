@@ -25,9 +25,7 @@ def read_weight_table(path: Path) -> dict[str, float]:
     for record, text in _read(path, "weight", "[calibration] weights").items():
         weight = _number(text)
         if not weight >= 0.0:
-            raise ConfigError(
-                f"[calibration] weights: {path}: record {record}: expected a number from 0 up, found {text!r}"
-            )
+            raise ConfigError(f"[calibration] weights: {path}: record {record}: expected a number >= 0, found {text!r}")
         weights[record] = weight
     return weights
 

@@ -209,13 +209,13 @@ class _Poll:
         rules = (
             f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
             "its volume is confirmed ([records] confirm), that of this one is not",
-            "all horizontal channels of its volume can be used, of the volume of this one not all",
+            "all horizontal channels of its volume can be used, but not all those of this one's volume",
             "its volume holds a pair of horizontal channels that can be used, that of this one does not",
             "its volume holds a vertical channel that can be used, that of this one does not",
-            f"{_PROCESSED[elected.processed]} goes before {_PROCESSED[volume.processed]}",
+            f"{_PROCESSED[elected.processed]} is preferred to {_PROCESSED[volume.processed]}",
             f"it has a sample every {elected.dt:g} s, this one every {volume.dt:g} s",
             f"it lasts {elected.duration:.6g} s, this one {volume.duration:.6g} s",
-            "of two alike in processing, rate and length the first by path is",
+            "both are alike in processing, rate and length; the first by path is used",
         )
         return rules[place]
 
@@ -253,4 +253,4 @@ def _fault(record: Record, confirm: Sequence[str]) -> str:
     odd = find(record.warnings, "odd_peak")
     if odd is None or id_matches(record.id, confirm):
         return ""
-    return f"this one has a peak of {odd.values['peak']:.3g} g, which nobody has confirmed"
+    return f"this one has a peak of {odd.values['peak']:.3g} g, which has not been confirmed"

@@ -91,7 +91,7 @@ def column_units(name: str, headings: Sequence[Heading], prose: Sequence[str], o
             raise UnitError(
                 f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
                 f"{', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "
-                f"configuration, or read(path, units='g'); beside files of other units {alone}"
+                f"configuration, or read(path, units='g'); if only some files use this unit, set it for them in {alone}"
             )
         if stated and asked and UNITS[stated] != UNITS[asked]:
             raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")

@@ -311,7 +311,8 @@ def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float
         raise RecordFormatError(
             f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
             "none; give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or "
-            f"read(path, units='g', dt=0.01); beside files of other intervals {for_such_files(name, 'dt = 0.01')}"
+            "read(path, units='g', dt=0.01); if only some files have this interval, set it for them in "
+            f"{for_such_files(name, 'dt = 0.01')}"
         )
     for source, step in known.items():
         if not (np.isfinite(step) and step > 0.0):

@@ -215,7 +215,7 @@ def for_such_files(name: str, setting: str) -> str:
     """Return the advice to give a property only for files of one suffix, in the form of the configuration."""
     last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
     pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
-    return f"for such files alone: [[records.file]], match = '{pattern}', {setting}"
+    return f"[[records.file]]: match = '{pattern}', {setting}"
 
 
 def for_other_files(option: str) -> str:

@@ -151,7 +151,7 @@ def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
     if within:
         start = within[0].lower().index(name.lower())
         pattern = f"*{within[0][start : start + len(name)]}*"
-        told = f"{len(within)} of {len(known)} hold it, the pattern '{pattern}' takes:"
+        told = f"{len(within)} of {len(known)} names contain it; the pattern '{pattern}' selects:"
     listed = within or known
     shown = "\n".join(f"  {label}" for label in listed[:LISTED])
     more = f"\n  and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
@@ -178,7 +178,7 @@ def rows(
     for dim in [*every, *(dim for dim in selection.names if dim not in every and selection.names[dim])]:
         patterns = selection.names.get(dim, ())
         if patterns and dim not in dataset.coords:
-            raise ResultsError(f"this table has no {dim}, by which it could be filtered")
+            raise ResultsError(f"this table has no {dim} to filter by")
         if patterns:
             among[dim] = positions_matching([str(label) for label in dataset[dim].values], patterns, dim)
         else:
@@ -189,7 +189,7 @@ def rows(
         if values.dtype.kind == "f" and values.size and np.isnan(values).all():
             beside = "; use factor_10, or assess with [search] intervals = true"
             why = beside if item.name == "safety_factor" else ""
-            raise ResultsError(f"{item.name}: expected a variable with values, found it unknown in every answer{why}")
+            raise ResultsError(f"{item.name}: all its values are unknown{why}")
         mask &= xr.DataArray(item.holds(variable, values), dims=variable.dims)
     for along, held in masks:
         mask &= xr.DataArray(held[np.ix_(*(among[dim] for dim in along))], dims=along)

@@ -56,7 +56,7 @@ def replacing(
     if free < size + LAYOUT:
         raise ResultsError(
             f"{path}: the results take {(size + LAYOUT) / 1e6:.0f} MB, {free / 1e6:.0f} MB are free in "
-            f"{target.parent}; make room there"
+            f"{target.parent}; free some space there"
         )
     part = _part(target)
     try:
@@ -90,7 +90,7 @@ def journal_path(target: str | os.PathLike[str]) -> Path:
 
 def kind_in_words(kind: str) -> str:
     """Return the name of a kind of file, with its article."""
-    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind} file"
 
 
 def _part(target: Path) -> Path:
@@ -105,20 +105,20 @@ def _check_name(path: Path) -> None:
         results = plain.with_suffix(".h5")
         raise ResultsError(
             f"{path}: expected the name of a results file (HDF5), such as {results}, found that of {what}, which is "
-            f"made of results afterwards: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+            f"made from results: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
         )
     if plain.suffix.lower() in TEXTS:
         results = plain.with_suffix(".h5")
         raise ResultsError(
             f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix}, "
-            "which says that the file holds something else"
+            "which is that of another kind of file"
         )
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
     """Raise ResultsError unless the target is a results file, so that a mistyped name never destroys other files."""
     if not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
+        raise ResultsError(f"{path}: expected the name of a results file, found something that is not a regular file")
     if not overwrite:
         journal = journal_path(target)
         going_on = f"; --overwrite together with --resume goes on with the run of {journal}" if journal.exists() else ""
@@ -137,7 +137,7 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
         )
     if found not in (kind, DAMAGED):
         raise ResultsError(
-            f"{path}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}, which is not replaced "
+            f"{path}: expected {kind_in_words(kind)}, found {kind_in_words(found)}, which is not replaced "
             "even with --overwrite; choose another name, or remove it by hand"
         )
 

@@ -91,7 +91,9 @@ def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
             path = f"{group.name.rstrip('/')}/{name}"
             where = f"{hdf5.filename}: {path}"
             if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                raise ResultsError(f"{where}: a link to somewhere else, which results do not have; it is not followed")
+                raise ResultsError(
+                    f"{where}: a link to another place, which results files do not contain; it is not followed"
+                )
             item = group[name]
             if isinstance(item, h5py.Dataset):
                 _check_dataset(where, item)
@@ -102,10 +104,12 @@ def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
                 raise ResultsError(f"{where}: expected a group or a variable, found a type")
             address = h5py.h5o.get_info(item.id).addr
             if address in seen:
-                raise ResultsError(f"{where}: this object stands in the file under another name too")
+                raise ResultsError(f"{where}: this object appears in the file under another name too")
             seen.add(address)
             if len(seen) > OBJECTS:
-                raise ResultsError(f"{hdf5.filename}: more than {OBJECTS} groups and variables, which no results have")
+                raise ResultsError(
+                    f"{hdf5.filename}: more than {OBJECTS} groups and variables, more than any results file has"
+                )
     return found
 
 

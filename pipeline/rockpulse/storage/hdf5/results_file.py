@@ -119,8 +119,8 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
             ) from error
         except (OSError, RuntimeError, KeyError) as error:
             raise ResultsError(
-                f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file "
-                f"({error}); records are assessed with 'rockpulse assess'"
+                f"{path}: not a rockpulse results file, or damaged (HDF5: {error}); create one with 'rockpulse "
+                "assess', or restore a copy"
             ) from error
         if not known:
             raise ResultsError(
@@ -144,9 +144,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
         with damage_reported(path):
             wrong = next(wrong_variables(datasets, kind, units=False), "")
         if wrong:
-            raise ResultsError(
-                f"{path}: {wrong}; 'rockpulse verify' says what else is not as it was written, run the assessment again"
-            )
+            raise ResultsError(f"{path}: {wrong}; 'rockpulse verify' lists every change; run the assessment again")
         yield hdf5, kind
 
 
@@ -225,8 +223,8 @@ class ResultsFile:
                     self._opened[group] = dataset_of(self._hdf5[group])
             except (KeyError, ValueError) as error:  # a dimension is missing
                 raise ResultsError(
-                    f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
-                    "the assessment again"
+                    f"{self.path}: /{group} was changed or damaged ({error}); 'rockpulse verify' lists every change; "
+                    "run the assessment again"
                 ) from error
         return self._opened[group]
 

@@ -105,9 +105,9 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
             found.append(f"variable {path}: it cannot be read ({error})")
             continue
         if not same:
-            found.append(f"variable {path}: its values are not what was written")
+            found.append(f"variable {path}: its values were changed")
     if attributes_checksum(file.attrs, file.dimensions) != of_all:
-        found.append("attributes, or names and dimensions of variables, are not what was written")
+        found.append("attributes, or names and dimensions of variables, were changed")
     return found, len(file.variables)
 
 

@@ -115,7 +115,7 @@ FAILURE = along(
     ("failure",),
     file=text("file"),
     stage=text("step at which it was left"),
-    reason=text("why, and what to do"),
+    reason=text("reason, and what to do"),
     kind=text("failed, skipped, duplicate, depth, vertical or structural"),
 )
 

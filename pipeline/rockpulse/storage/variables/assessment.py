@@ -64,8 +64,8 @@ OVERTURNING = along(
     open=flag(NO_YES, "whether the block still overturns at the end of the search"),
     resolved=flag(
         NO_YES,
-        "whether the model can answer at the lower end",
-        explanation="no: from `lower` on it cannot, as in free flight, which counts as overturning",
+        "whether the model gives a result at the lower end",
+        explanation="no: from `lower` on it gives none, as in free flight, which counts as overturning",
     ),
 )
 
@@ -99,7 +99,7 @@ DIRECTIONS: Declared = {
             "NaN where one has no answer"
         ),
         largest_azimuth=real(
-            "azimuth of the largest rotation; of several that overturn, of the first to do so", "degree"
+            "azimuth of the largest rotation; of the first to overturn if there are several", "degree"
         ),
         overturning_share=real("share of all directions that overturn"),
         unanswered_count=whole("directions without an answer"),

@@ -64,7 +64,7 @@ _FIT: Declared = {
     "beta_high": real("upper confidence limit of the dispersion"),
 }
 _JUDGED: Declared = {
-    "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level looked at"),
+    "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level analysed"),
     "statement": text("status, band and extrapolation in words where there is something to say"),
     "statement_values": text("the same by codes and values, as JSON"),
 }
@@ -136,7 +136,7 @@ STRIPES: Declared = {
     ),
     "reached": flag(
         ("not_known", "not_reached", "reached"),
-        "whether the limit state was reached; -1 where the model cannot say",
+        "whether the limit state was reached; -1 where the model gives no result",
         first=NOT_KNOWN,
         dims=("record", "block", "limit_state", "stripe"),
     ),
@@ -162,7 +162,7 @@ CAPACITIES: Declared = {
 }
 
 _RATIO: Declared = {
-    "beta_ratio": real("dispersion over that in p PGV/(g tan alpha_c)"),
+    "beta_ratio": real("dispersion divided by that for p PGV/(g tan alpha_c)"),
     "beta_ratio_low": real("lower confidence limit of the ratio of dispersions"),
     "beta_ratio_high": real("upper confidence limit of the ratio of dispersions"),
 }

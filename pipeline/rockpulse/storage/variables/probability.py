@@ -96,14 +96,14 @@ PROBABILITY: Declared = {
 #: Variables at the demands of the site, along `demand`.
 AT_DEMAND: Declared = {
     "demand_factor": real(
-        "scale factor on the record that brings it to the demand",
+        "scale factor that scales the record to the demand",
         take=_of_lanes("demand_factor"),
         of_ground=True,
-        explanation="the demand over the strength of the motion, of a pair of horizontal channels over the geometric "
-        "mean of theirs",
+        explanation="the demand divided by the intensity of the motion, of a pair of horizontal channels over the "
+        "geometric mean of theirs",
     ),
     "demand_probability": real(
-        "probability that the body overturns under the record brought to the demand; NaN where not computed",
+        "probability that the body overturns under the record scaled to the demand; NaN where not computed",
         take=_of_lanes("demand_probability"),
         of_ground=True,
         explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",

@@ -62,9 +62,7 @@ VARIABLES: Declared = {
     "coverage_in_sample": real("the same share by the design made of all records: no test of it"),
     "coverage_all": real("as coverage, with the blocks that the design overturns, which it always covers"),
     "standing_share": real("share of the pairs that count on blocks that the design leaves standing"),
-    "site_warnings": text(
-        "what the numbers of this file do not say, one warning a line", explanation="the gravest first"
-    ),
+    "site_warnings": text("warnings on the calibration, one per line", explanation="the most serious first"),
     "site_warning_values": text("the same warnings by their codes and values, as JSON"),
     **along(
         ("parameter",),

@@ -77,7 +77,7 @@ def check(
     tree = None if results is None else given_results(results)
     if tree is not None and (kind := str(tree.attrs.get("kind", ASSESSMENT))) != ASSESSMENT:
         name = "results" if isinstance(results, xr.DataTree) else results
-        raise ResultsError(f"{name}: expected {kind_in_words(ASSESSMENT)} of rockpulse, found {kind_in_words(kind)}")
+        raise ResultsError(f"{name}: expected {kind_in_words(ASSESSMENT)}, found {kind_in_words(kind)}")
     stored = "" if tree is None else str(tree.attrs.get("configuration", ""))
     config = config_from_text(stored) if config is None else given_config(config)
     if not config.bodies:
@@ -140,7 +140,7 @@ def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) 
             medians = [np.nanmedian(column) for column in motions.T[lanes] if not np.isnan(column).all()]
             factor[place] = min(medians, default=math.nan)
             if few := [one for one in (every[lane].deciding for lane in lanes) if one is not None and one.few]:
-                beside[place] = f"records of {few[0].earthquakes} earthquakes can be brought to {few[0].name}: no P"
+                beside[place] = f"only records of {few[0].earthquakes} earthquakes can be scaled to {few[0].name}: no P"
             else:
                 probability[place] = np.fmax.reduce([every[lane].decides.value for lane in lanes])
     return {"probability": probability, "factor_50": factor, "beside": np.array(beside, dtype=object)}
@@ -157,7 +157,7 @@ def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: Blo
     if not answers.probable:
         return "the results hold no probability"
     if there is None:
-        return "the results do not tell the geometry of their bodies"
+        return "the results do not contain the geometry of their bodies"
     others = [key for key in sorted({*here.keys()} - NOT_OF_A_CODE) if here[key] != there[key]]
     told = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
     return f"the results have another body of this name ({told})" if others else ""

@@ -178,7 +178,7 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
 
 def _tabled(path: Path) -> TabledSpectrum:
     if not path.exists() or path.is_dir():
-        raise ConfigError(f"{path}: expected a table of a spectrum, found no file")
+        raise ConfigError(f"{path}: no such file; expected a table of a spectrum")
     table = table_of(str(path), read_text(path, what="a table of a spectrum"))
     heads = [str(name).lower() for name in table.columns]
     units = {"sa [g]": STANDARD_GRAVITY, "sa [m/s2]": 1.0}

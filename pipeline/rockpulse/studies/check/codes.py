@@ -70,7 +70,8 @@ def circolare_2009(
         return Checked(
             activation,
             asked / settings.q,
-            statement="of Circolare 617/2009 the displacement aloft is left out: its formula could not be established",
+            statement="the displacement check of Circolare 617/2009 for bodies on a floor is left out: its formula "
+            "could not be established",
         )
     allowed = ULTIMATE * body.collapse_displacement
     slowest = SECANT * allowed
@@ -104,7 +105,7 @@ def circolare_2019(
         displacement_demand=demand,
         # A mechanism that is not activated passes (C8.7.1.2.1.8).
         displacement_ratio=max(allowed / demand, activation / asked),
-        statement="" if linear else "the analysis with q is of SLV",
+        statement="" if linear else "the analysis with q is for SLV only",
     )
 
 
@@ -115,7 +116,7 @@ def en_1998(
     levels = [one.level for one in floors if one.level is not None]
     opens = body.multiplier * body.gravity
     if floors and not levels:
-        return Checked(opens, statement="level, the height of the floor over that of the building, was not given")
+        return Checked(opens, statement="level, the height of the floor divided by that of the building, was not given")
     height = max(levels, default=0.0)
     seismic = spectrum.ground * max(1.0, 3.0 * (1.0 + height) / 2.0 - 0.5)
     return Checked(opens, seismic * settings.gamma_a / settings.q_a)

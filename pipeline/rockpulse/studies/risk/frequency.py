@@ -17,6 +17,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.variables.fragility import FRAGILITY, Status
 from rockpulse.storage.variables.risk import RISK, STANDING, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
@@ -27,10 +28,10 @@ from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integra
 
 #: Horizontal component to which the hazard must refer, for each value of [records] components.
 COMPONENTS = {
-    "horizontal": "any single horizontal component, as each channel is a motion of its own, not the larger of two",
+    "horizontal": "an arbitrary horizontal component, not the larger of two",
     "azimuth": "a single horizontal component in a given direction, not the larger of two",
-    "strongest": "the horizontal component in the direction of the strongest motion, not of any single one",
-    "sweep": "any single horizontal component, as each direction is a motion of its own, not the larger of two",
+    "strongest": "the horizontal component in the direction of the strongest motion, not an arbitrary one",
+    "sweep": "an arbitrary horizontal component, not the larger of two",
 }
 
 #: Description of the data of a fragility, for each value of [fragility] data.
@@ -38,7 +39,7 @@ DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
         "the first level at which each record reaches the limit state (ida); a body may stand at higher ones, so the "
-        "frequency is none too small"
+        "frequency is not underestimated"
     ),
     "cloud": "records as they are, not scaled (cloud)",
 }
@@ -58,16 +59,18 @@ def several_events(count: int) -> str:
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
     """Return the warnings on a hazard, and the ground and component to which it must refer."""
-    wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
+    wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
     """Describe the data and the distribution of a fragility."""
     settings, chosen = config.fragility, config.fragility.selection is not None
-    of, alike = ("records chosen elsewhere", "by their weights") if chosen else (DATA[settings.data], "alike")
+    of, alike = (
+        ("records chosen elsewhere", "weighted as given") if chosen else (DATA[settings.data], "equally weighted")
+    )
     shown = f"{records} record{'' if records == 1 else 's'} of {several_events(events)}"
-    return f"of {of}; {model}, {settings.equation} equation, {shown}, in which records count {alike}"
+    return f"of {of}; {model}, {settings.equation} equation, {shown}, {alike}"
 
 
 class _RiskOptions(NamedTuple):
@@ -93,9 +96,12 @@ def fragility_frequency(
 ) -> xr.Dataset:
     """Compute the annual frequency at which each body reaches a limit state, see :func:`rockpulse.risk`."""
     if not isinstance(hazard, PowerLawHazard | HazardCurve):
-        raise ConfigError(f"hazard: expected one of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}")
+        raise ConfigError(
+            f"hazard: expected the hazard of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}"
+        )
     if fragility.attrs.get("kind") != FRAGILITY:
-        raise ResultsError("fragility: expected the tree or file of rockpulse fragility; results of assess have none")
+        kind = kind_in_words(str(fragility.attrs.get("kind", ASSESSMENT)))
+        raise ResultsError(f"fragility: expected {kind_in_words(FRAGILITY)}, found {kind}")
     table = fragility["fragility"].to_dataset()
     states, measures = ([str(name) for name in table[dim].values] for dim in ("limit_state", "measure"))
     if limit_state not in states:
@@ -160,8 +166,8 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
     if not math.isfinite(whole.frequency):
         return found | {
             "status": RiskStatus.NO_LIMIT,
-            "statement": "no frequency: the fragility falls towards small levels less than the hazard rises; it would "
-            "rest on levels that nothing was looked at",
+            "statement": "no frequency: towards small levels the fragility falls less than the hazard rises; the "
+            "frequency would depend on levels that were not analysed",
         }
     found |= _frequency(whole, low, high, asked)
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
@@ -189,7 +195,7 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
     for share, limit, side, end in ends:
         if share > OUTSIDE:
             curve = math.isclose(math.exp(limit), end)
-            of = "where the hazard curve ends" if curve else "beyond which no record was looked at"
+            of = "where the hazard curve ends" if curve else "beyond which no record was analysed"
             shown = f"{math.exp(limit) / hazard.unit_in_si:.3g} {hazard.unit}"
             told.append(f"{share:.0%} of its frequency comes from levels {side} {shown}, {of}")
     return "; ".join(told)
@@ -204,7 +210,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     limits = band_of(
         rows, asked.family, asked.hazard, lines, estimate, asked.confidence, asked.resamples, asked.seed, floor
     )
-    lost = f"{limits.lost:.0%} of the draws of the earthquakes make no curve, or none without one of them"
+    lost = f"{limits.lost:.0%} of the resamples of the earthquakes give no curve, or none without one of them"
     if math.isnan(limits.low):
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
     told = []

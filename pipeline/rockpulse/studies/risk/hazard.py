@@ -200,7 +200,7 @@ class HazardCurve(_Hazard):
         slopes = -np.diff(np.log(rates)) / np.diff(np.log(level))
         if slopes[-1] == 0.0:
             raise ConfigError(
-                f"{self.source}: the last two rates are alike, {rates[-1]:g}: nothing says how it falls beyond them"
+                f"{self.source}: the last two rates are alike, {rates[-1]:g}: the slope beyond them is unknown"
             )
         knots = np.log(level * self.soil_factor)
         for name, value in (("level", level), ("rates", rates), ("knots", knots), ("slopes", slopes)):

@@ -213,7 +213,7 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
         return lambda factor: law(soil_factor=factor)
     if settings.file is None:
         raise ConfigError(
-            "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
+            "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found none of these"
         )
     sheet = _read(folder / settings.file)
     row, warnings = sheet.at(site)
@@ -223,7 +223,7 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
 def _read(path: str | Path) -> _Sheet:
     where, name = Path(path), str(path)
     if not where.exists() or where.is_dir():
-        raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
+        raise ConfigError(f"{path}: no such file; expected a hazard curve")
     lines = read_text(where, what="a hazard curve").splitlines()
     if lines and lines[0].startswith("#") and "investigation_time" in lines[0]:
         return _openquake(name, lines)
@@ -268,7 +268,9 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     named = {name.lower().partition("[")[0].strip(): place for place, name in enumerate(heads)}
     unit = re.fullmatch(r"ag\s*\[(.+?)\]", heads[named["ag"]].lower()) if "ag" in named else None
     if unit is None:
-        raise ConfigError(f'{path}: expected the column "ag [g]" beside the return periods, found {", ".join(heads)}')
+        raise ConfigError(
+            f'{path}: expected the column "ag [g]" in addition to the return periods, found {", ".join(heads)}'
+        )
     period, level = column_numbers(path, table, heads[0]), column_numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
@@ -296,8 +298,8 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
     units = {told[3] or ANNEX for _, told in columns}
     if len(columns) < 2 or len(units) > 1:
         raise ConfigError(
-            f"{path}: expected beside LON and LAT a_g of several return periods in one unit (T30ag, T50ag, ...), found "
-            f"{', '.join(heads)}"
+            f"{path}: expected, in addition to LON and LAT, a_g of several return periods in one unit (T30ag, T50ag, "
+            f"...), found {', '.join(heads)}"
         )
     period = np.array([float(told[1] or told[2]) for _, told in columns])
     if np.any(period <= 0.0):
@@ -360,7 +362,7 @@ def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np
     if not distance[far] <= FARTHEST:
         raise ConfigError(
             f"{path}: the place nearest to the site {place_in_words(*sites[far])} is {place_in_words(*near[far])}, "
-            f"{distance[far]:,.0f} km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
+            f"{distance[far]:,.0f} km away; expected one within {FARTHEST:g} km; longitude comes before latitude"
         )
     return rows, 1e3 * distance
 

@@ -46,14 +46,14 @@ def read_inventory(path: str | Path) -> Inventory:
     """Read free rectangular bodies from a CSV table with the columns NEEDED and OPTIONAL, or raise ConfigError."""
     where = Path(path)
     if not where.exists() or where.is_dir():
-        raise ConfigError(f"{path}: expected a table of bodies, found no file")
+        raise ConfigError(f"{path}: no such file; expected a table of bodies")
     table = table_of(str(path), read_text(where, what="a table of bodies"))
     table.columns = [_known(str(name)) for name in table.columns]
     if missing := [name for name in NEEDED if name not in table.columns]:
         raise ConfigError(f"{path}: expected the columns {', '.join(NEEDED)}; no column {' and '.join(missing)}")
     names = table["name"].tolist()
     if not names or "" in names or len(set(names)) < len(names):
-        raise ConfigError(f"{path}: expected a name for each body, no two alike")
+        raise ConfigError(f"{path}: expected a unique name for each body")
     known = {name: column_numbers(str(path), table, name) for name in (*NEEDED[1:], *OPTIONAL) if name in table.columns}
     for name, values in known.items():
         low, high = DEGREES.get(name, (0.0, np.inf))
@@ -151,7 +151,7 @@ def inventory_frequency(
         hazard=hazard.words,
         hazard_conditions=hazard_conditions(hazard.warnings, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
-        f"{several_events(events.shape[0])}, in which earthquakes count alike",
+        f"{several_events(events.shape[0])}, earthquakes equally weighted",
         measure=hazard.measure,
         unit=hazard.unit,
         unit_in_si=hazard.unit_in_si,

@@ -91,7 +91,9 @@ def risk(
     settings, folder = asked.hazard, asked.folder
     given = None if isinstance(hazard, str | os.PathLike) else hazard
     if given is not None and (site is not None or soil_factor is not None):
-        raise ConfigError("site, soil_factor: they go with the file of a hazard; a hazard in Python has its own")
+        raise ConfigError(
+            "site, soil_factor: they can be given with a hazard file only; a hazard in Python has its own"
+        )
     if isinstance(hazard, str | os.PathLike):
         settings = replace(settings, file=os.fspath(hazard), k0=None, k=None, longitude=None, latitude=None)
         folder = Path()

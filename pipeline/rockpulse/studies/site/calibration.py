@@ -135,7 +135,7 @@ class SiteCalibration(Analysis):
         if others and not self.by_spectrum:
             raise ConfigError(
                 f"[[block]] {', '.join(others)}: a sequence for all bodies is calibrated on free-standing symmetric "
-                'ones; leave them out, or take [calibration] method = "spectrum"'
+                'ones; leave them out, or set [calibration] method = "spectrum"'
             )
         return names, lanes
 

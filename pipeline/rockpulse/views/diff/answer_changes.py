@@ -67,7 +67,7 @@ def body_changes(
     """Return a line for each body whose margin changed, for its worst restitution and the common records (`named`)."""
     records, blocks = named["record"], named["block"]
     size = records.first.size
-    if not size:
+    if not size or not blocks.first.size:
         return []
     names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
     ignored = [name for name in MARGIN if name not in ("outcome", "capacity_ratio", *names)]

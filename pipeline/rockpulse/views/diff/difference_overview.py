@@ -11,7 +11,7 @@ import xarray as xr
 from rockpulse.storage.hdf5.results_file import ResultsFile, of_tree, open_results
 from rockpulse.views.diff.answer_changes import Changes
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn, compare_results
-from rockpulse.views.shared.formatting import ABSENT, paragraph, shortened
+from rockpulse.views.shared.formatting import ABSENT, paragraph, several, shortened
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
 
 #: Largest number of listed names that only one file contains, which is half that of lines of configuration and bodies:
@@ -116,7 +116,7 @@ def difference_overview(
 
 def _file(mark: str, file: ResultsFile) -> str:
     sizes = file.dataset("summary").sizes if "summary" in file.groups else {}
-    counts = ", ".join(f"{sizes[dim]} {dim}s" for dim in ("record", "block", "model") if dim in sizes)
+    counts = ", ".join(several(sizes[dim], dim) for dim in ("record", "block", "model") if dim in sizes)
     history = str(file.attrs.get("history", "")).splitlines()
     return f"{mark} {file.path}\n    {counts or file.kind}; {history[-1] if history else ''}"
 
@@ -168,7 +168,10 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
         for one in found.variables[:most]
     )
     headings = tuple(map(Heading, ("variable", "differ", "of", "largest", "  where", "  before -> after")))
-    note = "largest: relative difference (inf: one is no finite number), and where it is; of texts and flags the first."
+    note = (
+        "largest: relative difference (inf: one value is not finite) and its position; of texts and flags the first "
+        "difference."
+    )
     shown = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
     more = len(found.variables) - len(rows)
     return f"{shown}\n  and {more} more variables" if more > 0 else shown

@@ -117,7 +117,7 @@ def _check_ignored(ignore: Sequence[str], *files: ResultsFile) -> None:
     for name in ignore:
         if name not in spelt:
             close = get_close_matches(name, sorted(spelt), n=5) or sorted(known)[:LISTED]
-            raise ResultsError(f"no variable {name!r} in these results; among those that there are: {', '.join(close)}")
+            raise ResultsError(f"no variable {name!r} in these results; the closest: {', '.join(close)}")
 
 
 def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Mapping[str, Any]) -> None:

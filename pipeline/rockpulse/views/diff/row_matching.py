@@ -68,7 +68,7 @@ class RowMatcher:
         size = self.one.sizes[dim]
         if size != self.other.sizes[dim]:
             self.warnings.append(
-                f"/{self.group}: {size} along {dim}, then {self.other.sizes[dim]}: what lies along it was not compared"
+                f"/{self.group}: {size} along {dim}, then {self.other.sizes[dim]}: values along it were not compared"
             )
             return None
         every = np.arange(size)
@@ -94,7 +94,7 @@ class RowMatcher:
         alike = old[owner.first] == new[owner.second]
         if not alike.all():
             self.warnings.append(
-                f"/{self.group}: {int((~alike).sum())} of {alike.size} have another number along {dim}, which was not "
+                f"/{self.group}: {int((~alike).sum())} of {alike.size} differ in size along {dim}, and were not "
                 f"compared (the first is {', '.join(owner.names(int(np.flatnonzero(~alike)[0])))})"
             )
         kept = np.flatnonzero(alike)
@@ -134,8 +134,8 @@ class RowMatcher:
         )
         if apart:
             self.warnings.append(
-                f"/{self.group}: {apart} combinations of record, block and model have another number of rows, "
-                "which were not compared"
+                f"/{self.group}: {apart} combinations of record, block and model differ in the number of rows, and "
+                "were not compared"
             )
         return Matched(first, second, self._names(dim, pointers, first), whole)
 

@@ -187,7 +187,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     found = str(tree.attrs.get("kind", ASSESSMENT))
     if found != row.file or (row.group and row.group not in tree.children):
         without = f" without the group {row.group}" if found == row.file else ""
-        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)} file{without}")
+        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)}{without}")
     given = {name: value for name, value in options.items() if value is not None}
     for name in list(given):
         if name not in row.options:
@@ -253,7 +253,7 @@ def plot(
     given = {"kind": kind, **options} | ({} if isinstance(what, ImpulseSequence) else {"block": block})
     unknown = ", ".join(name for name, value in given.items() if value is not None)
     if unknown:
-        raise TypeError(f"plot: there is nothing to choose of a {type(what).__name__}, found {unknown}")
+        raise TypeError(f"plot: a {type(what).__name__} takes no options, found {unknown}")
     if isinstance(what, ImpulseSequence) and block is not None:
         if not isinstance(block, Block):
             raise TypeError(f"plot: expected a Block that gives the sequence its times, found {type(block).__name__}")
@@ -279,7 +279,7 @@ def _first(tree: xr.DataTree) -> str:
     for kind in FIRST.get(found, ()):
         if not KINDS[kind].group or KINDS[kind].group in tree.children:
             return kind
-    raise ResultsError(f"plot: of {kind_in_words(found)} there is no picture")
+    raise ResultsError(f"plot: there is no picture of {kind_in_words(found)}")
 
 
 #: Functions that draw an object, by its type.

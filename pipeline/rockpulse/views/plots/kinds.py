@@ -50,7 +50,7 @@ KINDS = {
         "factors on the input that overturn, of all blocks under a record or all records on a block",
     ),
     "probability": PictureKind(
-        ("demand",), "probability that each record, as it is or brought to a demand, overturns each body"
+        ("demand",), "probability that each record, unscaled or scaled to a demand, overturns each body"
     ),
     "critical-scale": PictureKind(
         ("block", "model", "case"), "smallest factor on every record that overturns a block, by each model"
@@ -86,7 +86,7 @@ def kind_list() -> str:
         told = (row.summary, f"from: {row.command}; options: {options}")
         lines += [name, *(paragraph(words, "    ", "    ") for words in told)]
     words = (
-        "A record or a block may be left out where the file has one only. Instead of a name a pattern does, with * "
-        "and ? for any letters, if one name only meets it."
+        "--record and --block may be omitted if the file has only one. A pattern (*, ?) may replace a name if it "
+        "matches exactly one."
     )
     return "\n".join([*lines, paragraph(words)])

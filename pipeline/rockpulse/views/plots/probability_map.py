@@ -58,7 +58,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         of_records = np.where(too_far(answers, demand), np.nan, of_records)
     values = np.fmax.reduce(motions.over(of_records, np.nan), axis=1)
     if np.isnan(values).all():
-        told = " as they are" if demand is None else f", brought to the demand {demand}"
+        told = " as they are" if demand is None else f", scaled to the demand {demand}"
         raise ResultsError(f"probability: what overturns{told} is not known in these results")
     likely = np.nan_to_num(values)
     rows = np.argsort(-likely.mean(axis=1), kind="stable")[:ROWS]

@@ -35,7 +35,7 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
         return met[0]
     if met:
         raise ResultsError(
-            f'{dimension}: "{name}" is met by {len(met)} in these results, the picture is of one: {_listed(met)}'
+            f'{dimension}: "{name}" matches {len(met)} in these results, but the picture shows one: {_listed(met)}'
         )
     spelt = {label.lower(): label for label in known}
     near = [spelt[label] for label in get_close_matches(name.lower(), list(spelt), n=3, cutoff=0.4)]
@@ -43,7 +43,7 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
     if near and len(known) > LISTED:
         there = f"there are {len(known)} (rockpulse inspect --{dimension}s)"
     raise ResultsError(
-        f'no {dimension} "{name}" in these results (a pattern with * and ? does as well); {nearest}{there}'
+        f'no {dimension} "{name}" in these results (a pattern with * and ? is accepted); {nearest}{there}'
     )
 
 

@@ -191,7 +191,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
     idle, total = sum(one.at_rest for one in found), len(motions.names) * len(found)
     if not idle or motions.kind == "sequence":
         return None
-    never = sum(one.grade == Grade.STAYS for one in found)
+    never = sum(one.grade == Grade.AT_REST for one in found)
     if never:
         bodies = counted_words(len(found), "body")
         return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)

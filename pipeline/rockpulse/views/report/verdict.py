@@ -103,7 +103,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         margin = say("verdict.factor", factor=factor) if not math.isnan(one.margin.smallest) else ""
         key = "overturns_under_sequence" if one.overall == Grade.OVERTURNS else "under_sequence"
         return say(f"verdict.{key}", margin=margin)
-    if one.overall == Grade.STAYS:
+    if one.overall == Grade.AT_REST:
         return say("verdict.not_lifted", motions=motions_words(answers.motions))
     what = say("probability" if answers.probable else "share_of_earthquakes")
     demand = one.deciding
@@ -122,7 +122,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
 def basis(answers: Answers, unused: str) -> str:
     """Describe the basis of the verdicts: model, records, unused files, and intensity of each demand."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
-    said = [say("basis", files=f" ({unused})" if unused else "", **fields)]
+    said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
         told = in_numerals(demand.words.replace("m/s2", "m/s²"))
         said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))

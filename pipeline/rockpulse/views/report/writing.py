@@ -135,7 +135,7 @@ def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
     if not target.exists():
         return target
     if not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a report, found something that is no regular file")
+        raise ResultsError(f"{path}: expected the name of a report, found something that is not a regular file")
     if not overwrite:
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     with target.open("rb") as file:
@@ -227,9 +227,7 @@ def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # an unsaved tree may lack the attribute
     by_group = next((groups[name] for name in groups if name in tree.children), "tree of another kind")
     if (found := str(tree.attrs.get("kind", by_group))) != kind:
-        raise ResultsError(
-            f"{_name(source)}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}"
-        )
+        raise ResultsError(f"{_name(source)}: expected {kind_in_words(kind)}, found {kind_in_words(found)}")
     return tree
 
 

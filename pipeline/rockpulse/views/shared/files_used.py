@@ -51,7 +51,8 @@ class FilesUsed:
             return ""
         if self.used is None:
             return say("files.not_used", files=counted_words(count, "file"))
-        return say("files.used", used=self.used, files=counted_words(self.used + count, "file"), unused=count)
+        key = "files.used" if self.used else "files.none_used"
+        return say(key, used=self.used, files=counted_words(self.used + count, "file"), unused=count)
 
     @property
     def sentence(self) -> str:

@@ -55,8 +55,8 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
-            f"!: a lower bound: from this scale factor on the model cannot answer (free flight, for one; {bounds} of "
-            f"{answers.bound.size}); below it no overturning was found."
+            "!: a lower bound: from this scale factor on the model gives no result (free flight, for example; "
+            f"{bounds} of {answers.bound.size}); below it no overturning was found."
         )
     rocks = (answers["outcome"] == Outcome.ROCKS) & (factor < 1.0)
     if lucky := np.count_nonzero(rocks):
@@ -99,7 +99,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Cel
     reasons = {int(code) for one in models for code in one["reason"][one["outcome"] == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
-        notes.append(f"unresolved: the model cannot answer ({words}).")
+        notes.append(f"unresolved: the model gives no result ({words}).")
     return notes
 
 

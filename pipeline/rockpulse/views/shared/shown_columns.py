@@ -155,7 +155,7 @@ def doubt_notes(cells: Iterable[Cell]) -> list[str]:
 
 #: Grade of a cell for each verdict.
 GRADES = {
-    Grade.STAYS: "good",
+    Grade.AT_REST: "good",
     Grade.ROCKS: "good",
     Grade.MAY_OVERTURN: "fair",
     Grade.NOT_KNOWN: "unknown",

@@ -14,7 +14,6 @@ from rockpulse.views.shared.shown_columns import count_of, shown, tabulated, tit
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell, table_text
 from rockpulse.views.shared.words import counted_words, numerals, say, translated, warnings_of
 from rockpulse.views.text.left_out import unused
-from rockpulse.views.text.site import explained
 
 #: Mark of a median beyond all levels analysed.
 BEYOND = CellMark("beyond", "!")
@@ -31,7 +30,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
     parts = [
         f"{tree.attrs['title']}: {records_words(tree)}, {bodies}, data: {tree.attrs['data']}",
         unused(files_used(tree).line),
-        explained(median_table(tree)),
+        table_text(median_table(tree)),
         _pooled(curves, efficiency),
         *map(table_text, sufficiency_tables(efficiency)),
         _statements(curves),
@@ -89,7 +88,9 @@ def median_table(tree: xr.DataTree) -> Table:
     words, units = (str(own[f"measure_{of}"].item()) for of in ("long_name", "units"))
     words = translated(f"measures.{own['measure'].item()}", words)
     caption = say("fragility.caption", measure=words if units == "1" else f"{words} [{units}]")
-    note = say("fragility.limits", absent=ABSENT) + (say("fragility.first") if tree.attrs["data"] == "ida" else "")
+    note = say("fragility.limits", absent=ABSENT, confidence=level) + (
+        say("fragility.first") if tree.attrs["data"] == "ida" else ""
+    )
     rows = own[[name for column in selected for name in column.of]].stack(row=("block", "limit_state"))
     return tabulated("fragility-medians", caption, selected, rows, (note,))
 
@@ -113,7 +114,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
         band = ratio(value) if math.isnan(low) else f"{ratio(value)} ({ratio(low)}..{ratio(high)})"
         rows.append((Cell(name), *cells, Cell(band, value)))
     headings = tuple(map(Heading, ("", *states, f"{states[-1]}, ratio")))
-    head = f"Efficiency: dispersion beta of capacity, all bodies together; ratio: over that in {REFERENCE}"
+    head = f"Efficiency: dispersion beta of capacity, all bodies together; ratio: beta divided by beta for {REFERENCE}"
     if bool(compared[1].sel(measure=kept).notnull().any()):
         head += " with its band"
     words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]

@@ -21,7 +21,7 @@ _KINDS = {
     "failed": "failed",
     "vertical": "read, not assessed (vertical)",
     "structural": "read, not assessed (on a structure)",
-    "duplicate": "skipped (duplicate of an assessed record)",
+    "duplicate": "duplicates skipped",
     "depth": "skipped (sensor at depth of an assessed station)",
     "skipped": "skipped (cannot be used)",
 }

@@ -88,7 +88,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
         *([col.NONE_UP_TO.note] if col.NONE_UP_TO in marks else []),
         *col.doubt_notes(row[0] for row in table),
         *(["*: outside the range of this model."] if col.OUTSIDE in marks else []),
-        *(["!: a lower bound; from this scale factor on the model cannot answer."] if col.NO_ANSWER in marks else []),
+        *(["!: a lower bound; from this scale factor on the model gives no result."] if col.NO_ANSWER in marks else []),
     ]
     return _listed(heading, col.headed(selected), table, notes)
 

@@ -38,7 +38,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     elif any(math.isinf(margin.smallest) or math.isinf(margin.median) for margin in every):
         note += " none: no overturning was found."
     if col.NO_ANSWER in marks:
-        note += " !: a lower bound; above it the model cannot answer."
+        note += " !: a lower bound; above it the model gives no result."
     if unknown := max(margin.unknown for margin in every):
         note += f" -: not known, left out of smallest and median ({unknown} of {each})."
     if partial := max(margin.partial for margin in every):
@@ -126,7 +126,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     smallest_of = f" Then the smallest {factor_name(answers.factor)} and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
-        "azimuth of the largest (of several that overturn, of the first to do so)."
+        "azimuth of the largest (the first to overturn if there are several)."
         f"{smallest_of} Then, by model, the number of directions that overturn; +1?: one more has no answer; -: not "
         "known.",
         *of_factors,

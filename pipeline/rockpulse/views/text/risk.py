@@ -77,9 +77,9 @@ def risk_overview(risk: xr.Dataset) -> str:
     )
     levels = [_levels(risk.isel(block=place)) for place in range(risk.sizes["block"])]
     told = [
-        f"per year: annual frequency lambda, the fragility summed over the hazard; intervals: over the earthquakes of "
-        f"the fragility, with the hazard as given; survival: probability of surviving {years:g} years; {measure}: "
-        "levels that contribute 90 % of lambda.",
+        "per year: annual frequency lambda, the fragility integrated over the hazard curve; intervals: over the "
+        f"earthquakes of the fragility, with the hazard as given; survival: probability of surviving {years:g} years; "
+        f"{measure}: levels that contribute 90 % of lambda.",
         *_assumed(risk),
     ]
     named = zip(risk["block"].values, risk["statement"].values, strict=True)

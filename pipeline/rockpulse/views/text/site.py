@@ -286,7 +286,7 @@ def _coverage(site: xr.Dataset, blocks: Table) -> str:
 def _warnings(site: xr.Dataset) -> str:
     pairs = zip(site["record"].values, site["warnings"].values, strict=True)
     warned = [(name, str(words).splitlines()[0]) for name, words in pairs if words]
-    title = f"records with warnings: {len(warned)} (variable warnings of /site holds all of them)"
+    title = f"records with warnings: {len(warned)} (all are stored in /site, variable warnings)"
     said = [paragraph(words, "      ", f"  {name}: ") for name, words in warned[:LISTED]]
     return "\n".join([title, *said]) if warned else ""
 

@@ -76,8 +76,10 @@ def factor_table(answers: Answers) -> str:
     if col.NONE_UP_TO in marks:
         notes.insert(0, col.NONE_UP_TO.note)
     elif any(np.isinf(one["safety_factor"]).any() for one in answers.of_models.values()):
-        notes.insert(0, "none: no overturning up to the largest scale factor that was searched.")
-    notes += ["!: a lower bound; from this scale factor on the model cannot answer."] if col.NO_ANSWER in marks else []
+        notes.insert(0, "none: no overturning up to the largest scale factor tried.")
+    notes += (
+        ["!: a lower bound; from this scale factor on the model gives no result."] if col.NO_ANSWER in marks else []
+    )
     title = "SF: smallest scale factor on the input of each model at which the body overturns"
     return _below_records(title, answers, tuple(map(Heading, searched)), list(zip(*own, strict=True)), notes)
 
@@ -167,7 +169,10 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
         else "each body"
     )
     title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
-    notes = [*_legend(answers, kept, bool(np.isnan(top[lanes]).any())), *body_notes(answers, found)]
+    unsized = np.isnan(top[lanes]) & ~np.isnan(rotation[lanes])
+    reasons = {"height not given": unsized.any(), "no record without overturning": np.isnan(rotation[lanes]).any()}
+    absent = " or ".join(reason for reason, occurs in reasons.items() if occurs)
+    notes = [*_legend(answers, kept, absent), *body_notes(answers, found)]
     table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
     return "\n".join([paragraph(title), *table, *(paragraph(note, "  ") for note in notes)])
 
@@ -184,7 +189,7 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
         without = f", {lost} left out: scale factor outside {FARTHEST[0]:g} to {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
         told.append(f"{name} ({demand.words}{without}{short})")
-    return f"{counted_motions(motions)} brought to the demand {' and '.join(told)}"
+    return f"{counted_motions(motions)} scaled to the demand {' and '.join(told)}"
 
 
 #: Meaning of each verdict in terms of the probability, or of the share of records, from which it follows.
@@ -192,13 +197,13 @@ _MEANING = {
     Grade.OVERTURNS: f"overturns: {{0}} >= {OVERTURNS:g}",
     Grade.MAY_OVERTURN: f"may overturn: {{0}} >= {MAY_OVERTURN:g}",
     Grade.ROCKS: f"rocks: {{0}} < {MAY_OVERTURN:g}",
-    Grade.STAYS: "stays: never lifted",
-    Grade.NOT_KNOWN: "not known: the models cannot answer under some records",
+    Grade.AT_REST: "at rest: never lifted",
+    Grade.NOT_KNOWN: "not known: some records give no result",
 }
 
 
-def _legend(answers: Answers, found: Sequence[BodyVerdict], unsized: bool) -> list[str]:
-    """Explain the verdicts that occur and the columns; `unsized` is true if a body has no size."""
+def _legend(answers: Answers, found: Sequence[BodyVerdict], absent: str) -> list[str]:
+    """Explain the verdicts that occur and the columns; `absent` is the reason for unknown largest rotations."""
     if answers.motions.kind == "sequence":
         return []
     few = answers.motions.event_count
@@ -209,10 +214,9 @@ def _legend(answers: Answers, found: Sequence[BodyVerdict], unsized: bool) -> li
     of, grades = what.partition(":")[0], {one.overall for one in found}
     words = "; ".join(meaning.format(of) for grade, meaning in _MEANING.items() if grade in grades)
     return [
-        f"{what}; upper 90 %: end of its 90 % interval{little}. {words[:1].upper()}{words[1:]}. Uplift PGA: lifts "
-        f"the body. "
-        f"Median scale factor: median over records of the multiplier {middle}. Top displ., rotation: largest without "
-        f"overturning{' (-: height not given)' if unsized else ''}."
+        f"{what}; upper 90 %: upper end of the 90 % interval{little}. {words[:1].upper()}{words[1:]}. Uplift PGA: PGA "
+        f"at which the body starts to lift. Median scale factor: median over records of the multiplier {middle}. Top "
+        f"displ., rotation: largest without overturning{f' (-: {absent})' if absent else ''}."
     ]
 
 
@@ -273,9 +277,9 @@ def worst_motions(answers: Answers, most: int) -> str:
     table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
     note = f"Worst body: the one most likely to overturn{', with its P and scale factor' if answers.probable else ''}."
     if np.isinf(factor[at][order]).any() and not math.isnan(limit):
-        note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest that was searched."
+        note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest scale factor tried."
     return "\n".join(
-        [f"{which} {what}, as recorded:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
+        [f"{which} {what} (unscaled), worst first:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
     )
 
 
