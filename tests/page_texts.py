@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 #: Elements without an end.
 VOID = {"meta", "input", "img", "br"}
 
-#: Elements whose text is not the report's: code, and tables of what readers said of files.
-FOREIGN = {"script", "style", "pre", "record-warnings", "failures", "left-out", "inputs"}
+#: Elements whose text is not the report's: code, and the table of input files.
+FOREIGN = {"script", "style", "pre", "inputs"}
 
 #: Fields, values of the configuration, settings and commands.
 QUOTED = re.compile(r"\{\w+\}|«[^»]*»|\[\w+\] \w+( = \S+)?|rockpulse \w+")
