@@ -27,6 +27,7 @@ from rockpulse.version import __version__
 from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
+from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import in_dates, own_name, result_texts, say, writing
@@ -206,6 +207,8 @@ def _in_language(tree: xr.DataTree) -> xr.DataTree:
         of_demand = ("demand", "limit_state") if "demand" in node.dims else ()
         kept = [name for name in ("block", "pedestal_of", *of_demand) if name in node]
         names = {name: [own_name(str(one)) for one in node[name].values] for name in kept}
+        if "record" in node.dims:
+            names["record"] = [record_label(str(one)) for one in node["record"].values]
         if any(len(set(every)) < node.sizes.get(name, 0) for name, every in names.items()):
             names = {}  # two bodies or demands would have one name
         for name in (name for name in ("warnings", "processing", "block_warnings") if name in node):
