@@ -1,4 +1,4 @@
-"""Numerics of rocking blocks in SI units, by numpy, scipy and numba alone."""
+"""Numerical models of rocking blocks in SI units; they need only numpy, scipy and numba."""
 
 import lazy_loader
 

@@ -26,14 +26,14 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
 
 
 def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
-    """Check the value as :func:`numbers` does, and that each number is above zero; `unit` is for the message."""
+    """Check the value as :func:`numbers` does, and that each number is above zero; the message names the `unit`."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
     return array
 
 
-#: The number of main impulses that stands for "no limit".
+#: The number of main impulses that means "no limit".
 UNLIMITED = 2**62
 
 
@@ -72,7 +72,7 @@ def record_samples(name: str, values: ArrayLike) -> np.ndarray:
 
 
 def _real(values: ArrayLike) -> ArrayLike:
-    """Return the values; raise TypeError for complex values, whose imaginary part numpy would drop, and masked ones."""
+    """Return the values; raise TypeError for masked and for complex values (numpy would drop the imaginary part)."""
     if np.ma.is_masked(values) or np.iscomplexobj(values):
         raise TypeError
     return values

@@ -2,7 +2,7 @@
 
 Numba's own cache detects a change in the file of a kernel only, not in the kernels that it calls. Here each version of
 the sources has its own folder (docs/decisions/021-kernel-cache.md): ``rockpulse-<digest>`` in the user's cache folder,
-or in ``NUMBA_CACHE_DIR``. A file holds one kernel for one signature and one processor, with a checksum.
+or in ``NUMBA_CACHE_DIR``. A file contains one kernel for one signature and one processor, with a checksum.
 """
 
 import errno
@@ -42,7 +42,7 @@ ADVICE = "every run compiles the kernels again (about a minute): set NUMBA_CACHE
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Return ``numba.njit`` with numpy's arithmetic, without Python's lock and with the cache of this module."""
+    """Return ``numba.njit`` with numpy's error model, the interpreter lock released and the cache of this module."""
 
     def compiled(function: Callable[..., Any]) -> Any:
         kernel = numba.njit(**{"nogil": True, "error_model": "numpy", **options})(function)
@@ -84,7 +84,7 @@ def sources() -> str:
     return hashlib.sha256(b"\0".join(texts)).hexdigest() if paths else ""
 
 
-#: Digest of the sources at the import of this module, which precedes that of every kernel.
+#: Digest of the sources when this module was imported, which is before any kernel is.
 SOURCES = sources()
 
 
@@ -133,7 +133,7 @@ class KernelCache(NullCache):
             logger.warning("%s: compiled kernels were %s and have been replaced", folder(), self.fault)
 
     def _key(self, sig: object, codegen: Any) -> tuple[str, ...]:
-        """Kernel, signature, and processor with its features."""
+        """Return kernel, signature, and processor with its features, which identify a file."""
         return self.function.__module__, self.function.__qualname__, str(sig), repr(codegen.magic_tuple())
 
     def _path(self, key: tuple[str, ...]) -> Path:
@@ -142,14 +142,14 @@ class KernelCache(NullCache):
 
 
 def _checked_owner(path: Path) -> Path:
-    """Return the path of a file of this user or root; raise ValueError for another owner, as its code would run."""
+    """Return the path of a file; raise ValueError if its owner is not this user or root, as its code would be run."""
     if hasattr(os, "geteuid") and path.stat().st_uid not in (0, os.geteuid()):
         raise ValueError("of another user")
     return path
 
 
 def _announce() -> None:
-    """Log that kernels are compiled, or at once that they cannot be stored."""
+    """Log that kernels are being compiled, or that they cannot be stored."""
     try:
         _make_folder()
         tempfile.TemporaryFile(dir=folder()).close()
@@ -160,7 +160,7 @@ def _announce() -> None:
 
 
 def _make_folder() -> None:
-    """Make the folder if it does not exist, and remove long unused folders of other versions."""
+    """Create the folder if it does not exist, and remove long unused folders of other versions."""
     path = folder()
     if path.is_dir():
         return
@@ -180,7 +180,7 @@ def _warn_not_stored(error: OSError) -> None:
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file completely or not at all."""
+    """Write a file atomically."""
     part = path.with_name(f"{uuid.uuid4().hex}.part")
     try:
         part.write_bytes(content)
@@ -190,12 +190,12 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
-#: Messages that this process has logged.
+#: Messages that this process has already logged.
 logged: set[str] = set()
 
 
 def _first_time(record: logging.LogRecord) -> bool:
-    """Whether this process logs a message for the first time; each of its dozens of kernels may log it."""
+    """Return whether this process has not logged a message yet; each of its dozens of kernels may log it."""
     text = record.getMessage()
     new = text not in logged
     logged.add(text)

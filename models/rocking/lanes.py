@@ -1,4 +1,4 @@
-"""Lanes, each one block under one factor on the input: arrays with one entry per lane, and threads for them."""
+"""Lanes, each one block under one factor on the input: arrays with one entry per lane, and threads that share them."""
 
 import os
 import threading
@@ -13,7 +13,7 @@ import numpy as np
 
 #: Slices per thread: lanes differ in cost, so a thread that finishes early takes another slice.
 SLICES_PER_THREAD = 8
-#: The limits in force, a list because the `with` blocks of several threads overlap and end in any order.
+#: The limits in force: a list, because `with` blocks of several threads may overlap and end in any order.
 _limits: list[int] = []
 _changing = threading.Lock()
 
@@ -28,7 +28,7 @@ def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
 
 
 class LaneValues:
-    """A dataclass whose fields made by :func:`lane_field` hold one value per lane; other fields hold for all lanes."""
+    """A dataclass with one value per lane in each field made by :func:`lane_field`; other fields apply to all lanes."""
 
     @classmethod
     def lane_fields(cls) -> dict[str, tuple[Any, int]]:
@@ -57,7 +57,7 @@ class LaneValues:
 
     @classmethod
     def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
-        """Join parts into `count` lanes, each part at its indices (k,); the other lanes get the fill of each field."""
+        """Join parts into `count` lanes, each part at its indices (k,); other lanes get the fill value of the field."""
         found: dict[str, Any] = {}
         for name, (fill, axis) in cls.lane_fields().items():
             values = [getattr(part, name) for part in parts]
@@ -94,7 +94,7 @@ def squeezed(values: np.ndarray, drop: tuple[bool, bool], axis: int = -1) -> Any
 
 
 def available_cores() -> int:
-    """Number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -102,7 +102,7 @@ def available_cores() -> int:
 
 @contextmanager
 def thread_limit(threads: int) -> Iterator[None]:
-    """Limit ``threads=None`` to this number of threads in the whole process; the smallest of several limits holds."""
+    """Limit ``threads=None`` to this number of threads in the whole process; the smallest of several limits governs."""
     threads = _checked(threads, "a whole number of at least 1")
     with _changing:
         _limits.append(threads)

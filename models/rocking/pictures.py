@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-#: Colours: that of the surrounding text, those of Okabe & Ito (2008), and a grey.
+#: Colours: the colour of the surrounding text, those of Okabe & Ito (2008), and a grey.
 INK = "currentColor"
 BLUE, ORANGE, RED, GREY = "#0072B2", "#E69F00", "#D55E00", "#808080"
 #: Size of a picture and margin around the drawing [px].
 WIDTH, HEIGHT, MARGIN = 380.0, 120.0, 14.0
-#: Longest repr, and most values of a list in it.
+#: Largest length of a repr, and largest number of list values in it.
 LINE, FEW = 120, 4
-#: Number of columns to which a long line is thinned; more could not be distinguished.
+#: Number of columns to which a long line is thinned; more would not be visible.
 COLUMNS = 300
 
 
 class Picture:
-    """A small SVG drawing of lines, polygons and texts over a rectangle of data."""
+    """A small SVG drawing of lines, polygons and labels in a rectangle of data coordinates."""
 
     def __init__(
         self,
@@ -31,7 +31,7 @@ class Picture:
         height: float = HEIGHT,
         equal: bool = False,
     ) -> None:
-        """Set the limits of the data; `equal` draws both axes at the smaller of their two scales."""
+        """Set the limits of the axes; `equal` draws both axes at the smaller of their two scales."""
         self.width: float = width
         self.height: float = height
         low, high = np.array([x_limits[0], y_limits[0]]), np.array([x_limits[1], y_limits[1]])
@@ -67,7 +67,7 @@ class Picture:
         self._parts.append(f'<circle cx="{at:.1f}" cy="{up:.1f}" r="{radius:g}" fill="{colour}"/>')
 
     def words(self, text: str, x: float, y: float, anchor: str = "middle", colour: str = INK) -> None:
-        """Write a text that begins at, ends at or is centred on a point (anchor "start", "end" or "middle")."""
+        """Write a label that begins at, ends at or is centred on a point (anchor "start", "end" or "middle")."""
         (at,), (up,) = self._placed([x], [y])
         self._parts.append(
             f'<text x="{at:.1f}" y="{up:.1f}" text-anchor="{anchor}" fill="{colour}">{html.escape(text)}</text>'
@@ -98,7 +98,7 @@ class Shown(ABC):
 
     @abstractmethod
     def _facts(self) -> dict[str, str]:
-        """Return the main values of the object by short names; a name may be empty."""
+        """Return the main values of the object with short names; a name may be empty."""
 
     @abstractmethod
     def _picture(self) -> Picture | None:
@@ -128,7 +128,7 @@ def shortened_line(text: str) -> str:
 
 
 def one_line(thing: Any) -> str:
-    """Return a repr of a dataclass or named tuple in one line: values that differ from defaults, shapes of arrays."""
+    """Return a one-line repr of a dataclass or named tuple: values that differ from defaults, shapes of arrays."""
     if isinstance(thing, tuple):
         known = thing._asdict()  # type: ignore[attr-defined]
     else:
@@ -146,7 +146,7 @@ def _same(value: Any, usual: Any) -> bool:
 
 
 def _told(value: Any) -> str:
-    """A value in a few words: of an array its shape, of a long list its length."""
+    """Return a short form of a value: the shape of an array, the length of a long list."""
     if isinstance(value, np.ndarray) and value.ndim:
         return f"<{' x '.join(map(str, value.shape))} {value.dtype}>"
     if isinstance(value, list | tuple) and (len(value) > FEW or any(map(is_dataclass, value))):
@@ -155,7 +155,7 @@ def _told(value: Any) -> str:
 
 
 def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
-    """Format a number in a few digits with its unit, several numbers as a range, or only NaN as "unknown"."""
+    """Format a number in a few digits with its unit, several numbers as a range, and NaN alone as "unknown"."""
     known = np.asarray(values, dtype=float).ravel()
     known = known[~np.isnan(known)]
     if known.size == 0:
@@ -165,7 +165,7 @@ def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
-    """Thin the points (n,) of a line to the smallest and the largest in each of `columns` columns, in their order."""
+    """Thin the points (n,) of a line to the lowest and the highest in each of `columns` columns, in their order."""
     if y.size <= 2 * columns:
         return x, y
     kept: list[int] = []

@@ -11,7 +11,7 @@ from rocking.arguments import Booleans, Floats, Integers
 from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, one_line, thinned
 
-#: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
+#: Impacts slower than this speed, divided by p alpha_c [-], are not counted (a hop of about 5e-7 alpha_c).
 IMPACT_CUTOFF = 1e-3
 #: Largest number of lanes whose peaks are drawn, and largest theta/alpha_c in the picture [-].
 DRAWN, TOP = 200, 1.2
@@ -75,7 +75,7 @@ class HalfCycles(LaneValues):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Response(LaneValues, Shown):
-    """Peak, outcome and events of a rocking motion; arrays of the lanes' shape, or scalars for one lane.
+    """Peak, outcome and events of a rocking motion: arrays with one value per lane, or scalars for one lane.
 
     Attributes
     ----------
@@ -128,13 +128,13 @@ class Response(LaneValues, Shown):
 
     @property
     def overturned(self) -> Booleans:
-        """Whether the block overturned; False if the outcome is UNRESOLVED."""
+        """True if the block overturned; False if the outcome is UNRESOLVED."""
         found = np.asarray(self.outcome) == Outcome.OVERTURNS
         return bool(found) if found.ndim == 0 else found
 
     @property
     def outcome_name(self) -> str | np.ndarray:
-        """The outcome as text: "at_rest", "rocks", "overturns" or "unresolved"; an array of texts for several lanes.
+        """The outcome, "at_rest", "rocks", "overturns" or "unresolved"; an array of strings for several lanes.
 
         Examples
         --------
@@ -168,7 +168,7 @@ class Response(LaneValues, Shown):
         return self._history(self.time, self.rotation.reshape(-1, self.time.size)[0])
 
     def _history(self, time: np.ndarray, rotation: np.ndarray) -> Picture:
-        """Draw the rotation over time; of several lanes, the first."""
+        """Draw the rotation over time, for the first one of several lanes."""
         known = np.isfinite(rotation)
         x, y = thinned(time[known], rotation[known])
         reach = max(float(np.max(np.abs(y), initial=0.0)), 1e-12)
@@ -207,7 +207,7 @@ class LaneResults(NamedTuple):
 
 
 def empty_results(lanes: int, codes: Any = np.int64) -> LaneResults:
-    """Return arrays for a kernel to fill; outcome and reason have the type `codes`."""
+    """Return arrays for a kernel to fill; `codes` is the type of outcome and reason."""
     types = (np.float64, codes, codes, np.float64, np.int64, np.int64)
     return LaneResults(*(np.empty(lanes, dtype=kind) for kind in types))
 
@@ -220,7 +220,7 @@ def response_of(
     half_cycles: HalfCycles | None = None,
     **others: np.ndarray,
 ) -> Response:
-    """Make the (q, m) response from the results of a kernel; `motion` (q m, n, 2) is theta and theta' at n samples."""
+    """Return the (q, m) response from a kernel's results; `motion` (q m, n, 2) is theta and theta' at n samples."""
     lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
     if motion is not None:
         lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}

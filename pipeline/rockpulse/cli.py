@@ -26,7 +26,7 @@ first steps, for a wall 0.3 m wide and 2.4 m high:
   rockpulse report results.h5 -o report.html
 bodies and options in a file, for --config site.toml:
   rockpulse init-config -o site.toml
-what a verb takes, with examples:
+options of a verb, with examples:
   rockpulse VERB --help
 
 Exit codes: 0 all done, 1 some records failed or, of diff, verify and selftest,

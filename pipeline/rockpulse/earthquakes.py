@@ -177,7 +177,7 @@ class Limits(NamedTuple):
 
 
 def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """Return exp(estimate - score x error) for scores (b,) = (sample - estimate)/(standard error of the sample)."""
+    """Return limits exp(estimate - score x error); scores (b,) = (sample - estimate)/(standard error of the sample)."""
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):

@@ -7,7 +7,7 @@ from typing import Literal
 
 
 class RockpulseError(ValueError):
-    """Base of every error whose message tells the user what was found, what was expected and what to do."""
+    """Base class of every error whose message states what was found, what was expected and what to do."""
 
 
 class RecordFormatError(RockpulseError):
@@ -36,7 +36,7 @@ class ResultsError(RockpulseError):
     Attributes
     ----------
     tells_resume : bool
-        Whether the message says what happens to a stopped run, and how to continue it.
+        Whether the message states what happens to a stopped run, and how to continue it.
     """
 
     def __init__(self, message: str, tells_resume: bool = False) -> None:

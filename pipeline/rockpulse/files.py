@@ -38,7 +38,7 @@ def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = Co
     mode = os.stat(path).st_mode  # noqa: PTH116 - as above
     for is_kind, kind in _KINDS.items():
         if is_kind(mode):
-            raise error(f"{path}: expected a file, found {kind}; write what it gives to a file, and name that one")
+            raise error(f"{path}: expected a file, found {kind}; write its content to a file, and give that file")
 
 
 def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
@@ -109,7 +109,7 @@ def table_of(path: str, text: str) -> pd.DataFrame:
     for number, row in enumerate(cells, start=1):
         if len(row) > len(heads):
             raise ConfigError(
-                f"{path}: row {number}: expected {len(heads)} cells, as the heading has, found {len(row)}: {row}"
+                f"{path}: row {number}: expected {len(heads)} cells, as in the heading, found {len(row)}: {row}"
             )
     if between != ",":
         cells = [
@@ -144,7 +144,7 @@ def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[st
     if not target.name.lower().endswith(suffixes):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")
     if target.exists() and not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a file, found something that is no regular file")
+        raise ResultsError(f"{path}: expected the name of a file, found something that is not a regular file")
     if target.exists() and not overwrite:
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     if not target.absolute().parent.is_dir():

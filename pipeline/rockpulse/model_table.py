@@ -156,7 +156,7 @@ _ROWS = (
         name="impulsive",
         label="impulsive",
         words="every half-wave of the record as an impulse at its centroid; between them the natural motion of the "
-        "block. It knows no threshold of uplift.",
+        "block. It has no threshold of uplift.",
         respond=_impulsive,
         search=_search_impulsive,
         look=("green", (0, (2, 1)), "^"),

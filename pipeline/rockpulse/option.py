@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError
 
 @dataclass(frozen=True)
 class KeyType:
-    """The type of a key: the values that it accepts."""
+    """A type of keys, with the values that it accepts."""
 
     expected: str  # description of the values in a message
     accepts: Callable[[Any], bool]
@@ -57,7 +57,7 @@ class Section:
             object.__setattr__(self, item.name, allowed.convert(value))
 
     def keys(self) -> list[str]:
-        """Names of the keys, in the order of the template."""
+        """Return the names of the keys in the order of the template."""
         return [item.name for item in dataclasses.fields(self)]
 
     def __getitem__(self, key: str) -> Any:
@@ -67,8 +67,8 @@ class Section:
 def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
     """Return ``; did you mean "x"?`` if a known word is similar to the wrong one, ignoring case, followed by `told`.
 
-    >>> hint("wdth", ["width"], "known are width"), hint("x", ["width"], "known are width")
-    ('; did you mean "width"? Known are width', '; known are width')
+    >>> hint("wdth", ["width"], "known keys: width"), hint("x", ["width"], "known keys: width")
+    ('; did you mean "width"? Known keys: width', '; known keys: width')
     """
     spelt = {word.lower(): word for word in known}
     close = [spelt[word] for word in difflib.get_close_matches(wrong.lower(), list(spelt), n=1)]
@@ -93,7 +93,7 @@ def _of_no_size(value: Any) -> str:
         return "; it must be finite"
     if value == 0 or 1.0 / LARGEST <= abs(value) <= LARGEST:
         return ""
-    return f"; it must be 0, or between {1.0 / LARGEST:g} and {LARGEST:g} in size"
+    return f"; it must be 0, or between {1.0 / LARGEST:g} and {LARGEST:g} in absolute value"
 
 
 def text(default: str | None = "") -> Any:

@@ -7,9 +7,8 @@ from typing import Any
 
 #: Template of a warning on intervals from few earthquakes.
 _WIDE = (
-    "the intervals are wide because little is known (those of two or three events may come out narrow by chance), and "
-    "even so they take the parameters for lognormal; correlations of so few mean little; take records of more "
-    "earthquakes"
+    "the intervals are wide (those of two or three events may be narrow by chance) and assume lognormal parameters; "
+    "correlations of so few events mean little; use records of more earthquakes"
 )
 
 #: Template for each code of a warning on a record or of a processing step.
@@ -25,7 +24,7 @@ WARNINGS = {
     "{sense}",
     "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
     "scale_stated": "the header states a scale factor of {factor:g}; the samples are used as they are in the file",
-    "same_direction": "channels {first} and {second} have one direction; check their names",
+    "same_direction": "channels {first} and {second} have the same direction; check their names",
     "same_samples": "the samples are those of {other}{turned}: one of them is a copy",
     "resampled_clock": "the times of the file are uneven by up to {uneven:.2g} of a step: interpolated at their mean "
     "interval of {interval:.6g} s",
@@ -37,18 +36,18 @@ WARNINGS = {
     "noise_only": "no earthquake, but noise or a dead channel: {reason}",
     "held_value": "the samples stay at one value for {length:.3g} s from {start:.4g} s on, as in a gap",
     "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
-    "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the one before",
+    "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the preceding one",
     "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on come again from {again:.4g} s on",
-    "spike": "spikes: samples far beyond those beside them, {count:d} in all, the largest of {peak:.3g} g at "
-    "{time:.4g} s",
+    "spike": "spikes: samples far outside the range of their neighbours, {count:d} in all, the largest of {peak:.3g} g "
+    "at {time:.4g} s",
     "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
     "0.5 s): what came before is cut off",
     "ends_strong": "the record ends in strong motion, at {share:.0f} % of its peak (root mean square of the last "
     "0.5 s): what came after is cut off",
-    "coarse_sampling": "{rate:.3g} samples a second: frequencies above {nyquist:.3g} Hz are missing, and peaks between "
-    "samples are cut off",
+    "coarse_sampling": "{rate:.3g} samples per second: frequencies above {nyquist:.3g} Hz are missing, and peaks "
+    "between samples are cut off",
     "velocity_drift": "baseline drift or step in the samples as they came: whatever constant is subtracted, the ground "
-    "velocity has a slow part of {slow:.3g} m/s beside {rest:.3g} m/s of motion",
+    "velocity has a slow part of {slow:.3g} m/s compared with {rest:.3g} m/s of motion",
     # the other channels and volumes of its motion
     "twin_differs": "{other} of {source} should be of the same motion, but {differences}",
     "components_apart": "its peak is {ratio} than that of {other}, the other component of its instrument: {cause}",
@@ -64,7 +63,7 @@ WARNINGS = {
     "no_sequence": "no impulse sequence: {reason}",
     "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record represents no recorded "
     "earthquake of that strength",
-    "scaled_alone": "brought to the demand by its own strength, not by that of a pair: {reason}",
+    "scaled_alone": "scaled to the demand by its own intensity, not by that of a pair: {reason}",
     "scaled_to_drift": "scaled to a PGV that is doubtful, because its baseline drifts",
     # its vertical channel
     "vertical_acceleration": "vertical acceleration: {record}",
@@ -99,15 +98,15 @@ STATEMENTS = {
     ),
     "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
     "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one "
-    "or two; take more records",
+    "or two; use more records",
     "tail_below": "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or "
-    "two; take more records",
-    "tail_among": "the quantile {quantile:g} lies among them, and is known no better than its interval; take more "
+    "two; use more records",
+    "tail_among": "the quantile {quantile:g} lies among them, and is no better known than its interval; use more "
     "records",
     "unresolved_pairs": "{share:.1%} of the pairs of record and block are unresolved (a vertical acceleration that "
-    "cancels gravity, for one) and count as overturned, the only safe assumption",
+    "cancels gravity, for example) and are counted as overturned, the only safe assumption",
     "nothing_standing": "the design overturns every block that a record sets rocking: no rotation is left to be "
-    "covered, and nothing else can be concluded; take stockier blocks or a lower quantile",
+    "covered, and nothing else can be concluded; use stockier blocks or a lower quantile",
     "set_by": "I is set by the overturning of {name}: just below it the design covers {share:.0%} of the rotations of "
     "the blocks left standing, and at it {left}; with stockier blocks in the list I may be larger",
     "left_none": "no block is left",
@@ -124,11 +123,11 @@ STATEMENTS = {
     "unlifted": "{names} (lifts no block)",
     "no_design": "{names} (the others alone make no design)",
     "overturning_design": "{names} (the design of the others overturns all that it lifts)",
-    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events "
-    "left out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or "
-    "one shape cannot serve all blocks",
-    "few_lifted": "only {share:.1%} of the pairs of record and block count, for the other records do not lift the "
-    "other blocks: the design rests on few of them",
+    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left "
+    "out, on blocks left standing, instead of {nominal:.0%}: the events differ more than the others show, or one shape "
+    "of sequence does not suit all blocks",
+    "few_lifted": "only {share:.1%} of the pairs of record and block are used, because in the others the record does "
+    "not lift the block: the design rests on few pairs",
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
     "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another size",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
@@ -136,25 +135,28 @@ STATEMENTS = {
     "vertical_left_out": ("the vertical acceleration is left out: no spectrum is common to all bodies under it"),
     # a fragility curve
     "band_one_event": "no band: without the event {event} there would be no curve",
-    "band_few_events": "no band: the records come from {events}, it needs {needed:d}",
+    "band_few_events": "no band: the records come from {events}; at least {needed:d} are needed",
     "median_above": "extrapolated: the median, {median:.3g}, lies above all levels that were analysed, up to "
     "{level:.3g}; {reached} of {records:d} reached the limit state",
     "median_below": "extrapolated: the median, {median:.3g}, lies below all levels that were analysed, from "
     "{level:.3g}; {reached} of {records:d} reached the limit state",
     "no_record": "no curve: no record",
-    "one_record_reached": "no curve: one record only, {levels} reached; a dispersion needs several",
-    "one_record_not_reached": "no curve: one record only, {levels} not reached; a dispersion needs several",
+    "one_record_reached": "no curve: only one record (limit state reached at {levels}); at least two are needed for a "
+    "dispersion",
+    "one_record_not_reached": "no curve: only one record (limit state not reached at {levels}); at least two are "
+    "needed for a dispersion",
     "nothing_reached": "no curve: none of {records} reached the limit state, at levels up to {level:.3g}",
     "nothing_reached_between": "no curve: none of {records} reached the limit state, at levels up to {low:.3g} to "
     "{high:.3g}",
-    "everything_reached": "no curve: all of {records} reached the limit state at every level, from {level:.3g}; add "
+    "everything_reached": "no curve: all {records} reached the limit state at every level, from {level:.3g}; add "
     "lower levels",
-    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion "
-    "needs several",
-    "step": "a step at {level:.3g}: all capacities that are known are the same, there is no dispersion",
+    "one_reached": "no curve: only one of {records:d} records reached the limit state (at {levels}); at least two are "
+    "needed for a dispersion",
+    "step": "a step at {level:.3g}: all known capacities are equal; there is no dispersion",
     "not_increasing": "no curve: the limit state is not reached more often at higher levels",
     "no_maximum": "no curve: the likelihood has no maximum that could be found",
-    "one_level": "no curve: all motions are of one level, {level:.3g}; a dispersion needs several",
+    "one_level": "no curve: all motions have the same level, {level:.3g}; at least two levels are needed for a "
+    "dispersion",
     "separated_at": "no curve: no motion below {level:.3g} and every motion above it reached the limit state; the "
     "dispersion cannot be determined; add levels nearby",
     "separated": "no curve: no motion up to {low:.3g} and every motion from {high:.3g} reached the limit state; the "
@@ -163,7 +165,7 @@ STATEMENTS = {
 }
 
 TEMPLATES = WARNINGS | STATEMENTS
-#: Code of any other text.
+#: Code of a warning without a template.
 PLAIN = "plain"
 
 

@@ -59,7 +59,7 @@ def test_without_a_verb_the_whole_help_is_shown(capsys):
         (["assess", "x", "-o", "y", "--worker", "3"], 'unrecognized arguments: --worker 3; did you mean "--workers"?'),
         (["assess", "x", "--ouput", "y"], 'required: -o/--output; --ouput is not known; did you mean "--output"?'),
         (["assess", "x", "-output", "y"], 'unrecognized arguments: -output; did you mean "--output"?'),
-        (["assess", "x", "-o", "y", "--block=a=1x3", "z"], "unrecognized arguments: z; name all paths together"),
+        (["assess", "x", "-o", "y", "--block=a=1x3", "z"], "unrecognized arguments: z; give all paths together"),
         (["plot", "x", "--lst"], 'did you mean "--list"?'),
     ],
 )
@@ -197,6 +197,6 @@ def test_an_internal_error_is_shown_with_what_differs_in_the_file(
     assert main(["inspect", str(path)]) == 2
     said = capsys.readouterr().err
     assert "KeyError: 'absent'" in said
-    assert "is not as it was written" in said
+    assert "was changed after it was written" in said
     assert "Traceback" not in said
     assert caplog.records[-1].exc_info[0] is KeyError

@@ -18,7 +18,7 @@ def pipe(tmp_path):
 
 @pytest.mark.parametrize("error", [ConfigError, RecordRefused, ResultsError])
 def test_a_pipe_is_refused_and_not_opened(pipe, error):
-    with pytest.raises(error, match=r"pipe: expected a file, found a pipe; write what it gives to a file"):
+    with pytest.raises(error, match=r"pipe: expected a file, found a pipe; write its content to a file"):
         check_regular(pipe, error)
 
 

@@ -31,7 +31,7 @@ def test_a_name_with_commas_stays_as_it_is():
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("a,b\n1,2\n1,2,3\n", r"t.csv: row 2: expected 2 cells, as the heading has, found 3: \['1', '2', '3'\]"),
+        ("a,b\n1,2\n1,2,3\n", r"t.csv: row 2: expected 2 cells, as in the heading, found 3: \['1', '2', '3'\]"),
         ("a,b,a\n1,2,3\n", "t.csv: expected each column once, found 'a' 2 times"),
         ("a,b\n" + "x" * 200_000 + ",2\n", "t.csv: cannot be read as a table: field larger than field limit"),
     ],

@@ -161,7 +161,7 @@ def test_a_record_without_a_sequence_has_no_factors_of_the_sequences():
 
 def with_free_flight(strength, up):
     """A motion and a short vertical acceleration: beyond -g of it is free flight."""
-    vertical = np.where((T > 4.9) & (T < 4.96), up, 0.0)
+    vertical = np.where((T > 4.8) & (T < 5.1), up * np.sin(np.pi * (T - 4.8) / 0.3), 0.0)
     motion = {"horizontal": strength * MOTION, "vertical": vertical}
     stamp = {"network": "XX", "station": f"S{strength:g}", "start_time": datetime(2020, 1, 1, tzinfo=UTC)}
     return [
@@ -200,10 +200,10 @@ def test_a_lower_bound_is_marked_and_does_not_drop_out_of_the_capacities(flights
     text = overview(flights, whole=True)
     rows = [line for line in text.splitlines() if line.startswith("  tall ")]
     assert rows[0].split()[-2:] == ["unresolved", "0.93!"]
-    assert "!: from this factor on the model cannot answer, as in free flight" in " ".join(text.split())
+    assert "!: a lower bound" in " ".join(text.split())
     bound = flights["summary"]["capacity_ratio"].sel(record="1.horizontal", block="tall", model="nonlinear").item()
     assert f"{bound:.2f}!," in rows[-1]
     assert "!: a lower bound" in " ".join(text.partition("Capacity")[2].split())
     page = record_details(flights["summary"].to_dataset(), "1.horizontal")
     assert f"{bound:.2f}!" in page
-    assert "0.93!" in page.partition("Safety factors:")[2]
+    assert "0.93!" in page

@@ -1,1 +1,1 @@
-"""The rigid body: corners, restitution, restraints, and the pedestal or floor under it."""
+"""The rigid body: its corners, restitution and restraints, and the pedestal or floor under it."""

@@ -16,7 +16,7 @@ logger = logging.getLogger("rockpulse")
 
 
 class Block(BlockLanes):
-    """A rigid block, or an array of blocks, given by full sizes or half sizes; the fields broadcast to (m,), or ().
+    """A rigid block or an array of m blocks, with full or half sizes; its fields are broadcast to the shape () or (m,).
 
     Parameters
     ----------
@@ -24,19 +24,19 @@ class Block(BlockLanes):
         2b and 2a, the full base in the plane of rocking and the full height [m].
     restitution : "housner", float or (m,) array_like
         Velocity ratio C = theta'(after)/theta'(before) of an impact [-], 0 <= C <= 1. "housner" is 1 - 1.5
-        sin^2(alpha_c), the bound of angular-momentum conservation (Housner's own r is its square).
+        sin^2(alpha_c), the upper bound from conservation of angular momentum (Housner's r is its square).
     gravity : float
         Acceleration of gravity at the block [m/s2].
     offset, lean : float or (m,) array_like
         Distance of the centre of mass from the middle of the base, positive towards the right-hand corner [m]; tilt of
-        the body on a base that is cut horizontal, positive to the same side [rad].
+        a body whose base is cut horizontally, positive to the same side [rad].
     half_width, half_height : float or (m,) array_like
         b and a, half the base and half the height [m], instead of the full sizes; by keyword only.
     one_sided : bool
         Whether the body leans on a wall and turns towards theta > 0 only, away from it.
     rebound : "sorrentino", float or (m,) array_like, optional
-        For a one-sided body, instead of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-];
-        by default :func:`rocking.body.limits.sorrentino`.
+        For a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of an impact on the wall
+        [-]; by default :func:`rocking.body.limits.sorrentino`.
     ties, loads, thrusts : sequence of Tie, Load, Thrust
         Restraints, the same for all lanes.
     mass, density, length : float or (m,) array_like, optional
@@ -47,10 +47,10 @@ class Block(BlockLanes):
     Attributes
     ----------
     alpha_c, p, radius : float or (m,) ndarray
-        For the right-hand corner (theta > 0): angle of the line to the centre of mass with the vertical [rad],
-        frequency parameter [1/s], distance R from the centre of mass [m] (if unknown, for a rectangle).
+        For the right-hand corner (theta > 0): angle between the vertical and the line to the centre of mass [rad],
+        frequency parameter [1/s], distance R from the centre of mass [m] (that of a rectangle if unknown).
     alpha_2, p_2, radius_2, restitution_2 : float or (m,) ndarray
-        The same for the left-hand corner (theta < 0), and C of the impact that ends the rotation about it; e against a
+        The same for the left-hand corner (theta < 0), and C of the impact that ends the rotation about it; e for a
         wall.
     slenderness : float or (m,) ndarray
         a/b = 1/tan(alpha_c) [-].
@@ -68,10 +68,10 @@ class Block(BlockLanes):
     Raises
     ------
     ValueError
-        For sizes or gravity that are not positive and finite, one size alone or a half size beside a full one, a
-        restitution outside [0, 1], or "housner" below a slenderness of 0.707, where it is negative; for a centre of
-        mass outside the base, a rebound without `one_sided` or a restitution with it, and for restraints without a
-        mass, above the body or so strong that they overturn it at rest.
+        For sizes or gravity that are not positive and finite, a single size, a half size together with a full one, a
+        restitution outside [0, 1], or "housner" with a slenderness below 0.707, for which it is negative; for a centre
+        of mass outside the base, a rebound without `one_sided` or a restitution with it, and for restraints without a
+        mass, above the body or so strong that they overturn the resting body.
 
     References
     ----------
@@ -152,7 +152,7 @@ class Block(BlockLanes):
         rebound: ArrayLike | None = None,
         log: bool = True,
     ) -> Self:
-        """Make a symmetric body of any shape from its frequency parameter and critical angle; its sizes are NaN.
+        """Create a symmetric body of any shape from its frequency parameter and critical angle; its sizes are NaN.
 
         Parameters
         ----------
@@ -161,8 +161,8 @@ class Block(BlockLanes):
         alpha : float or (m,) array_like
             Angle between the vertical and the line from the corner to the centre of mass [rad], below pi/2.
         restitution : float, (m,) array_like or "housner"
-            As for :class:`Block`. "housner" is the bound of angular momentum: 1 - 2 (p^2 R/g) sin^2(alpha) with a
-            `radius`, else 1 - 1.5 sin^2(alpha), that of the rectangle with the same alpha.
+            As for :class:`Block`. "housner" is the upper bound from angular momentum: 1 - 2 (p^2 R/g) sin^2(alpha) with
+            a `radius`, else 1 - 1.5 sin^2(alpha), the bound of the rectangle with the same alpha.
         radius : float or (m,) array_like, optional
             R, from the corner to the centre of mass [m]; used only for the bound of the restitution.
         gravity, one_sided, rebound, log
@@ -219,7 +219,7 @@ class Block(BlockLanes):
         mass: ArrayLike | None = None,
         log: bool = True,
     ) -> Self:
-        """Make an asymmetric body from its corners and its centre of mass; `width` is its base, `height` is NaN.
+        """Create an asymmetric body from its corners and its centre of mass; `width` is its base, `height` is NaN.
 
         Parameters
         ----------
@@ -228,8 +228,8 @@ class Block(BlockLanes):
         height, gyration : float or (m,) array_like
             Height of the centre of mass above the corners, and radius of gyration sqrt(I_G/M) about it [m].
         restitution : "housner", float or (m,) array_like
-            C of both impacts; "housner" is the bound of angular momentum, (rho^2 + h^2 - b_1 b_2)/(rho^2 + R^2), R the
-            distance from the corner that hits the ground to the centre of mass.
+            C of both impacts; "housner" is the upper bound from angular momentum, (rho^2 + h^2 - b_1 b_2)/(rho^2 +
+            R^2), R the distance from the corner that hits the ground to the centre of mass.
         gravity, one_sided, rebound, ties, loads, thrusts, mass, log
             As for :class:`Block`; the rebound is a number.
 
@@ -261,7 +261,7 @@ class Block(BlockLanes):
         held: tuple[Restraints, Any],
         log: bool,
     ) -> None:
-        """Set all fields; `shape` is "rectangle", "general", "own" (by p, alpha and radius) or "unknown"."""
+        """Set all fields; `shape` is "rectangle", "general", "own" (given by p, alpha and radius) or "unknown"."""
         ratios = limits.restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
         restraints, mass = held
         alone = {"size": first.alpha, "restitution": ratios[0]}

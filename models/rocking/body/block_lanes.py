@@ -1,4 +1,4 @@
-"""The fields of a block, scalars for one body and arrays (m,) for several, and the operations on these lanes."""
+"""The fields of a block (scalars for one body, arrays (m,) for several) and the operations on these lanes."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
@@ -13,11 +13,11 @@ from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import Picture, Shown, brief
 
 STANDARD_GRAVITY = 9.80665
-#: Smallest slenderness for which the linear, resonance and sequence models are stated (section 3).
+#: Smallest slenderness for which the paper states the linear, resonance and sequence models (section 3).
 SLENDERNESS_RANGE = 3.0
 #: Largest number of bodies of an array that are drawn side by side.
 DRAWN = 8
-#: The quantities that are given for both corners, named here for the right-hand one.
+#: The fields that exist for both corners, by the names for the right-hand corner.
 OPPOSITE = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution": "restitution_2"}
 
 
@@ -45,12 +45,12 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def width(self) -> Floats:
-        """Full width [m], 2b; NaN for a body given by p and alpha."""
+        """Full width 2b [m]; NaN for a body given by p and alpha."""
         return 2.0 * self.half_width
 
     @property
     def height(self) -> Floats:
-        """Full height [m], 2a; NaN for a body given by p and alpha."""
+        """Full height 2a [m]; NaN for a body given by p and alpha."""
         return 2.0 * self.half_height
 
     @property
@@ -75,7 +75,7 @@ class BlockLanes(LaneValues, Shown):
 
     @classmethod
     def stack(cls, blocks: Sequence[Self]) -> Self:
-        """Join several blocks under the same gravity, in their order, into one array of blocks."""
+        """Join several blocks with the same gravity into one array of blocks, in the given order."""
         gravities = {block.gravity for block in blocks}
         if len(gravities) != 1:
             raise ValueError(f"blocks: expected one gravity for all blocks of a stack, found {sorted(gravities)}")
@@ -92,18 +92,18 @@ class BlockLanes(LaneValues, Shown):
 
     @classmethod
     def restored(cls, gravity: float, restraints: Any = None, **values: float) -> Self:
-        """Rebuild one body from its stored lane fields; the derived ones are computed."""
+        """Rebuild one body from its stored lane fields, and compute the derived fields."""
         block = object.__new__(cls)
         vars(block).update(values | {"gravity": gravity, "restraints": restraints, "warnings": ()})
         return block._with_angle()
 
     def ratio(self, rotation: np.ndarray) -> np.ndarray:
-        """Return theta/alpha [-] for rotations [rad] of one body, with alpha of the corner that it turns about."""
+        """Return theta/alpha [-] for rotations [rad] of one body, with the alpha of the corner of rotation."""
         other = (rotation < 0.0) & (self.side == 0)
         return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
 
     def mirrored(self) -> Self:
-        """Return the mirror image of the body: corners are exchanged, and a wall is on the other side."""
+        """Return the mirror image of the body: its corners are exchanged, and its wall is on the other side."""
         pairs = OPPOSITE | {other: name for name, other in OPPOSITE.items()}
         other = self.changed(side=-self.side, **{name: getattr(self, opposite) for name, opposite in pairs.items()})
         if self.restraints is None:
@@ -132,7 +132,7 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def weaker(self) -> Self:
-        """Return symmetric bodies that have at both corners the smaller angle of those that the body turns about."""
+        """Return symmetric bodies whose angle is the smaller one of the corners that the body turns about."""
         second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
         if not np.any(second):
             return self
@@ -152,16 +152,16 @@ class BlockLanes(LaneValues, Shown):
         return np.array([own is not None for own in self.acting()]).reshape(self.shape)
 
     def acting(self) -> list[Restraints | None]:
-        """The restraints of each lane."""
+        """Return the restraints of each lane."""
         return list(np.ravel(np.array(self.restraints, dtype=object)))
 
     @property
     def free(self) -> Booleans:
-        """True for free-standing symmetric bodies, which every model can treat."""
+        """True for free-standing symmetric bodies, to which every model applies."""
         return self.known_to(())
 
     def known_to(self, features: Collection[str]) -> Booleans:
-        """True for bodies that have no feature of :data:`FEATURES` besides the given ones, which a model can treat."""
+        """Return whether a body has no :data:`FEATURES` other than the given ones, which a model can treat."""
         known = np.ones(self.shape, dtype=bool)
         for name, has in FEATURES.items():
             if name not in features:
@@ -204,7 +204,7 @@ class BlockLanes(LaneValues, Shown):
         return side_by_side([Outline.of(one) for one in shown])
 
 
-#: Features by which a body differs from a free-standing symmetric one, with a test of each.
+#: Features that distinguish a body from a free-standing symmetric one, each with its test.
 FEATURES: dict[str, Callable[[BlockLanes], Booleans]] = {
     "corners": lambda block: ~np.asarray(block.symmetric),
     "wall": lambda block: np.asarray(block.side) != 0,

@@ -2,9 +2,9 @@
 
 .. note:: The centre of mass lies b_1 and b_2 from the right-hand and left-hand corner and h above them. About corner i
    R_i^2 = b_i^2 + h^2, tan(alpha_i) = b_i/h and p_i^2 = g R_i/(rho^2 + R_i^2), rho the radius of gyration. An impact on
-   corner 2 keeps the angular momentum about it: (rho^2 + R_2^2) theta'_after = (rho^2 + h^2 - b_1 b_2) theta'_before. A
-   symmetric body has C <= 1 - 2 (p^2 R/g) sin^2(alpha); p^2 R/g = M R^2/I_0 is 3/4 for a rectangle and below 1 for any
-   body.
+   corner 2 conserves the angular momentum about it: (rho^2 + R_2^2) theta'_after = (rho^2 + h^2 - b_1 b_2)
+   theta'_before. A symmetric body has C <= 1 - 2 (p^2 R/g) sin^2(alpha); p^2 R/g = M R^2/I_0 is 3/4 for a rectangle and
+   below 1 for any body.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ import numpy as np
 from rocking.arguments import ArrayLike, common_shape, numbers, positive
 from rocking.body.restraint import Load, Restraints, carried
 
-#: Slenderness above which the convention of the rebound from a wall holds: 1 - 1.5 cos^2 alpha is negative there.
+#: Slenderness above which the conventional rebound from a wall is valid: 1 - 1.5 cos^2 alpha is negative there.
 LEAST_SLENDERNESS = np.sqrt(2.0)
 
 
@@ -37,7 +37,7 @@ def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.n
 
 
 def sorrentino(alpha: Any) -> Any:
-    """Rebound e of a rectangle from a wall, by convention abs((1 - 1.5 sin^2 alpha)^2 (1 - 1.5 cos^2 alpha)).
+    """Return the rebound e of a rectangle from a wall, abs((1 - 1.5 sin^2 alpha)^2 (1 - 1.5 cos^2 alpha)).
 
     Sorrentino, L., Kunnath, S., Monti, G., Scalora, G. (2008), Eng. Struct. 30(8), 2140-2153.
     """
@@ -95,7 +95,7 @@ def both_corners(
     return corner(near, far, height, gyration, gravity), corner(far, near, height, gyration, gravity), mass
 
 
-#: Full sizes [m] outside which a size is taken for a number in a wrong unit and gets a warning.
+#: Limits of full sizes [m]; a size outside them is probably in a wrong unit and gives a warning.
 LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001
 #: Frequency parameters of an overturning spectrum [1/s]: 24 from 0.5 to 8, each 1.128 times the one before, for
 #: rectangles with R from 29 m down to 0.11 m.
@@ -103,12 +103,12 @@ RATES = np.geomspace(0.5, 8.0, 24)
 
 
 def radius_of_rectangle(p: float | np.ndarray, gravity: float) -> Any:
-    """R [m] of the rectangle with the frequency parameter p [1/s]: 3 g/(4 p^2)."""
+    """Return R [m] of the rectangle with the frequency parameter p [1/s]: 3 g/(4 p^2)."""
     return 3.0 * gravity / (4.0 * p**2)
 
 
 def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None, gravity: float) -> np.ndarray:
-    """Largest C that angular momentum allows; without a radius, the value for the rectangle with the same alpha."""
+    """Return the largest C that angular momentum allows, without a radius that of the rectangle with this alpha."""
     if radius is None:
         return 1.0 - 1.5 * np.sin(alpha) ** 2
     share = p**2 * radius / gravity
@@ -123,7 +123,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
 
 
 def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
-    """Return velocity ratios of an impact; "housner" is the largest one, computed from the body's radius if `own`."""
+    """Return velocity ratios of an impact; "housner" is the largest possible one, from the body's radius if `own`."""
     if isinstance(given, str):
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
@@ -196,7 +196,7 @@ def block_warnings(
 
 
 def restitution_warning(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
-    """Warn of a restitution above what angular momentum allows; `shape` is "rectangle", "own" (radius) or "unknown"."""
+    """Return a warning of a restitution above its bound; `shape` is "rectangle", "own" (radius given) or "unknown"."""
     above = restitution - most
     if not np.any(above > 1e-12):
         return ""
@@ -218,7 +218,7 @@ def restitution_warning(restitution: np.ndarray, most: np.ndarray, shape: str) -
 
 
 def size_problem(width: float, height: float) -> str:
-    """Say why the full sizes [m] of a body look wrong, such as "wider than high"; empty if they do not."""
+    """Return why the full sizes [m] of a body look wrong, such as "wider than high"; empty if they look right."""
     if max(width, height) > LARGEST_SIZE:
         return f"larger than {LARGEST_SIZE:g} m"
     if height < LEAST_HEIGHT:
@@ -230,7 +230,7 @@ def size_problem(width: float, height: float) -> str:
 
 
 def size_warning(width: np.ndarray, height: np.ndarray, shape: str) -> str:
-    """Warn of the first unusual size; bodies of other shapes are judged by the rectangle with their R and alpha."""
+    """Return a warning of the first unusual size (for other shapes, of the rectangle with the same R and alpha)."""
     sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
     for base, rise in zip(*sizes, strict=True):
         if doubt := size_problem(base, rise):

@@ -94,7 +94,7 @@ class Outline:
 
 
 def side_by_side(bodies: Sequence[Outline]) -> Picture:
-    """Draw bodies side by side at one scale; a single body is drawn with its sizes."""
+    """Draw bodies side by side at one scale, a single body with its sizes."""
     tallest = max(body.top for body in bodies)
     gap = 0.3 * tallest
     total = sum(body.width + gap for body in bodies) + gap

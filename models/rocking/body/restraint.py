@@ -20,7 +20,7 @@ SLIP = 1e-3
 
 
 def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]]) -> None:
-    """Raise ValueError for a field of `values` below its least value, or equal to it if the limit is exclusive."""
+    """Raise ValueError for a field of `values` below its minimum, or equal to it if the minimum is exclusive."""
     for name, (least, equal, unit) in limits.items():
         given = getattr(values, name)
         expected = f"a number {'of at least' if equal else 'above'} {least:g} {unit}".rstrip()
@@ -33,21 +33,21 @@ def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]])
 
 @dataclass(frozen=True)
 class Tie:
-    """A tie or restrainer that holds a body back once it has turned far enough.
+    """A tie or restrainer that resists the rotation of a body beyond a gap.
 
     Attributes
     ----------
     height, distance : float
-        z of its attachment above the base, and distance xi behind the corner of rotation [m]: 0 for a plate on the
-        outer face, the width of the body for one on the inner face.
+        Height z of its attachment above the base, and its distance xi behind the corner of rotation [m]: 0 for a plate
+        on the outer face, the width of the body for a plate on the inner face.
     stiffness : float
-        K, force over elongation [N/m].
+        K, force divided by elongation [N/m].
     gap : float
         Outward displacement of the attachment before the tie acts [m].
     yield_force, ultimate : float
-        Largest force [N], at which it elongates permanently, and elongation at which it breaks [m]; inf for none.
+        Force [N] at which it yields, and elongation at which it breaks [m]; inf if there is no such limit.
     side : {"positive", "negative", "both"}
-        Rotations that it resists: theta > 0, theta < 0, or both, by one tie each.
+        Rotations that it resists: theta > 0, theta < 0, or both (one tie for each direction).
 
     Examples
     --------
@@ -84,10 +84,10 @@ class Load:
     Attributes
     ----------
     weight : float
-        Force that it puts on the body [N].
+        Vertical force on the body [N].
     height, distance : float, float or None
-        z of its bearing above the base and distance behind the corner of theta > 0 [m]; None for the middle of the
-        base.
+        Height z of its bearing above the base, and its distance behind the corner of theta > 0 [m]; None for the middle
+        of the base.
     friction : float or None
         Friction coefficient between load and body [-]: the load stays with the building and restrains the body, in both
         directions, by at most friction times weight. None: the mass of the load moves with the body.
@@ -114,9 +114,9 @@ class Thrust:
     Attributes
     ----------
     force : float
-        Towards theta > 0; negative towards theta < 0 [N].
+        Force [N], positive towards theta > 0.
     height, distance : float
-        z of its line of action above the base, and xi of its point of action behind the corner of theta > 0 [m].
+        Height z of its line of action above the base, and distance xi of its point behind the corner of theta > 0 [m].
     """
 
     __repr__ = one_line
@@ -148,7 +148,7 @@ TIE, FRICTION = 0.0, 1.0
 
 @dataclass(frozen=True)
 class Restraints:
-    """All restraints of one body; a load that moves with the body counts as part of it and is not listed here."""
+    """All restraints of one body; a load that moves with the body is part of the body and is not listed here."""
 
     ties: tuple[Tie, ...] = ()
     loads: tuple[Load, ...] = ()
@@ -168,7 +168,7 @@ class Restraints:
 
     @classmethod
     def from_text(cls, text: str) -> Self | None:
-        """Read restraints from the text of :meth:`as_text`; return None for an empty text."""
+        """Read restraints from the JSON of :meth:`as_text`; return None for an empty string."""
         if not text:
             return None
         parts, makers = json.loads(text), {"ties": Tie, "loads": Load, "thrusts": Thrust}
@@ -184,7 +184,7 @@ class Restraints:
         )
 
     def elements(self, base: float) -> np.ndarray:
-        """Table (e, 9) of the ties and the friction of loads on a `base` [m]; the columns are named from KIND on."""
+        """Return the table (e, 9) of the ties and the friction of loads on a `base` [m]; KIND is its first column."""
         rows = []
         for tie in self.ties:
             for name, side in (("positive", 1.0), ("negative", -1.0)):
@@ -199,7 +199,7 @@ class Restraints:
         return np.array(rows, dtype=float).reshape(len(rows), COLUMNS)
 
     def constant(self, base: float) -> np.ndarray:
-        """Restoring moments (2, 2) [N m] of weights and thrusts as factors of cos(phi) and sin(phi), by corner."""
+        """Return coefficients (2, 2) of cos(phi) and sin(phi) in the moment of loads and thrusts [N m], by corner."""
         found = np.zeros((2, 2))
         for load in self.loads:
             near = _bearing(load, base)
@@ -211,7 +211,7 @@ class Restraints:
 
 
 def _bearing(load: Load, base: float) -> float:
-    """Distance of the bearing of a load behind the corner of theta > 0 [m]."""
+    """Return the distance of the bearing of a load behind the corner of theta > 0 [m]."""
     return 0.5 * base if load.distance is None else load.distance
 
 

@@ -1,4 +1,4 @@
-"""A body and its pedestal as one rigid body, and the motion of a floor by oscillators in parallel."""
+"""A body and its pedestal as one rigid body, and the motion of a floor as the sum of its modes."""
 
 import math
 from typing import NamedTuple
@@ -26,7 +26,7 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     Returns
     -------
     Block
-        A body that turns about the corners of the pedestal. Check the block alone on the pedestal as a second body.
+        A body that turns about the corners of the pedestal. Check the block alone too: it may rock on the pedestal.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
 
 #: Samples of the floor's motion per shortest period.
 SAMPLES = 40
-#: Upper bound of the time that is computed after the end of the ground motion, in periods of each mode.
+#: Upper bound of the duration computed after the end of the ground motion, in periods of each mode.
 MOST_PERIODS = 1000.0
 
 
@@ -79,10 +79,10 @@ class FloorMotion(NamedTuple):
     Attributes
     ----------
     acceleration, dt : (n,) ndarray, float
-        Horizontal acceleration of the floor [m/s2], linear between samples, and its sampling interval [s], the ground's
-        interval divided by a whole number.
+        Horizontal acceleration of the floor [m/s2], linear between samples, and its sampling interval [s], which is the
+        interval of the ground motion divided by a whole number.
     amplification : float
-        Peak of the floor over that of the ground [-].
+        Peak acceleration of the floor divided by that of the ground [-].
     """
 
     acceleration: np.ndarray
@@ -101,10 +101,10 @@ def floor_motion(
     participation: ArrayLike = 1.0,
     quiet: float = 1e-3,
 ) -> FloorMotion:
-    """The motion of a floor under a ground motion, by modes in parallel.
+    """Compute the motion of a floor under a ground motion as the sum of its modes.
 
     Each mode is y'' + 2 zeta omega y' + omega^2 y = -a_g, and a_f = a_g + sum of Gamma phi y'' (Chopra 2012, sections
-    5.2 and 13.1), computed by the recurrence that is exact for a ground motion linear between samples.
+    5.2 and 13.1), computed with the recurrence that is exact for a ground motion linear between samples.
 
     Parameters
     ----------
@@ -113,22 +113,22 @@ def floor_motion(
     dt : float
         Sampling interval [s].
     period, damping, participation : float or (k,) array_like
-        For each mode: period [s], ratio of critical damping [-] in (0, 1), and Gamma phi at the level of the floor [-],
-        which may be negative and is 1 for a building with a single mode.
+        For each mode: period [s], damping ratio [-] in (0, 1), and Gamma phi at the level of the floor [-], which may
+        be negative and is 1 for a building with a single mode.
     quiet : float
-        Acceleration [m/s2] below which the oscillations after the record are left out; with a thousandth of g
-        tan(alpha) of a body no motion that could lift it is lost.
+        Acceleration [m/s2] below which the oscillations after the record are cut off; at a thousandth of g tan(alpha)
+        of a body no motion that could lift it is lost.
 
     Returns
     -------
     FloorMotion
-        The motion from the first sample of the ground on, sampled at a fortieth of the shortest period or less.
+        The motion from the first sample of the ground motion on, sampled at a fortieth of the shortest period or less.
 
     Raises
     ------
     ValueError
         For periods that are not positive, a damping outside (0, 1), arguments of different lengths, and a record that
-        :func:`~rocking.recorded_response` refuses.
+        :func:`~rocking.recorded_response` rejects.
 
     Examples
     --------

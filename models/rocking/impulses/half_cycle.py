@@ -3,7 +3,7 @@
 .. note:: Rotations are in units of alpha_c and times in units of 1/p: x = s theta/alpha_c (s the side of the rotation)
    obeys x'' = x - 1 while x > 0, and x' = s theta'/(p alpha_c) is positive away from the ground. The motion x = 1 + (y
    e^tau + z e^-tau)/2 has a growing mode y = x - 1 + x' and a decaying mode z = x - 1 - x'; it returns iff y < 0. All
-   formulas keep their digits for tiny hops (x' = 1e-9) and next to overturning.
+   formulas stay accurate for tiny hops (x' = 1e-9) and close to overturning.
 
 A half-cycle with n (even) secondary impulses -a, +a, -a, ... of the velocity, a = u_1 I_s/I, starts on the ground with
 the velocity u (section 3.2). With t = T/2, s = a/2 and v = u - s its duration T solves F(t) = target:
@@ -25,9 +25,9 @@ import numpy as np
 
 from rocking.kernel_cache import njit
 
-#: A velocity this close to the critical one counts as critical [-]; it is some hundred rounding errors.
+#: A velocity this close to the critical one counts as critical [-]; the tolerance is some hundred rounding errors.
 CRITICAL_TOLERANCE = 1e-13
-#: exp of more than this overflows.
+#: Limit of the argument of exp against overflow.
 _LARGEST_EXPONENT = 700.0
 #: Largest number of hops that `free_decay_time` adds one by one.
 _HOP_LIMIT = 100_000
@@ -50,7 +50,7 @@ def state(rotation, velocity, time):
 
 @njit()
 def impact_speed(rotation, velocity):
-    """Speed w = sqrt(x (2 - x) + x'^2) at which a returning motion hits the ground [-], by conservation of energy."""
+    """Return the impact speed w = sqrt(x (2 - x) + x'^2) of a returning motion [-], from conservation of energy."""
     return math.sqrt(max(rotation * (2.0 - rotation) + velocity * velocity, 0.0))
 
 
@@ -66,7 +66,7 @@ def return_growth(rotation, velocity, speed):
 
 @njit()
 def return_time(rotation, velocity):
-    """Time (times p) until a block at x >= 0 with x' returns to the ground; inf if it does not return (y >= 0).
+    """Return the time (times p) until a block at x >= 0 with x' returns to the ground; inf if it does not (y >= 0).
 
     tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w cancels and is computed as x (2 - x)/(w - x').
     """
@@ -75,7 +75,7 @@ def return_time(rotation, velocity):
 
 @njit()
 def rise_time(rotation, velocity):
-    """Time to the top of the motion times p [-], atanh(x'/(1 - x)); inf if no top lies ahead."""
+    """Return the time to the top of the motion times p [-], atanh(x'/(1 - x)); inf if there is no top ahead."""
     if velocity < 0.0 or rotation - 1.0 + velocity >= 0.0:
         return np.inf
     return 0.5 * math.log1p(2.0 * velocity / (1.0 - rotation - velocity))
@@ -83,14 +83,14 @@ def rise_time(rotation, velocity):
 
 @njit()
 def top(rotation, velocity):
-    """Rotation at the top of the motion [-], 1 - sqrt((1 - x)^2 - x'^2), for abs(x') < 1 - x."""
+    """Return the rotation at the top of the motion [-], 1 - sqrt((1 - x)^2 - x'^2), for abs(x') < 1 - x."""
     root = math.sqrt((1.0 - rotation - velocity) * (1.0 - rotation + velocity))
     return (rotation * (2.0 - rotation) + velocity * velocity) / (1.0 + root)
 
 
 @njit()
 def hop(velocity):
-    """Peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) (times p) of a half-cycle (Eqs. 6, 7); both inf for u >= 1."""
+    """Return peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) (times p) of a half-cycle (Eqs. 6, 7), inf for u >= 1."""
     if velocity >= 1.0:
         return np.inf, np.inf
     return top(0.0, velocity), math.log1p(2.0 * velocity / (1.0 - velocity))
@@ -98,7 +98,7 @@ def hop(velocity):
 
 @njit()
 def free_decay_time(velocity, restitution):
-    """Time (times p) until rest after infinitely many hops, sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
+    """Return the duration (times p) of infinitely many hops, sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
 
     Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used. More than 100 000 hops above u = 0.8 give
     inf.
@@ -126,7 +126,7 @@ def free_decay_time(velocity, restitution):
 
 @njit()
 def impacts_above(speed, restitution, cutoff):
-    """Number of impacts of a free decay above a positive cut-off, C^k speed > cutoff with k >= 0; -1 for C = 1."""
+    """Return the number of impacts of a free decay with C^k speed > cutoff > 0, k >= 0; -1 for C = 1."""
     if speed <= cutoff:
         return 0
     if restitution >= 1.0:
@@ -164,7 +164,7 @@ def _condition(half, count, spacing, s):
 
 @njit()
 def corrected_duration(velocity, secondary, count, spacing):
-    """The smallest T (times p) with x(T) = 0, for 0 <= a <= u and n impulses; inf if the block overturns.
+    """Return the smallest T (times p) with x(T) = 0 for 0 <= a <= u and n impulses; inf if the block overturns.
 
     The root atanh(v) of the continuous limit is a lower bound of the roots for "end", "middle" and "open"; if it does
     not exist, they have no root. Their F is concave with one maximum: Newton's iteration from the lower bound rises
@@ -197,7 +197,7 @@ def corrected_duration(velocity, secondary, count, spacing):
 
 @njit()
 def _bracketed(target, count, s):
-    """Half the duration for spacing "start", by Newton's iteration inside a bracket that shrinks with each step."""
+    """Return half the duration for spacing "start", by Newton's iteration in a bracket that shrinks with each step."""
     if target >= 1.0 + s - CRITICAL_TOLERANCE:
         return np.inf
     low = 0.0
@@ -229,7 +229,7 @@ def _bracketed(target, count, s):
 
 @njit()
 def impact_speed_after(velocity, secondary, time, count, spacing):
-    """Speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included."""
+    """Return the speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included."""
     if spacing == MIDDLE and secondary > 0.0:
         return max(velocity - secondary / math.cosh(0.5 * time / count), 0.0)
     if spacing == OPEN and secondary > 0.0:
@@ -239,10 +239,10 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
 
 @njit()
 def stays_bounded(main, ratio, restitution):
-    """Whether a block survives an endless main sequence u_1 with a continuous secondary one (`ratio` I_s/I).
+    """Return whether a block survives an endless main sequence u_1 with a continuous secondary one (`ratio` I_s/I).
 
     v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality counts as bounded, as the limit is never reached; a
-    tolerance keeps the rounding of u_1 and 1 - C from changing the answer.
+    tolerance allows for the rounding of u_1 and 1 - C.
     """
     if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
         return False
@@ -252,7 +252,7 @@ def stays_bounded(main, ratio, restitution):
     return limit * (1.0 - CRITICAL_TOLERANCE) <= 1.0 - restitution + 2.3e-16
 
 
-#: Limit of the steps of the trial march: a sequence has p dT >= 1e-4, and no half-cycle lasts longer than about 40/p.
+#: Largest number of steps of the trial march: p dT is at least 1e-4, and no half-cycle lasts longer than about 40/p.
 _TRIAL_LIMIT = 1_000_000
 
 
@@ -266,7 +266,7 @@ def _first_wait(spacing, interval):
 
 @njit()
 def first_return(velocity, secondary, interval, spacing):
-    """First return T* (times p) of the march with the trial `interval` dT (times p), steps 3 and 4; inf for no return.
+    """Return T* (times p) of the first return in the march with the trial `interval` dT, steps 3 and 4; inf for none.
 
     If y >= 0 after an impulse towards the ground, the next one away from it makes y at least a, and y exp(delta) - a
     stays non-negative from then on: there is no return.
@@ -288,7 +288,7 @@ def first_return(velocity, secondary, interval, spacing):
 
 @njit()
 def peak_and_lowest(velocity, secondary, time, count, spacing):
-    """Largest x of the corrected march (step 6), and smallest x at its impulses, which is below 0 inside the ground."""
+    """Return the largest x of the corrected march (step 6), and the smallest at its impulses, below 0 in the ground."""
     interval = time / (count + 1 if spacing == OPEN else count)
     wait, rotation, push, peak, lowest = _first_wait(spacing, interval), 0.0, -secondary, 0.0, np.inf
     for impulse in range(count + 1):

@@ -23,7 +23,7 @@ SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continu
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImpulseSequence(Shown):
-    """A main and a secondary sequence of impulses, or an array of such pairs; the fields broadcast to (q,), or ().
+    """A main and a secondary sequence of impulses, or q such pairs; the fields are broadcast to the shape () or (q,).
 
     Parameters
     ----------
@@ -33,11 +33,11 @@ class ImpulseSequence(Shown):
         Trial interval dT of the secondary impulses [s], positive; may be NaN if it is not used (spacing "continuous",
         or `intermediate_count` given).
     duration : float or (q,) array_like
-        Main impulses act in half-cycles that start before this time [s], positive; inf for no end.
+        Main impulses act in half-cycles that start before this time [s], positive; inf for an endless sequence.
     main_count : int or (q,) array_like of int, optional
         Largest number of main impulses [-], at least 1; None for no limit.
     intermediate_count : int, optional
-        Number n of secondary impulses in every half-cycle, even and at least 2; None takes n from the trial interval.
+        Number n of secondary impulses in every half-cycle, even and at least 2; None to derive it from `interval`.
     spacing : {"end", "middle", "start", "open", "continuous"}
         See :data:`SPACINGS`.
 
@@ -109,7 +109,7 @@ class ImpulseSequence(Shown):
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)
 
     def effective_impulse(self, restitution: ArrayLike) -> Floats:
-        """Effective impulse I_eff of the sequence for blocks of one restitution: a block overturns iff I_eff >= I_1c.
+        """Return the effective impulse I_eff for blocks with one restitution: a block overturns iff I_eff >= I_1c.
 
         Parameters
         ----------
@@ -120,12 +120,12 @@ class ImpulseSequence(Shown):
         -------
         float or (q,) ndarray
             I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C); without a `main_count`
-            the supremum over N, at which the block just survives. The last main impulse decides (VALIDATION F4, V27).
+            the supremum over N, at which the block just survives. The last main impulse governs (VALIDATION F4, V27).
 
         Raises
         ------
         ValueError
-            For secondary impulses of another spacing than "continuous", a finite duration, or a C outside 0 to 1.
+            For secondary impulses with another spacing than "continuous", a finite duration, or a C outside 0 to 1.
 
         Examples
         --------
@@ -158,7 +158,7 @@ class ImpulseSequence(Shown):
         return facts | {"spacing": self.spacing}
 
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Main and secondary impulses of two half-cycles of the first sequence, as (k, 2) times and sizes.
+        """Return the main and secondary impulses of two half-cycles of the first sequence, as (k, 2) times and sizes.
 
         Times are in intervals after the first main impulse [-], sizes in m/s with the sign of the change of velocity.
         """
@@ -173,7 +173,7 @@ class ImpulseSequence(Shown):
         return mains, np.concatenate([own, own * [1.0, -1.0] + [length, 0.0]])
 
     def _picture(self) -> Picture:
-        """Draw two half-cycles of the sequence, of several sequences the first."""
+        """Draw two half-cycles of the sequence, or of the first one of several."""
         mains, others = self.two_half_cycles()
         main, secondary = float(mains[0, 1]), float(np.ravel(self.secondary)[0])
         end, reach = 2.0 * float(mains[1, 0]), main or 1.0

@@ -24,8 +24,8 @@ from rocking.lanes import split_lanes
 from rocking.response import Response, empty_results, response_of
 
 #: Change of theta' per impulse: "paper" p^2 cos(alpha_c)/g (Eq. 3), "linear" p^2/g, the limit of a narrow pulse in the
-#: linear equation, "exact" p^2 cos(s alpha_c - theta)/g, the same in the nonlinear one, "tangent" p^2 alpha_c/(g
-#: tan(alpha_c)), with which the linear equation lifts the block at the nonlinear threshold g tan(alpha_c).
+#: linear equation, "exact" p^2 cos(s alpha_c - theta)/g, the same limit in the nonlinear equation, "tangent" p^2
+#: alpha_c/(g tan(alpha_c)), with which the linear equation lifts the block at the nonlinear threshold g tan(alpha_c).
 GAINS = {"paper": PAPER, "linear": LINEAR, "exact": EXACT, "tangent": TANGENT}
 
 
@@ -40,25 +40,25 @@ def impulsive_response(
     block_scale: ArrayLike = 1.0,
     threads: int | None = None,
 ) -> Response:
-    """Response to impulses of the ground with natural motion between them.
+    """Compute the response to impulses of the ground with natural motion between them.
 
     Parameters
     ----------
     block : Block
         One block, or (m,).
     times, impulses : (k,) array_like
-        Times [s], not decreasing, and signed impulses [m/s]. Impulses at one time act in the order given.
+        Times [s], not decreasing, and signed impulses [m/s]. Simultaneous impulses act in the given order.
     duration : float, optional
-        Time at which the history ends [s], by default the time of the last impulse; every impulse acts in any case, and
+        Time at which the history ends [s], by default the time of the last impulse. All impulses act in any case, and
         the motion is computed until rest or overturning is certain.
     gain : {"paper", "linear", "exact", "tangent"}
         See :data:`GAINS`.
     scale : float or (q,) array_like
         Factor on the impulses [-], finite.
     history_dt : float, optional
-        Step of the history [s], from time 0 or an earlier first impulse on; None for no history.
+        Step of the history [s], which starts at time 0 or at an earlier first impulse; None for no history.
     block_scale : float or (m,) array_like
-        Factor on the impulses for each block, on top of `scale`, finite [-].
+        Additional factor on the impulses for each block, finite [-].
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -72,8 +72,8 @@ def impulsive_response(
     Raises
     ------
     ValueError
-        For arrays that are not finite, of equal length and in order, an unknown gain, or a step or duration out of
-        range.
+        For arrays that are not finite, differ in length or are out of order, an unknown gain, or an invalid step or
+        duration.
 
     Notes
     -----

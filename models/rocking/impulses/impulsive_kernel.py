@@ -14,17 +14,17 @@ from rocking.kernel_cache import njit
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
-#: Impacts followed between two impulses before a lane is UNRESOLVED.
+#: Largest number of impacts computed between two impulses; a lane with more is UNRESOLVED.
 IMPACT_LIMIT = 100_000
-#: An impulse this close to an impact, as time times p, acts together with it. Times of some hundred seconds carry
-#: rounding errors of 1e-13 s, which the instability of the motion multiplies by up to 1e3; moving an impact by 1e-9/p
+#: An impulse within this time (times p) of an impact acts together with it. Times of some hundred seconds have rounding
+#: errors of 1e-13 s, which the instability of the motion multiplies by up to 1e3; a shift of an impact by 1e-9/p
 #: changes the motion by no more than 1e-9.
 COINCIDENCE = 1e-9
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
-#: Longest part of a wait in its growth factor, times p [-]; exp of more than about 709 overflows.
+#: Longest time between two impulses in one growth factor, times p [-]; exp of more than about 709 overflows.
 _LONGEST_GROWTH = 700.0
-#: If the counted part of a wait falls below this, it is refilled from the rest of the wait.
+#: If the remaining time in the growth factor falls below this, it is extended by the rest of the time between impulses.
 _SHORTEST_GROWTH = 100.0
 
 
@@ -38,7 +38,7 @@ class Train(NamedTuple):
 
 
 class ImpulsiveLanes(NamedTuple):
-    """The (q m,) lanes: q factors on the impulses by m blocks."""
+    """The (q m,) lanes, one for each of q factors on the impulses and m blocks."""
 
     scale: np.ndarray  #: (q, m) factor on the impulses [-]
     alpha: np.ndarray  #: (m,) alpha_c [rad]
@@ -57,7 +57,7 @@ class History(NamedTuple):
 
 @njit(_nrt=False)
 def _cannot_come_back(growing, time, first, train, gain, p):
-    """Whether the block cannot return: y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
+    """Return whether the block cannot return: y(t) > sum over impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
     total = 0.0
     for i in range(first, train.times.size):
         weight = gain * math.exp(-p * (train.times[i] - time))
@@ -71,7 +71,7 @@ def _cannot_come_back(growing, time, first, train, gain, p):
 
 @njit(_nrt=False)
 def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
-    """Write the history of one arc at the times in [begin, end) from index `first` on; return the next free index."""
+    """Write the history of one arc at the times in [begin, end), from index `first` on; return the next free index."""
     times, motion = history.times, history.motion[lane]
     while first < times.size and times[first] < begin:
         first += 1
@@ -87,7 +87,7 @@ def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
 
 @njit()
 def _arc(rotation, velocity, sinh, cosh_less_one):
-    """State after a time given by its sinh and cosh - 1 (Eq. 2)."""
+    """Return the state after a time t, given by sinh(p t) and cosh(p t) - 1 (Eq. 2)."""
     return (
         rotation + velocity * sinh - (1.0 - rotation) * cosh_less_one,
         velocity + velocity * cosh_less_one - (1.0 - rotation) * sinh,
@@ -96,7 +96,7 @@ def _arc(rotation, velocity, sinh, cosh_less_one):
 
 @njit()
 def _decays(velocity, restitution, remaining):
-    """Whether all hops end in the remaining time; the sum of hops is between 2 u/(1 - C) and 2 atanh(u)/(1 - C)."""
+    """Return whether all hops end in the remaining time; their sum is between 2 u/(1 - C) and 2 atanh(u)/(1 - C)."""
     loss = 1.0 - restitution
     if 2.0 * velocity > loss * remaining:
         return False
@@ -107,7 +107,7 @@ def _decays(velocity, restitution, remaining):
 
 @njit(_nrt=False)
 def _tabulate(waits, times, p):
-    """Fill `waits` (3, k) with exp(p dt) - 1, cut off, sinh and cosh - 1 of every wait, exact for short ones too."""
+    """Fill `waits` (3, k) with exp(p dt) - 1 (cut off), sinh and cosh - 1 of the times dt between the impulses."""
     waits[:] = np.inf
     for i in range(times.size - 1):
         grown = math.expm1(min(p * (times[i + 1] - times[i]), _LONGEST_GROWTH))
@@ -117,10 +117,10 @@ def _tabulate(waits, times, p):
 
 @njit(_nrt=False)
 def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
-    """Compute the lanes first_lane:last_lane and write their results; `waits` (3, k) is work space.
+    """Compute the lanes first_lane to last_lane - 1 and write their results; `waits` (3, k) is work space.
 
-    Lane l is block l // q under the factor l % q, so that neighbouring lanes share p and the growth of the modes over
-    every wait. Between events only square roots are computed: exp(p t) of a return is algebraic.
+    Lane l is block l // q under the factor l % q, so that neighbouring lanes share p and the growth of the modes
+    between two impulses. Between events only square roots are computed: exp(p t) of a return is algebraic.
     """
     times, impulses = train.times, train.impulses
     total, factors, blocks = times.size, lanes.scale.shape[0], lanes.alpha.size

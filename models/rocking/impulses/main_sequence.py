@@ -17,9 +17,9 @@ from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes, squeezed
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
-#: Bisections of the bracket around the upper edge of a band of factors.
+#: Number of bisections of the bracket around the upper edge of a band of scale factors.
 HALVINGS = 60
-#: Largest number of half-cycles whose durations are added up; then a lane is UNRESOLVED.
+#: Largest number of half-cycles whose durations are added up; a lane with more is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
@@ -38,7 +38,7 @@ class MainSequenceLanes(NamedTuple):
 
 @njit()
 def amplification(restitution, half_cycle):
-    """Ratio Ratio u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
+    """Return u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
     if restitution == 1.0:
         return float(half_cycle)
     if restitution == 0.0:
@@ -48,7 +48,7 @@ def amplification(restitution, half_cycle):
 
 @njit()
 def overturning_half_cycle(main, restitution):
-    """Half-cycle in which an unlimited main sequence u_1 overturns: the smallest i with u_i >= 1; -1 if it never does.
+    """Return the half-cycle i in which an endless main sequence u_1 overturns, the smallest with u_i >= 1; -1 for none.
 
     i = ceil(ln(1 - (1 - C)/u_1)/ln C), -1 for u_1 <= 1 - C. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`):
     I_2c/I_1c must overturn in half-cycle 2, and 0.1 equals 1 - 0.9 although their floating-point numbers differ.
@@ -70,7 +70,7 @@ def overturning_half_cycle(main, restitution):
 
 @njit(_nrt=False)
 def resonance_lanes(first_lane, last_lane, lanes, results, table):
-    """Write the results of the lanes first_lane:last_lane and their `HalfCycleTable`."""
+    """Write the results of the lanes first_lane to last_lane - 1 and their `HalfCycleTable`."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -118,13 +118,13 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
 
 @njit()
 def effective_amplification(restitution, ratio, half_cycle):
-    """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]; in the limit n -> infinity half-cycle i overturns iff v_i >= 1 (F4)."""
+    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]; for n -> infinity half-cycle i overturns iff v_i >= 1 (F4)."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 
 @njit()
 def start_of_half_cycle(needed, restitution, ratio, half_cycle):
-    """Start of half-cycle N times p, sum over j < N of 2 atanh(v_j); inf if one overturns; needed = 1/u_1."""
+    """Return the start of half-cycle N times p, sum over j < N of 2 atanh(v_j) (inf: overturned); needed = 1/u_1."""
     start = 0.0
     for earlier in range(1, half_cycle):
         start += hop(effective_amplification(restitution, ratio, earlier) / needed)[1]
@@ -133,7 +133,7 @@ def start_of_half_cycle(needed, restitution, ratio, half_cycle):
 
 @njit()
 def last_half_cycle(restitution, ratio, end, main_count):
-    """Largest N <= main_count whose start, at the lower edge of its band of factors, is before `end` (times p)."""
+    """Return the largest N <= main_count that starts before `end` (times p) at the lower edge of its band."""
     low, high = 1, 2
     while high <= main_count and _start_at_edge(restitution, ratio, high) < end:
         low, high = high, 2 * high
@@ -149,7 +149,7 @@ def last_half_cycle(restitution, ratio, end, main_count):
 
 @njit()
 def _start_at_edge(restitution, ratio, half_cycle):
-    """Start of half-cycle N times p, at the scale factor for which v_N = 1."""
+    """Return the start of half-cycle N times p, at the scale factor for which v_N = 1."""
     needed = effective_amplification(restitution, ratio, half_cycle)
     return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
@@ -168,7 +168,7 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
 
 @njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
-    """Return lower and upper scale factors (2, k) of the overturning bands of one lane; `end` is in units of 1/p."""
+    """Return lower and upper scale factors (2, k) of the overturning bands of one lane; `end` is a time times p."""
     if end == np.inf:
         # Every half-cycle up to the last one is reached: one interval; for endless sequences its edge is the infimum.
         edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
@@ -207,7 +207,7 @@ def resonance(
     table_rows: int = TABLE_ROWS,
     threads: int | None = None,
 ) -> Response:
-    """Response to equal impulses, each right after an impact (Eqs. 3, 5 with the erratum, 6, 7).
+    """Compute the response to equal impulses, each right after an impact (Eqs. 3, 5 with the erratum, 6, 7).
 
     Parameters
     ----------
@@ -227,9 +227,9 @@ def resonance(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse counts in `impacts`, but is not
-        in the table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the start
-        of the half-cycle that overturns. u = 1 overturns.
+        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse is included in `impacts`, but
+        not in the table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the
+        start of the half-cycle that overturns. u = 1 overturns.
 
     Examples
     --------
@@ -277,7 +277,7 @@ def critical_impulse(block: Block, half_cycle: int = 1) -> Floats:
 
 
 def critical_impulse_ratio(restitution: ArrayLike, half_cycle: int) -> Any:
-    """I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
+    """Return I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
     ratios = np.array(restitution, dtype=float, ndmin=1)
     ones, factors = np.ones(ratios.size), np.empty(ratios.size)
     lanes = MainSequenceLanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
@@ -292,7 +292,7 @@ def resonance_safety(
     duration: ArrayLike | None = None,
     threads: int | None = None,
 ) -> Floats:
-    """Smallest factor on the impulse at which :func:`resonance` overturns the block, in closed form.
+    """Return the smallest scale factor on the impulse at which :func:`resonance` overturns the block, in closed form.
 
     Parameters
     ----------
@@ -304,15 +304,15 @@ def resonance_safety(
     Returns
     -------
     factor : float or (q, m) ndarray
-        I_Nc/I [-]; inf for no impulse. Without `half_cycles` and `duration` it is the infimum (1 - C) I_1c/I, at which
-        the block just survives.
+        I_Nc/I [-]; inf if the impulse is zero. Without `half_cycles` and `duration` it is the infimum (1 - C) I_1c/I,
+        at which the block just survives.
 
     Notes
     -----
-    Factors from I_Nc/I to below I_(N-1)c/I overturn the block in half-cycle N. The start of this half-cycle grows with
-    the factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1 - C^j)/(1
-    - C). t_N grows with N, so the result is the lower edge for the largest N with t_N < duration. As S_j/S_N >= j/N and
-    the sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
+    Scale factors from I_Nc/I to below I_(N-1)c/I overturn the block in half-cycle N. The start of this half-cycle grows
+    with the factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1 -
+    C^j)/(1 - C). t_N grows with N, so the result is the lower edge for the largest N with t_N < duration. As S_j/S_N >=
+    j/N and the sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
     """
     count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
     shape, drop, lanes = _lanes(block, impulse, count, duration)
@@ -325,7 +325,7 @@ def resonance_safety(
 def _lanes(
     block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
 ) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
-    """Return the lanes of a kernel, their shape and the axes to drop."""
+    """Return the lanes for a kernel, their shape and the axes to drop."""
     sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
     if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
         raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")

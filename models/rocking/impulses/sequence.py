@@ -1,4 +1,4 @@
-"""Response to a main and a secondary sequence of impulses, its impulse train and its limit (Casapulla & Maione 2017).
+"""Response to a main and a secondary sequence of impulses, impulse train and steady state (Casapulla & Maione 2017).
 
 .. note:: The first main impulse of :func:`impulse_train` is positive: the ground is pushed to the right and the block
    starts to rock about its left-hand corner (theta < 0); the main impulses alternate.
@@ -42,7 +42,7 @@ def sequence_response(
     threads: int | None = None,
     paired: bool = False,
 ) -> Response:
-    """Response to a main and a secondary sequence of impulses, half-cycle by half-cycle in closed form.
+    """Compute the response to a main and a secondary sequence of impulses, half-cycle by half-cycle in closed form.
 
     Parameters
     ----------
@@ -51,18 +51,18 @@ def sequence_response(
     sequence : ImpulseSequence
         One sequence, or (q,); see :meth:`ImpulseSequence.scaled`.
     table_rows : int
-        Largest number of half-cycles in the table; 0 for none, which takes half the time.
+        Largest number of half-cycles in the table; 0 for no table, which halves the computing time.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
     paired : bool
-        Every block has a sequence of its own: sequences (m,) go with blocks (m,) lane by lane.
+        Whether each of the (m,) blocks is paired with one of (m,) sequences.
 
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table holds the half-cycles that a main impulse starts,
-        until the motion repeats itself; later half-cycles and the free decay only count in `impacts`, which is -1 for a
-        motion without end. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
+        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table contains the half-cycles that a main impulse
+        starts, until the motion repeats itself; later half-cycles and the free decay are only included in `impacts`,
+        which is -1 for an endless motion. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
         (HALF_CYCLE_LIMIT) after 50 000 half-cycles without overturning or repetition, (SHORT_INTERVAL) below 1e-4/p.
 
     Raises
@@ -107,7 +107,7 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Outcomes (q, n) of one sequence under `factors` (q, n), one column for each of the `chosen` blocks (n,)."""
+    """Return outcomes (q, n) of one sequence times `factors` (q, n), a column for each of the `chosen` blocks (n,)."""
     if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(
             "expected one sequence and factors with a column for each chosen block, "
@@ -133,7 +133,7 @@ def _combined(
 
 
 def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[SequenceLanes, np.ndarray]:
-    """Return the lanes of the kernel, and a mask of those whose secondary impulses are too close together for it."""
+    """Return the lanes for the kernel, and a mask of those whose secondary impulses are too close together for it."""
     main, secondary, interval, duration, main_count, p, restitution, critical = flat
     count = sequence.intermediate_count or 0
     if count > _LARGEST_COUNT:
@@ -159,7 +159,7 @@ def _unresolved(response: Response, short: np.ndarray) -> Response:
 
 
 def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
-    """The limit accelerogram of one block: times and signed impulses of Figures 1 and 2.
+    """Return the limit accelerogram of one block: times and signed impulses of Figures 1 and 2.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
 
 
 def main_impulses_given(response: Response, sequence: ImpulseSequence) -> float:
-    """Number of main impulses until the sequence ends or the block overturns; inf for an endless sequence."""
+    """Return the number of main impulses until the sequence ends or the block overturns; inf if it is endless."""
     assert response.half_cycles is not None
     durations = response.half_cycles.duration
     if durations.size == 0:
@@ -228,7 +228,7 @@ def main_impulses_given(response: Response, sequence: ImpulseSequence) -> float:
 
 
 def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
-    """Start times of the half-cycles after a main impulse, and the end of the last one; and the table row of each."""
+    """Return starts of the half-cycles after a main impulse with the end of the last one, and their table rows."""
     assert response.half_cycles is not None
     durations, count = response.half_cycles.duration, main_impulses_given(response, sequence)
     if (count - durations.size) * (1 + response.half_cycles.impulse_count[-1]) > _TRAIN_LIMIT:
@@ -238,7 +238,7 @@ def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[n
 
 
 def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Secondary impulses of one half-cycle: times after the main impulse, and sizes over I_s, positive against it."""
+    """Return times after the main impulse and sizes/I_s (positive against it) of a half-cycle's secondary impulses."""
     if sequence.spacing == "continuous":
         return np.array([0.0, table.duration[row]]), np.array([0.5, -0.5])
     order = np.arange(1, table.impulse_count[row] + 1)
@@ -274,13 +274,13 @@ class SteadyState(LaneValues):
 
 
 def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
-    """Steady state under an endless main sequence, without secondary impulses or with a continuous secondary sequence.
+    """Return the steady state under an endless main sequence, without secondary impulses or with continuous ones.
 
     Parameters
     ----------
     block, sequence : Block, ImpulseSequence
         One block or (m,), and one sequence or (q,), of spacing "continuous" or without secondary impulses; its duration
-        and main count play no part.
+        and main count are ignored.
 
     Returns
     -------

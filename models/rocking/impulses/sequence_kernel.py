@@ -1,4 +1,4 @@
-"""Compiled kernel of the half-cycles under a main and a secondary sequence, and the response made of its results."""
+"""Compiled kernel of the half-cycles under a main and a secondary sequence, and the response from its results."""
 
 import math
 from collections.abc import Callable
@@ -12,9 +12,9 @@ from rocking.kernel_cache import njit
 from rocking.lanes import split_lanes
 from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response, empty_results, response_of
 
-#: Largest number of half-cycles computed in one lane; then it is UNRESOLVED.
+#: Largest number of half-cycles computed in one lane; a lane with more is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
-#: The motion repeats itself if a start velocity equals an earlier one to this relative tolerance.
+#: The motion is periodic if a start velocity equals an earlier one within this relative tolerance.
 CYCLE_TOLERANCE = 1e-13
 #: Columns of the table, in the order of :class:`rocking.response.HalfCycles`: u_i, peak, duration, n_i, dT_i, u_r.
 COLUMNS = 6
@@ -37,7 +37,7 @@ class SequenceLanes(NamedTuple):
 
 
 class HalfCycleTable(NamedTuple):
-    """The half-cycles that a kernel writes beside its :class:`rocking.response.LaneResults`."""
+    """The half-cycles that a kernel writes in addition to :class:`rocking.response.LaneResults`."""
 
     columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
     lowest: np.ndarray  #: (lanes,) smallest x inside a half-cycle [-]
@@ -46,7 +46,7 @@ class HalfCycleTable(NamedTuple):
 
 @njit()
 def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
-    """Peak, duration, n, dT, impact speed and lowest rotation of one half-cycle; duration inf if it overturns."""
+    """Return peak, duration (inf: overturns), n, dT, impact speed and lowest rotation of one half-cycle."""
     if secondary == 0.0 or spacing == half_cycle.CONTINUOUS:
         count = 0 if secondary == 0.0 else -1
         effective = velocity - 0.5 * secondary
@@ -75,7 +75,7 @@ def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
 
 @njit()
 def repetitions(start, time, duration, main_count):
-    """Number of half-cycles of equal length that start before the end of the main sequence; -1 for an endless one."""
+    """Return the number of equal half-cycles that start before the main sequence ends; -1 if it is endless."""
     left = (duration - start) / time
     if left == np.inf:
         return -1 if main_count > UNLIMITED // 2 else main_count
@@ -84,7 +84,7 @@ def repetitions(start, time, duration, main_count):
 
 @njit(_nrt=False)
 def sequence_lanes(first_lane, last_lane, lanes, results, table):
-    """Write the results and the half-cycles of the lanes first_lane:last_lane."""
+    """Write the results and the half-cycles of the lanes first_lane to last_lane - 1."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -154,7 +154,7 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
         table.lowest[lane], table.followed[lane] = lowest, used
 
 
-#: A rotation below this is inside the ground [-]; above it is rounding.
+#: A rotation below this is inside the ground [-]; a negative one above it is a rounding error.
 GROUND_TOLERANCE = 1e-12
 #: Default number of half-cycles in a table.
 TABLE_ROWS = 1000

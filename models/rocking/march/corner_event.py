@@ -1,8 +1,8 @@
-"""Events of a slot whose body turns about two different corners, or about one corner beside a wall.
+"""Events of a slot whose body turns about two different corners, or about a single corner beside a wall.
 
-.. note:: Units and signs of slots.py, with alpha, p and tau = p t of the current corner; the rows OTHER_... hold those
-   of the other corner, and both are exchanged at an impact. A body beside a wall stays on its corner. A restrained body
-   lifts at (1 + a_v/g) THRESHOLD + EXTRA.
+.. note:: Units and signs of slots.py, with alpha, p and tau = p t of the current corner; the rows OTHER_... contain the
+   values of the other corner, and both are exchanged at an impact. A body beside a wall stays on its corner. A
+   restrained body lifts at abs(a_g)/g = (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
 import math
@@ -60,7 +60,7 @@ PAIRS = (
 
 @njit(_nrt=False)
 def turn_over(f, j):
-    """Move slot j, whose SIDE has just changed in an impact, to its other corner; beside a wall it keeps its corner."""
+    """Move slot j, whose SIDE has just changed in an impact, to its other corner, or keep its corner beside a wall."""
     if f[ONE_SIDED + j] == 1.0:
         f[row.SIDE + j] = -f[row.SIDE + j]
         return
@@ -76,7 +76,7 @@ def turn_over(f, j):
 
 @njit(_nrt=False)
 def lift_time(push, slope, threshold, threshold_slope, remaining):
-    """Time until a push exceeds its threshold, both linear in tau; -1 if that is later than `remaining`."""
+    """Return the time until a push exceeds its threshold, both linear in tau; -1 if later than `remaining`."""
     gap = threshold - push
     if gap < 0.0:
         return 0.0
@@ -128,7 +128,7 @@ def wake_corner(f, i, j, record):
 
 @njit(_nrt=False)
 def hops_have_ended(f, j, record, equation, far, held):
-    """Whether slot j may be put to rest, as in event.chatter_is_over for the weaker corner and with restraints."""
+    """Return whether slot j may be put to rest, as event.chatter_is_over, for the weaker corner and with restraints."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(f[row.SAMPLE_LIFT + j], lift_end)
@@ -162,7 +162,7 @@ def hops_have_ended(f, j, record, equation, far, held):
 
 @njit(_nrt=False)
 def after_impact(f, i, j, record, equation, far, held):
-    """State of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED; `held` None for a free block."""
+    """Return MOVING, RESTING, OVERTURNED or IMPACT_LIMITED for slot j after an impact; `held` is None if free."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
         return event.IMPACT_LIMITED
     speed = f[row.SPEED + j]
@@ -187,7 +187,7 @@ def after_impact(f, i, j, record, equation, far, held):
 
 @njit(_nrt=False)
 def top_of_hop(speed, alpha, linear):
-    """Largest phi [rad] of a free hop that leaves the ground with dphi/dtau = `speed` and does not overturn."""
+    """Return the largest phi [rad] of a free hop that leaves the ground with dphi/dtau = `speed` and returns."""
     if not linear:
         return top_rotation(speed, alpha)
     share = speed / alpha
@@ -196,7 +196,7 @@ def top_of_hop(speed, alpha, linear):
 
 @njit(_nrt=False)
 def first_excursion(phi, speed, alpha, linear):
-    """Largest phi of the free motion (inf: overturns), tau until it overturns or hits, impact speed or NaN."""
+    """Return largest phi of the free motion (inf: overturns), tau until overturning or impact, impact speed or NaN."""
     if linear:
         xi, eta = phi / alpha, speed / alpha
         if xi - 1.0 + eta >= 0.0:
@@ -225,10 +225,10 @@ def first_excursion(phi, speed, alpha, linear):
 
 @njit(_nrt=False)
 def free_motion(f, j, linear):
-    """Motion of slot j after the record, on the ground at rest, to its end.
+    """Compute the motion of slot j after the record, with the ground at rest, to its end.
 
-    Returns the largest phi over alpha, inf if it overturns; the time until that [s], else NaN; the impacts before it;
-    and those above the cut-off, -1 if they never end.
+    Return the largest phi/alpha, inf if it overturns; the time until it overturns [s], else NaN; the number of impacts
+    before overturning; and the number of impacts above the cut-off, -1 if they never end.
     """
     alpha, p, restitution = f[row.ALPHA + j], f[row.P + j], f[row.RESTITUTION + j]
     one_sided = f[ONE_SIDED + j] == 1.0

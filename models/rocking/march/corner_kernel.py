@@ -15,7 +15,7 @@ from rocking.march.slots import LEFT, Slots, empty_slots
 
 
 class CornerLanes(NamedTuple):
-    """The (q m,) lanes of a march: q factors on the record by m bodies, the body running fastest."""
+    """The (q m,) lanes of a march, q factors on the record for m bodies: lane l is body l % m, factor l // m."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each body [-]
@@ -34,7 +34,7 @@ def corner_slots() -> Slots:
 
 @njit(_nrt=False)
 def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
-    """Put a lane into slot j; return its state at the first sample, MOVING or the state in which it ends."""
+    """Put a lane into slot j; return its state at the first sample: MOVING, or its final state if it has ended."""
     block = lane % lanes.side.size
     rotation, spin, side = lanes.rotation[block], lanes.spin[block], lanes.side[block]
     f[more.ONE_SIDED + j] = 1.0 if side != 0.0 else 0.0
@@ -97,7 +97,7 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
 
 @njit(_nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, held):
-    """Return the state of a slot that needs attention, and whether its lane has ended."""
+    """Return the state of a slot marked ATTENTION, and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]

@@ -1,4 +1,4 @@
-"""Response to an accelerogram of bodies that are asymmetric, beside a wall or restrained: the call of their kernel."""
+"""Response of asymmetric, one-sided or restrained bodies to an accelerogram, computed by their kernel."""
 
 from collections.abc import Callable
 from typing import Any
@@ -49,7 +49,7 @@ def march_bodies(
     samples: int,
     threads: int | None,
 ) -> Response:
-    """March (m,) bodies, all restrained or all free, from `start` (theta, theta') under (q,) factors over gravity."""
+    """March (m,) bodies, all restrained or all free, from `start` (theta, theta') under (q,) factors divided by g."""
     side = np.asarray(block.side, dtype=float)
     rotation, spin = start
     into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))
@@ -77,7 +77,7 @@ def march_bodies(
 
 
 def _restraint_state(block: Block, copies: int) -> RestraintState:
-    """Return the restraints of (m,) bodies for the kernel, with memory for the state of `copies` lanes of each."""
+    """Return the restraints of (m,) bodies for the kernel, with memory for the states of `copies` lanes per body."""
     base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
     every: list[Restraints] = [own or Restraints() for own in np.ravel(np.array(block.restraints, dtype=object))]
     tables = [own.elements(width) for own, width in zip(every, np.ravel(base).tolist(), strict=True)]
@@ -105,7 +105,7 @@ def _restraint_state(block: Block, copies: int) -> RestraintState:
 
 
 def uplift_additions(block: Block) -> np.ndarray:
-    """Return what loads and thrusts add to the uplift threshold abs(a_g)/g of (m,) bodies at each corner, (2, m)."""
+    """Return the increase (2, m) of the uplift threshold abs(a_g)/g at both corners due to loads and thrusts."""
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:
         held = _restraint_state(block, 1)
@@ -114,7 +114,7 @@ def uplift_additions(block: Block) -> np.ndarray:
 
 
 def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndarray:
-    """Static capacity curve of a body: the horizontal acceleration in equilibrium at a rotation that grows from zero.
+    """Return the static capacity curve of a body: the horizontal acceleration in equilibrium at an increasing rotation.
 
     Parameters
     ----------

@@ -1,12 +1,12 @@
 """The demand of a ground motion on a block: its largest impulses, weighted over time by the frequency parameter p.
 
 .. note:: The growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear equation obeys y' = p y - s p a_g/(g
-   alpha), so a later impulse counts exp(-p (tau - t0)) of an earlier one:
+   alpha), so an impulse at tau has exp(-p (tau - t0)) times the effect of an equal impulse at t0:
 
    E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau.
 
-   A block that lifts at t0 (y = -1) overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 towards the right
-   side; after an impact the next excursion starts with y = -1 + C times the impact speed.
+   A block that lifts at t0 (y = -1) overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 in the direction
+   of rotation; after an impact the next excursion starts with y = -1 + C times the impact speed.
 """
 
 import math
@@ -21,18 +21,18 @@ from rocking.pictures import one_line
 
 #: Number of lobes of E(t0) that are kept, the largest first.
 LOBES = 16
-#: E is computed at powers of two of 1/s divided by this number, and interpolated in log p between them.
+#: E is computed at this number of values of p per octave, and interpolated in log p between them.
 NODES_PER_OCTAVE = 4
-#: Share of the speed that passes to the next excursion, besides C: excursions are seldom in phase with the ground.
+#: Factor on the speed of the next excursion, in addition to C: excursions are seldom in phase with the ground.
 HANDED_ON = 0.9
 #: If speed plus remaining build-up is below this, a lane will not overturn: in the measured ensembles the lowest sum of
-#: a lane that overturned later was above 0.8 (docs/decisions/006).
+#: a lane that later overturned was above 0.8 (docs/decisions/006).
 SETTLED = 0.7
 #: Relative tolerance at the ends of these ranges, far above the rounding error of a product.
 ROUNDING = 1e-9
-#: Ranges in which SETTLED was measured: p [1/s], alpha_c [rad], C over Housner's value [-], p dt [-].
+#: Ranges in which SETTLED was measured: p [1/s], alpha_c [rad], C divided by Housner's value [-], p dt [-].
 MEASURED_RANGE = {"p": (0.7, 9.0), "alpha": (0.04, 0.32), "restitution": (0.85, 1.0), "p_dt": (0.0, 0.1)}
-#: Levels of the build-up, for each of which the last sample above it is kept: max abs(a_g)/p times 8 times 2^(-k/4).
+#: Number of levels of the build-up for which the last sample above is kept: 8 max abs(a_g)/p 2^(-k/4).
 LEVELS = 56
 #: Values of C for which the remaining build-up is computed; a block uses the next larger one.
 RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
@@ -48,7 +48,7 @@ def _lobes(
     largest: np.ndarray,
     last: np.ndarray,
 ) -> None:
-    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with a build-up above each level.
+    """Find the largest abs(E) of the lobes of E(t0), descending, and the last sample with a build-up above each level.
 
     E is exact for piecewise linear ground acceleration and computed in one backward pass.
     """
@@ -99,15 +99,15 @@ class Demand:
         p abs(E)/(g tan alpha) of the largest lobes, descending [-]; the first of them is `largest`.
     build_up : (m,) ndarray
         Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the lobes in descending order [-]: the speed that resonance
-        (Eq. 5) would build up with the impulses that act on the block, the largest one last.
+        (Eq. 5) would build up with these impulses, the largest one last.
     levels, last : (m, LEVELS) ndarray, (m, LEVELS) ndarray of int
         Levels of the remaining build-up, descending [-], and the last sample at which the build-up of the later lobes
         is above each level; -1 if it never is.
     samples : int
         Number of samples of the record.
     settled : float
-        A lane will not overturn if right after an impact its speed, over the speed that overturns it on still ground,
-        plus the remaining build-up is no more than this [-].
+        A lane will not overturn if, right after an impact, its speed divided by the speed that overturns it on still
+        ground, plus the remaining build-up, is no more than this [-].
     """
 
     __repr__ = one_line
@@ -171,7 +171,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
 
 
 def within_measured_range(block: Block, dt: float) -> np.ndarray:
-    """True, (m,), for free blocks inside :data:`MEASURED_RANGE` under a record sampled at dt [s]."""
+    """Return a mask (m,) of free blocks inside :data:`MEASURED_RANGE` under a record sampled at dt [s]."""
     measured = {
         "p": block.p,
         "alpha": block.alpha_c,

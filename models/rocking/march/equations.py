@@ -28,12 +28,12 @@ def hyperbolic(h):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def linear_steps(f, width):
-    """Take one step of the first `width` slots by the exact solution, into the rows that :func:`finish_steps` reads.
+    """Take one exact step of the first `width` slots, and write it to the rows that :func:`finish_steps` reads.
 
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
-    - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1), without differences of large numbers near phi = 0. phi''
-    is largest at an end of the step, within a factor of 1/(1 - h^2/8). A step is marked if the growing mode exceeds its
-    LIMIT.
+    - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1), without differences of large numbers near phi = 0. The
+    largest phi'' is that at an end of the step, within a factor of 1/(1 - h^2/8). A step is marked if the growing mode
+    exceeds its LIMIT.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -63,11 +63,11 @@ def linear_steps(f, width):
 
 @njit(_nrt=False)
 def linear_after(phi, speed, alpha, restitution):
-    """Motion on the ground at rest (Eqs. 2, 6, 8): peak [rad], tau, impacts before overturning, impact speed.
+    """Return the motion on still ground (Eqs. 2, 6, 8): peak [rad], tau, impacts before overturning, impact speed.
 
-    If the block overturns, the peak is inf and tau is the time, else tau is NaN; the speed is over p alpha_c. With xi =
-    phi/alpha, eta = xi' the growing mode xi - 1 + eta >= 0 overturns it; else it returns with w^2 = xi (2 - xi) +
-    eta^2, and leaves the ground with u = C w, which overturns it on the other side if u >= 1.
+    If the block overturns, the peak is inf and tau is the time until then, else tau is NaN; the speed is divided by p
+    alpha_c. With xi = phi/alpha, eta = xi' the growing mode xi - 1 + eta >= 0 overturns it; else it returns with w^2 =
+    xi (2 - xi) + eta^2, and leaves the ground with u = C w, which overturns it on the other side if u >= 1.
     """
     xi = phi / alpha
     eta = speed / alpha
@@ -93,7 +93,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 @njit(inline="always")
 def sine_and_cosine(q):
-    """Return sin q and cos q for abs(q) <= 1.7 by series to rounding accuracy, in arithmetic that vectorises."""
+    """Return sin q and cos q for abs(q) <= 1.7 from series, exact to rounding, in arithmetic that vectorises."""
     z = q * q
     sine = q + q * z * (S3 + z * (S5 + z * (S7 + z * (S9 + z * (S11 + z * (S13 + z * (S15 + z * (S17 + z * S19))))))))
     cosine = 1.0 + z * (
@@ -104,7 +104,7 @@ def sine_and_cosine(q):
 
 @njit(inline="always")
 def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
-    """Coefficients k c_k, k = 2 ... 10, of phi'(tau) = sum k c_k tau^(k-1), for phi(tau) = sum c_k tau^k.
+    """Return the coefficients k c_k, k = 2 ... 10, of phi'(tau) = sum k c_k tau^(k-1), with phi(tau) = sum c_k tau^k.
 
     With the series s_k, z_k of sin(alpha - phi), cos(alpha - phi) and d_k = k c_k: k s_k = -sum d_j z_(k-j), k z_k =
     sum d_j s_(k-j), j = 1 ... k, and (k + 1) d_(k+2) = -[lift s + ground z]_k.
@@ -141,7 +141,7 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def nonlinear_steps(f, width):
-    """Take one Taylor step of the first `width` slots, into the rows that :func:`finish_steps` reads.
+    """Take one Taylor step of the first `width` slots, and write it to the rows that :func:`finish_steps` reads.
 
     abs(phi'') is at most F = lift + abs(ground), and changes by at most h (F (abs(phi') + h F) + the slopes). A step is
     marked if phi may pass TOP or the last term of its series exceeds the bound of the lane.
@@ -175,7 +175,7 @@ def nonlinear_steps(f, width):
 
 @njit(_nrt=False)
 def flight_time(excess, start, stop):
-    """Time p t of the free motion from psi = `start` to `stop`, psi = phi - alpha, without a turning point between.
+    """Return the time p t of the free motion from psi = `start` to `stop` (no turning point), psi = phi - alpha.
 
     `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; the time is inf if it is 0 and the
     top is passed. With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z (below it), dtau =
@@ -205,7 +205,7 @@ def flight_time(excess, start, stop):
 
 @njit(_nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
-    """Nonlinear counterpart of :func:`linear_after`, by conservation of energy; tau is the time to phi = pi/2.
+    """Return the nonlinear motion as :func:`linear_after`, from conservation of energy; tau is the time to phi = pi/2.
 
     The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block below the top passes it if it moves
     outward with energy >= 0; a block beyond the top returns only if it moves inward with positive energy.
@@ -236,10 +236,10 @@ def nonlinear_after(phi, speed, alpha, restitution):
 
 @njit(_nrt=False)
 def top_rotation(speed, alpha):
-    """Largest phi [rad] of a free half-cycle that leaves the ground with dphi/dtau = speed.
+    """Return the largest phi [rad] of a free half-cycle that leaves the ground with dphi/dtau = speed.
 
     Energy gives phi = alpha - 2 asin(r), r^2 = sin^2(alpha/2) - speed^2/4; the sine of the difference is expanded so
-    that small motions keep their digits.
+    that small motions stay accurate.
     """
     half_alpha = math.sin(0.5 * alpha)
     r = math.sqrt(max(0.0, half_alpha * half_alpha - 0.25 * speed * speed))

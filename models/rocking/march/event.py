@@ -15,18 +15,18 @@ MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
 #: A series of hops (chatter) is cut short only if its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
 #: After this number of impacts in one sample (restitution close to one), hops need only be below the peak itself, and
-#: the chatter may be cut short beyond its sample even with a history, which then shows rest instead of these hops.
+#: the chatter may be cut short beyond its sample even with a history, which then shows rest in place of these hops.
 MANY_IMPACTS = 1000
-#: Largest number of impacts slower than the cut-off in a row without rest; then the lane is UNRESOLVED. It bounds the
-#: work for C = 1, for which a chatter never comes to rest.
+#: Largest number of consecutive impacts slower than the cut-off; a lane with more is UNRESOLVED. It limits the work for
+#: C = 1, for which a chatter never comes to rest.
 SLOW_IMPACTS = 1_000_000
-#: Smallest step to which the error of the series may reduce a step, as a share of the longest step.
+#: Smallest step to which the error control of the series may reduce a step, as a share of the longest step.
 SHORTEST = 1.0 / 4096.0
 
 
 @njit(_nrt=False)
 def uplift_time(ground, slope, threshold, threshold_slope, remaining):
-    """Time until abs(ground) exceeds the threshold, both linear in tau; -1 if that is later than `remaining`."""
+    """Return the time until abs(ground) exceeds the threshold, both linear in tau; -1 if later than `remaining`."""
     if abs(ground) > threshold:
         return 0.0
     end = ground + slope * remaining
@@ -40,13 +40,13 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 
 @njit(_nrt=False)
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
-    """Whether the hops after an impact end before the ground can lift the block again.
+    """Return whether the hops after an impact end before the ground can lift the block again.
 
     Speeds and rotations are divided by the restoring acceleration of the resting block; A = `demand` is
-    abs(a_g)/threshold at the impact, and `largest` and m = `slope` are bounds of it and its slope over the `window` in
-    tau. Until half the margin 1 - A is used up, or the window ends, the restoring acceleration stays above d = (1 - A)
-    - w^2/(1 - A): the first hop lasts less than T = 2 w/d, each next one is shorter by at least q = C (1 + m T/(2 (1 -
-    A))), all together last less than T/(1 - q), and no impact is faster than w q/C.
+    abs(a_g)/threshold at the impact, and `largest` and m = `slope` are upper bounds of A and its slope within the
+    `window` of tau. Until half the margin 1 - A is used up, or the window ends, the restoring acceleration stays above
+    d = (1 - A) - w^2/(1 - A): the first hop lasts less than T = 2 w/d, each next one less than q = C (1 + m T/(2 (1 -
+    A))) times the one before, all together less than T/(1 - q), and no impact is faster than w q/C.
     """
     if demand >= 1.0:
         return False
@@ -88,7 +88,7 @@ def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, sp
 
 @njit(_nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Whether slot j may be put to rest after a slow impact."""
+    """Return whether slot j may be put to rest after a slow impact."""
     threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
@@ -107,7 +107,7 @@ def chatter_is_over(f, j, record, equation, far):
 
 @njit(_nrt=False)
 def impacts_above_cutoff(speed, restitution):
-    """Number of impacts of a free decay from `speed` that are faster than the cut-off; -1 for an endless decay."""
+    """Return the number of impacts of a free decay from `speed` that are faster than the cut-off; -1 if endless."""
     if not speed >= IMPACT_CUTOFF:
         return 0
     if restitution >= 1.0:
@@ -178,7 +178,7 @@ def wake(f, i, j, record):
 
 @njit(_nrt=False)
 def must_overturn(f, j, record):
-    """Whether slot j must overturn (linear equation): its growing mode exceeds the rest of the record."""
+    """Return whether slot j must overturn (linear equation): its growing mode exceeds the rest of the record."""
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
     if growing <= f[row.LIMIT + j]:
         return False
@@ -189,7 +189,7 @@ def must_overturn(f, j, record):
 
 @njit(_nrt=False)
 def resolve_step(f, j, c, record, equation):
-    """Complete the marked step of slot j up to its impact; set EVENT to HALVED to repeat it, to OVER beyond PASSED."""
+    """Complete the marked step of slot j up to its impact; set EVENT to HALVED to repeat it, OVER beyond PASSED."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
     too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)

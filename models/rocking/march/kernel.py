@@ -18,12 +18,12 @@ from rocking.response import Outcome, Reason
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
-#: Relative excess over the threshold at which a block lifts, so that rounding does not decide "strictly above".
+#: Relative excess over the threshold at which a block lifts, so that rounding errors cannot lift it.
 STRICTLY = 1e-14
 
 
 class MarchLanes(NamedTuple):
-    """The (q m,) lanes of a march: q factors on the record by m blocks, the block running fastest."""
+    """The (q m,) lanes of a march, q factors on the record for m blocks: lane l is block l % m, factor l // m."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each block [-]
@@ -47,7 +47,7 @@ class Options(NamedTuple):
 
 @njit(_nrt=False)
 def build_up_left(sample, factor, levels, last):
-    """Upper bound of the build-up of the ground from a sample on, see :mod:`rocking.march.demand`; inf if unknown."""
+    """Return an upper bound of the build-up from a sample on (:mod:`rocking.march.demand`); inf if unknown."""
     for k in range(levels.size - 1, -1, -1):
         if last[k] < sample:
             return levels[k] * factor
@@ -56,7 +56,7 @@ def build_up_left(sample, factor, levels, last):
 
 @njit(_nrt=False)
 def first_safe_sample(factor, levels, last, settled):
-    """First sample from which a lane may be ended as safe; inf if there is none."""
+    """Return the first sample from which a lane may be ended as safe; inf if there is none."""
     for k in range(levels.size):
         if levels[k] * factor < settled:
             return last[k] + 1.0
@@ -100,7 +100,7 @@ def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
 
 @njit(_nrt=False)
 def first_status(f, j, equation, strongest):
-    """State of a moving slot at the first sample, OVERTURNED or MOVING; `strongest` bounds abs(a_g)/g."""
+    """Return the state of a moving slot at the first sample, OVERTURNED or MOVING; `strongest` bounds abs(a_g)/g."""
     if equation == event.LINEAR:
         over = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j] > strongest
     else:
@@ -111,7 +111,7 @@ def first_status(f, j, equation, strongest):
 # begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
 @njit(forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
-    """Put a lane into slot j; return its state at the first sample, MOVING or the state in which it ends."""
+    """Put a lane into slot j; return its state at the first sample: MOVING, or its final state if it has ended."""
     block = lane % lanes.alpha.size
     factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
     alpha, rotation, spin = lanes.alpha[block], lanes.rotation[block], lanes.spin[block]
@@ -179,7 +179,7 @@ def store_results(results, lane, peak, outcome, reason, time, half_cycle, impact
 
 @njit(forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
-    """Return the state of a slot that needs attention (CALM: it will not overturn), and whether its lane has ended."""
+    """Return the state of a slot marked ATTENTION (CALM: it will not overturn), and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     status = event.MOVING
@@ -205,7 +205,7 @@ def decide(f, i, j, record, lanes, options, far):
 
 @njit(_nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
-    """March the lanes first:last and write their results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
+    """March lanes first to last - 1; write results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)

@@ -10,16 +10,16 @@ from rocking.kernel_cache import njit
 
 #: Degree of the polynomials.
 ORDER = 10
-#: Orders of derivative, as integers of numpy: for plain ones the functions below would be compiled for each value.
+#: Orders of derivative, as numpy integers: with Python integers the functions below would be compiled for each value.
 ROTATION, SPEED, PULL = np.int64(0), np.int64(1), np.int64(2)
 MAX_ITERATIONS = 100
-#: A Newton step smaller than this share of the distance is the last one: the error after it is its square.
+#: A Newton step smaller than this share of the distance is the last one: the error after it is the square of this.
 CONVERGED = 1e-9
 
 
 @njit(_nrt=False)
 def value(c, tau):
-    """phi(tau) = sum c_k tau^k."""
+    """Return phi(tau) = sum c_k tau^k."""
     total = c[ORDER]
     for k in range(ORDER - 1, -1, -1):
         total = total * tau + c[k]
@@ -28,7 +28,7 @@ def value(c, tau):
 
 @njit(_nrt=False)
 def velocity(c, tau):
-    """phi'(tau)."""
+    """Return phi'(tau)."""
     total = ORDER * c[ORDER]
     for k in range(ORDER - 1, 0, -1):
         total = total * tau + k * c[k]
@@ -37,7 +37,7 @@ def velocity(c, tau):
 
 @njit(_nrt=False)
 def acceleration(c, tau):
-    """phi''(tau)."""
+    """Return phi''(tau)."""
     total = ORDER * (ORDER - 1) * c[ORDER]
     for k in range(ORDER - 1, 1, -1):
         total = total * tau + k * (k - 1) * c[k]
@@ -46,7 +46,7 @@ def acceleration(c, tau):
 
 @njit(_nrt=False)
 def with_slope(c, order, tau):
-    """The order-th derivative of phi at tau, order at most 2, and its slope."""
+    """Return the derivative of phi at tau of an order of at most 2, and its slope."""
     total = 0.0
     slope = 0.0
     for k in range(ORDER, order - 1, -1):
@@ -62,9 +62,9 @@ def with_slope(c, order, tau):
 
 @njit(_nrt=False)
 def bracketed_root(c, order, shift, left, right, guess):
-    """Root in [left, right] of the order-th derivative of phi minus `shift`, by Newton steps inside the bracket.
+    """Return tau in [left, right] at which the derivative of this order equals `shift` (bracketed Newton steps).
 
-    The tolerance is relative to the distance from the start of the step, so that a hop of 1e-12 keeps its digits.
+    The tolerance is relative to the distance from the start of the step, so that even a hop of 1e-12 is accurate.
     """
     rising = with_slope(c, order, right)[0] - shift > 0.0
     tau = guess if left < guess < right else 0.5 * (left + right)
@@ -91,14 +91,14 @@ def bracketed_root(c, order, shift, left, right, guess):
 
 @njit(_nrt=False)
 def falling_root(c, left, right):
-    """Root of phi in [left, right], where phi is decreasing: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
+    """Return the root of phi in [left, right]: phi > 0 at the left, phi(right) <= 0, phi' < 0 inside."""
     # To first order a hop falls in the same time in which it rose.
     return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
 @njit(_nrt=False)
 def hop_root(c, h):
-    """End of a hop from c[0] = 0 with phi'' < 0 in [0, h] and phi(h) <= 0, by Newton steps for phi/tau."""
+    """Return the end of a hop from c[0] = 0 with phi'' < 0 in [0, h] and phi(h) <= 0, by Newton steps for phi/tau."""
     left = 0.0
     right = h
     tau = min(-c[1] / c[2], h)
@@ -126,7 +126,7 @@ def hop_root(c, h):
 
 @njit(_nrt=False)
 def first_impact(c, h, peak):
-    """tau of the first return of phi to 0 in (0, h], or -1, and the larger of `peak` and the largest phi until then."""
+    """Return tau of the first impact (phi = 0) in (0, h], or -1, and the largest phi until then, at least `peak`."""
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
     if start_pull < 0.0 and end_pull < 0.0:
         end, end_speed = value(c, h), velocity(c, h)

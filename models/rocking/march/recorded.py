@@ -1,7 +1,7 @@
-"""Response of blocks to a record times scale factors, linear or nonlinear, and the friction that the motion requires.
+"""Linear or nonlinear response of blocks to a record times scale factors, and the friction that the motion requires.
 
 .. note:: theta > 0 rocks about the right-hand corner. The centre of mass is at x = -s R sin(alpha - abs(theta)), z = R
-   cos(alpha - abs(theta)) from its corner, so the base requires mu = abs(a_g + x'')/(g + a_v + z'') not to slide.
+   cos(alpha - abs(theta)) from its corner, so mu = abs(a_g + x'')/(g + a_v + z'') is required to prevent sliding.
 """
 
 from typing import Any, Literal, NamedTuple
@@ -18,12 +18,12 @@ from rocking.march.slots import Accelerogram, empty_slots, extremes
 from rocking.pictures import one_line
 from rocking.response import Response
 
-#: Largest acceleration over gravity that is accepted in a record [-].
+#: Largest acceleration divided by gravity that is accepted in a record [-].
 STRONGEST = 1e7
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
-#: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
+#: Largest last term of the Taylor series of a step, divided by alpha_c [-]; a step that exceeds it is halved.
 LAST_TERM = 1e-14
-#: The smallest value allowed for that limit: below it rounding decides.
+#: The smallest value allowed for that limit: below it rounding errors govern.
 SMALLEST_LAST_TERM = 1e-17
 #: Longest sample, as p dt [-], and fastest start, as theta'/p [rad], that are accepted.
 LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
@@ -48,7 +48,7 @@ def recorded_response(
     last_term: float = LAST_TERM,
     threads: int | None = None,
 ) -> Response:
-    """Rocking response of a block to a recorded ground acceleration.
+    """Compute the rocking response of a block to a recorded ground acceleration.
 
     Parameters
     ----------
@@ -68,21 +68,21 @@ def recorded_response(
     history : bool
         If True, also return time, rotation and velocity at the samples.
     gain : {"linear", "tangent"}
-        Linear equation only. "linear": lifted at g alpha_c (Eq. 1). "tangent": the record times alpha_c/tan(alpha_c),
-        so that the block is lifted at g tan(alpha_c) as by the nonlinear equation (docs/decisions/006).
+        Linear equation only. "linear": uplift at g alpha_c (Eq. 1). "tangent": the record is multiplied by
+        alpha_c/tan(alpha_c), so that uplift is at g tan(alpha_c) as in the nonlinear equation (docs/decisions/006).
     block_scale : float or (m,) array_like
         Additional factor on the record for each block, times `scale`, not negative [-].
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if only the outcome of blocks that
-        start at rest is needed: a lane ends as soon as its outcome is certain, by a bound if it overturns and by a
+        start at rest is needed: a lane ends as soon as its outcome is certain, from a bound if it overturns and from a
         measured margin if it rocks (docs/decisions/006), with the peak so far and -1 impacts. The overturning time is
         the time at which the block passes the angle of no return. Only for the nonlinear equation without vertical
         acceleration and history.
     step : float
         Longest step as p dt [-], at most 0.3; a sample with a larger p dt is divided.
     last_term : float
-        Largest last term of the Taylor series of a step of the nonlinear equation, over alpha_c [-]: a step with a
-        larger last term is halved; inf switches this control off.
+        Largest last term of the Taylor series of a step of the nonlinear equation, divided by alpha_c [-]: a step with
+        a larger last term is halved; inf switches this control off.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -235,7 +235,7 @@ def recorded_response(
 
 
 class SlidingDemand(NamedTuple):
-    """The friction that the motion of (m,) bodies without sliding requires, at the samples until overturning.
+    """The friction required by the motion of (m,) bodies without sliding, at the samples until overturning.
 
     Attributes
     ----------
@@ -262,22 +262,22 @@ def sliding_demand(
     vertical: ArrayLike | None = None,
     scale: float = 1.0,
 ) -> SlidingDemand:
-    """Compute the friction that a rocking motion without sliding requires, by the nonlinear equation.
+    """Compute the friction required by a rocking motion without sliding, from the nonlinear equation.
 
     Parameters
     ----------
     block : Block
         One body, which counts as (1,), or (m,) of them.
     acceleration, dt, vertical, scale
-        As for :func:`~rocking.recorded_response`, with one factor.
+        As for :func:`~rocking.recorded_response`, with a single scale factor.
     friction : float or (m,) array_like
         Coefficient at the base [-]; NaN if it is not known.
 
     Returns
     -------
     SlidingDemand
-        NaN, and False, for bodies beside a wall or with ties, loads or thrusts, whose forces on the base are unknown.
-        Impacts require more, see :func:`impact_friction`.
+        NaN and False for bodies beside a wall or with ties, loads or thrusts, whose forces on the base are unknown.
+        Impacts require more friction, see :func:`impact_friction`.
 
     Examples
     --------
@@ -322,7 +322,7 @@ def sliding_demand(
 
 
 def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
-    """Ratio of the horizontal to the vertical impulse of an impact that ends a rotation about the right corner [-].
+    """Return the horizontal over the vertical impulse of an impact that ends a rotation about the right corner [-].
 
     h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners: the friction that an impact without sliding
     requires. The impact lasts an instant, so this number is for information only. `restitution` replaces the body's C.

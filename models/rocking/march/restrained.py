@@ -1,9 +1,9 @@
 """The moments of ties, loads and thrusts on a rocking body, and their changes during the motion.
 
-.. note:: While no tie begins or ceases to act, the moment of all restraints over M g R is A cos(phi) + B sin(phi) + C
-   cos(2 phi) + D sin(2 phi): a tie with the force K (x - x_0) gives A = K z (xi - x_0), B = K xi (xi - x_0), C = -K z
-   xi, D = K (z^2 - xi^2)/2, a constant force F gives A = F z, B = F xi, and phi'' keeps a Taylor series. A step ends if
-   phi leaves the range (FLOOR, CEILING), or if the body turns back under a tie that yields or a load that slides.
+.. note:: While no tie begins or ceases to act, the moment of all restraints divided by M g R is A cos(phi) + B sin(phi)
+   + C cos(2 phi) + D sin(2 phi): a tie with the force K (x - x_0) gives A = K z (xi - x_0), B = K xi (xi - x_0), C = -K
+   z xi, D = K (z^2 - xi^2)/2, a constant force F gives A = F z, B = F xi, and phi'' keeps a Taylor series. A step ends
+   if phi leaves the range (FLOOR, CEILING), or if the body turns back under a tie that yields or a load that slides.
 """
 
 import math
@@ -21,7 +21,7 @@ from rocking.march import slots as row
 SLACK, SPRING, YIELDS, BROKEN, SLIDES_UP, SLIDES_DOWN = range(6)
 #: Longest step of a spring, as the phase of its oscillation [rad].
 LONGEST_PHASE = 0.3
-#: Distance within which phi counts as being at the end of a range, over the size of the range [-].
+#: Distance from the end of a range within which phi counts as being at that end, divided by the size of the range [-].
 TOUCHING = 1e-13
 
 
@@ -58,7 +58,7 @@ def rotation_at(displacement, point):
 
 @njit(_nrt=False)
 def outward_displacement(phi, height, distance):
-    """Outward displacement of a point at a height and a distance behind the corner [m]."""
+    """Return the outward displacement of a point at a height and a distance behind the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 
@@ -133,7 +133,7 @@ def set_restraint(f, j, block, lane, held):
 
 @njit(_nrt=False)
 def begin_restraint(f, j, block, lane, held):
-    """Set the elements of slot j for its first phi and speed, and the restraint that follows from them."""
+    """Set the elements of slot j for its first phi and speed, and the resulting restraint."""
     place, side = sides(f, j)
     phi, outward = f[row.PHI + j], f[row.SPEED + j] > 0.0
     for e in range(held.elements.shape[1]):
@@ -186,7 +186,7 @@ def make_spring(part, held, lane, e, outward, side):
 
 @njit(_nrt=False)
 def change_elements(f, j, block, lane, held, direction):
-    """Change the elements whose range ends at phi: passed outward (`direction` 1), inward (-1), or turned back (0)."""
+    """Change elements whose range ends at phi, passed outward (`direction` 1) or inward (-1), or at a reversal (0)."""
     place, side = sides(f, j)
     phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
     for e in range(held.elements.shape[1]):
@@ -225,7 +225,7 @@ def change_elements(f, j, block, lane, held, direction):
 
 @njit(_nrt=False)
 def rest_levels(f, j, block, lane, held, at_rest):
-    """Set EXTRA of both corners of a slot on the ground; return the part of sliding loads, which resists the fall."""
+    """Set EXTRA of both corners of a slot on the ground; return the part of sliding loads, which resist motion."""
     place, side = sides(f, j)
     friction = most = 0.0
     for e in range(held.elements.shape[1]):

@@ -15,7 +15,7 @@ from rocking.response import IMPACT_CUTOFF
 
 @njit(inline="always")
 def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, cosine_2):
-    """Rates as nonlinear_rates, for -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
+    """Return nonlinear_rates for -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
 
     With the series s_k, z_k of sin(phi), cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2 sin(phi): (k + 1)
     d_(k+2) = -[flat z + s w + cosine_2]_k.
@@ -72,7 +72,7 @@ def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, c
 
 @njit(fastmath={"contract"}, _nrt=False)
 def restrained_steps(f, width):
-    """Take Taylor steps as :func:`nonlinear_steps`; a step is also marked if phi may leave the moment's range."""
+    """Take Taylor steps as :func:`nonlinear_steps`; also mark a step if phi may leave the range of the moment."""
     for j in range(width):
         phi = f[row.PHI + j]
         speed = f[row.SPEED + j]
@@ -115,9 +115,9 @@ def restrained_steps(f, width):
         store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
-#: Number of steps after the record after which the motion counts as bounded.
+#: Number of steps computed after the record; a longer motion counts as bounded.
 MOST_STEPS = 2_000_000
-#: Number of changes of the restraints without motion after which the body counts as balanced for one step.
+#: Number of consecutive changes of restraint without motion after which the body is kept in balance for one step.
 MOST_STALLS = 8.0
 #: Number of turning points in the air after which a motion counts as bounded.
 MOST_TURNS = 4
@@ -229,7 +229,7 @@ def finish_restrained(f, i, width, c, lanes, held):
 
 @njit(_nrt=False)
 def motion_after(f, i, j, c, lanes, held, g):
-    """March the motion after the record in the work space `g`; returns what corner_event.free_motion returns.
+    """March the motion after the record in the work space `g`; return the same as corner_event.free_motion.
 
     It ends after one peak about each corner, or after MOST_TURNS turning points in the air: restraints add no energy,
     so later peaks are no larger. Later impacts are counted as if no tie yielded and no load slid.

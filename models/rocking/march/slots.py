@@ -4,7 +4,7 @@ A step of all slots is one loop without branches over contiguous rows, which the
 instructions. Row R of slot j is ``f[R + j]`` of a flat array, so that the compiler knows that rows do not overlap.
 
 .. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, tau = p t; angles in rad, speeds in
-   rad per unit of tau, accelerations over gravity.
+   rad per unit of tau, accelerations divided by gravity.
 """
 
 from typing import NamedTuple
@@ -35,7 +35,7 @@ class Accelerogram(NamedTuple):
 
 @njit()
 def extremes(acceleration, vertical):
-    """Rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, and zeros for the time after the record."""
+    """Return rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, with zeros after the record."""
     n = acceleration.size
     blocks = (n + BLOCK - 1) // BLOCK
     found = np.zeros((4, blocks + 1))
@@ -56,7 +56,7 @@ def extremes(acceleration, vertical):
 
 @njit(_nrt=False)
 def largest_left(k, record):
-    """Largest abs(a_g) from sample k of an :class:`Accelerogram` to its end [m/s2]."""
+    """Return the largest abs(a_g) from sample k of an :class:`Accelerogram` to its end [m/s2]."""
     block = k // BLOCK + 1
     largest = record.extremes[LEFT, block] if block < record.extremes.shape[1] else 0.0
     for i in range(k, min(block * BLOCK, record.acceleration.size)):
@@ -66,9 +66,9 @@ def largest_left(k, record):
 
 @njit(_nrt=False)
 def next_exceedance(k, record, factor, threshold):
-    """First sample from k on at which a resting block may lift (abs(a_g)/g > threshold) or lose contact; n for none.
+    """Return the first sample from k on with uplift (abs(a_g)/g > threshold) or loss of contact at rest; n for none.
 
-    For equal corners; it takes two thirds of the time of :func:`next_lift`.
+    For equal corners; it takes two thirds of the time that :func:`next_lift` takes.
     """
     n = record.acceleration.size
     up = record.vertical.size > 0
@@ -87,9 +87,9 @@ def next_exceedance(k, record, factor, threshold):
 
 @njit(_nrt=False)
 def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
-    """First sample from k on at which a resting block may lift about either corner or lose contact; n for none.
+    """Return the first sample from k on with uplift about either corner or loss of contact at rest; n for none.
 
-    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is over gravity [s2/m].
+    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is divided by gravity [s2/m].
     """
     n = record.acceleration.size
     while k < n:
@@ -107,7 +107,7 @@ def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
     return n
 
 
-#: Number of slots: four registers of the widest vector unit, so that computing one hides the latency of the others.
+#: Number of slots: four registers of the widest vector unit, so that work on one hides the latency of the others.
 WIDTH = 32
 #: Number of slots in one register; fewer lanes than WIDTH use whole groups of this size.
 GROUP = 8
@@ -189,7 +189,7 @@ class Slots(NamedTuple):
 
 
 def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
-    """Return empty slots whose steps cause no floating-point error: alpha and the other `positive` rows are 0.1."""
+    """Return empty slots; alpha and the other `positive` rows are 0.1, to avoid floating-point errors."""
     slots = Slots(np.zeros(rows * WIDTH), np.zeros(INT_ROWS * WIDTH, dtype=np.int64), np.zeros(ORDER + 1))
     slots.i[LANE : LANE + WIDTH] = -1
     for name in (ALPHA, *positive):

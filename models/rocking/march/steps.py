@@ -13,13 +13,13 @@ from rocking.response import IMPACT_CUTOFF
 # Events in a step. From LOOK_CLOSER on the slot does not advance: HALVED repeats the step with half its length, OVER
 # has overturned.
 NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
-#: The iteration for an impact is of third order: after a step below this share of the distance only rounding remains.
+#: The iteration for an impact ends after a step below this share of the distance: it converges with third order.
 CONVERGED = 3e-6
 
 
 @njit(inline="always")
 def value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """phi(t) from the coefficients d_k = k c_k of its speed."""
+    """Return phi(t) from the coefficients d_k = k c_k of its speed."""
     s = t * t
     low = d1 + t * ((1 / 2) * d2) + s * ((1 / 3) * d3 + t * ((1 / 4) * d4))
     high = ((1 / 5) * d5 + t * ((1 / 6) * d6)) + s * ((1 / 7) * d7 + t * ((1 / 8) * d8))
@@ -29,7 +29,7 @@ def value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 @njit(inline="always")
 def speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """phi'(t)."""
+    """Return phi'(t) from its coefficients d_k."""
     s = t * t
     low = d1 + t * d2 + s * (d3 + t * d4)
     high = (d5 + t * d6) + s * (d7 + t * d8) + (s * s) * (d9 + t * d10)
@@ -57,7 +57,7 @@ def store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5
 
 @njit(inline="always")
 def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Third-order step from t towards the root of phi (Newton's method with a correction for the curvature)."""
+    """Return the third-order step from t to the root of phi (Newton's method with a correction for the curvature)."""
     inverse = 1.0 / speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10)
     newton = value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10) * inverse
     pull = d2 + t * (2.0 * d3 + t * (3.0 * d4))
@@ -70,8 +70,8 @@ def finish_steps(f, width):
 
     A curve differs from its chord by at most h^2/8 max abs(phi''). If phi'' < 0 in the whole step, it lies above its
     chord and below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the
-    intersection of the tangents is an upper bound of its top. Most impacts are of this kind; they are computed from the
-    first terms of a hop, or from the parabola through both ends of a fall.
+    intersection of the tangents is an upper bound of its top. Most impacts are such single ones; they are computed from
+    the first terms of a hop, or from the parabola through both ends of a fall.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -123,9 +123,9 @@ def finish_steps(f, width):
         f[row.PEAK + j] = peak if closer | impact else max(peak, end)
 
 
-#: Largest number of impacts inside one sample (reached only by a restitution close to one); then a lane is UNRESOLVED.
+#: Largest number of impacts in one sample (only a restitution close to one reaches it); a lane with more is UNRESOLVED.
 IMPACTS_PER_SAMPLE = 10_000
-#: A rest of a sample that is shorter than this share of the longest step is added to the step before it.
+#: A remainder of a sample that is shorter than this share of the longest step is added to the step before it.
 REMNANT = 1e-9
 
 

@@ -1,4 +1,4 @@
-"""Scale factors at which a body overturns by each model, by a search or in closed form."""
+"""Scale factors at which a body overturns in each model, from a search or in closed form."""
 
 import math
 from collections.abc import Callable
@@ -20,13 +20,13 @@ from rocking.search.factors import ScaleIntervals, exceedance_intervals
 
 #: Number of factors in the scan of one block.
 POINTS = 64
-#: The largest number below one: the reach of a block that passes alpha_c and returns.
+#: The largest number below one: the peak measure of a block that passes alpha_c and returns.
 BELOW = float(np.nextafter(1.0, 0.0))
-#: The search starts this share below the factor that lifts the block, so that rounding cannot make it start above.
+#: The search starts this share below the factor that lifts the block, so that rounding cannot raise it above.
 ROUNDING = 1e-12
 #: Ratio of neighbouring factors in a search.
 STEP = 1.005
-#: Start of a search without a known lower bound, as main impulse over I_1c.
+#: Start of a search without a known lower bound, as main impulse divided by I_1c.
 SMALLEST_START = 1e-3
 #: Bands are joined if the gap between them is narrower than this share of the factor, as in a search.
 EDGE_TOLERANCE = 1e-6
@@ -50,7 +50,7 @@ def critical_scale(
     block : Block
         One block, which counts as (1,), or (m,) of them.
     acceleration, dt, equation, vertical
-        As for :func:`~rocking.recorded_response`; the factor is on both accelerations.
+        As for :func:`~rocking.recorded_response`; the factor multiplies both accelerations.
     level : float, optional
         Rotation theta_max/alpha_c to reach or exceed [-], positive; None for overturning.
     factor_max : float
@@ -63,12 +63,12 @@ def critical_scale(
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes.
+        Intervals of (m,) lanes.
 
     Raises
     ------
     ValueError
-        For a level that is not positive, and for arguments that :func:`~rocking.recorded_response` refuses.
+        For a level that is not positive, and for arguments that :func:`~rocking.recorded_response` rejects.
 
     Notes
     -----
@@ -108,7 +108,7 @@ def impulsive_critical_scale(
     points: int = POINTS,
     threads: int | None = None,
 ) -> ScaleIntervals:
-    """Find the scale factors at which a train of impulses, such as the half-waves of a record, overturns a block.
+    """Find the scale factors at which an impulse train, such as the half-waves of a record, overturns a block.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def impulsive_critical_scale(
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes.
+        Intervals of (m,) lanes.
 
     Notes
     -----
@@ -152,7 +152,7 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Scale factor f at which a record lifts (m,) blocks, f abs(a_g) = (g + f a_v) tan(alpha) + restraints; or inf."""
+    """Return f (or inf) at which a record lifts (m,) blocks, f abs(a_g) = (g + f a_v) tan(alpha) + restraints."""
     found = np.full(np.shape(block.p), np.inf)
     more = uplift_additions(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
@@ -196,7 +196,7 @@ def _search(
 
 
 def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max: float = 10.0) -> ScaleIntervals:
-    """Scale factors at which the resonance sequence of a main impulse overturns each block, in closed form.
+    """Return the scale factors at which the resonance sequence of a main impulse overturns each block, in closed form.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes.
+        Intervals of (m,) lanes.
 
     Examples
     --------
@@ -227,7 +227,7 @@ def sequence_critical_scale(
     threads: int | None = None,
     paired: bool = False,
 ) -> ScaleIntervals:
-    """Scale factors at which a sequence overturns each block; I_s/I and the number of main impulses stay the same.
+    """Find the scale factors at which a sequence overturns each block, with constant I_s/I and number of main impulses.
 
     Parameters
     ----------
@@ -236,19 +236,19 @@ def sequence_critical_scale(
     sequence : ImpulseSequence
         One sequence; (m,) for pairs.
     factor_max : float
-        Larger factors are left out [-].
+        Largest scale factor that is considered [-].
     step : float
         Largest ratio of neighbouring factors in a search, above 1; every spacing except "continuous" needs a search,
-        because the number of secondary impulses in a half-cycle comes from the march.
+        because the number of secondary impulses in a half-cycle is a result of the march.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
     paired : bool
-        Every block has a sequence of its own, of spacing "continuous" and with a `main_count`.
+        Whether each block is paired with one sequence, of spacing "continuous" and with a `main_count`.
 
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes. In closed form `safe_up_to` and `safety_factor` are the same number.
+        Intervals of (m,) lanes. In closed form `safe_up_to` and `safety_factor` are the same number.
 
     Raises
     ------
@@ -265,11 +265,11 @@ def sequence_critical_scale(
 
     which is Eq. 9 for sigma = 0, if it is reached: N <= main_count, and its start, the sum over j < N of 2
     atanh(v_j)/p, before `duration`. The start grows with the factor within a band, without bound at its upper end, so a
-    band is cut there: above I_Nc the block may be safe again. At the lower edges the start grows with N, so the
-    smallest factor is that of the largest N that is reached.
+    band ends where it reaches `duration`: above I_Nc the block may be safe again. At the lower edges the start grows
+    with N, so the smallest factor is that of the largest N that is reached.
 
-    Otherwise a scan with refined edges, from the critical factor of the resonance sequence on: secondary impulses only
-    reduce the speed (F3: u_r <= u). An UNRESOLVED factor counts as overturning.
+    Otherwise a scan with refined edges starts at the critical factor of the resonance sequence, as secondary impulses
+    only reduce the speed (F3: u_r <= u). An UNRESOLVED factor counts as overturning.
 
     Examples
     --------
@@ -309,7 +309,7 @@ def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] 
 
 
 def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleIntervals:
-    """Overturning bands of all half-cycles that are reached, with touching bands joined."""
+    """Return the overturning bands of all half-cycles that are reached, with touching bands joined."""
     count = block.shape[0]
     most = UNLIMITED if sequence.main_count is None else sequence.main_count
     of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)

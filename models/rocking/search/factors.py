@@ -11,10 +11,10 @@ from rocking.arguments import ArrayLike
 from rocking.lanes import OF_LANES, LaneValues
 from rocking.pictures import one_line
 
-#: Below the first exceedance, which gives the safety factor, a step of the scan is halved for the k-th time if the lane
-#: may come this near to the limit in it (docs/decisions/008).
+#: Below the first exceedance, which gives the safety factor, a step of the scan is halved for the k-th time if the
+#: response may come this close to the limit within the step (docs/decisions/008).
 NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
-#: Least number of steps of a lane that are halved together, from the lowest on; otherwise half of those to halve.
+#: Smallest number of steps of a lane that are halved at once, from the lowest on; half of the steps if that is more.
 TOGETHER = 4
 #: A function of lanes (n,) and factors (q, n) that returns which of them exceed a limit.
 Exceeds = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -33,17 +33,17 @@ class ScaleIntervals(LaneValues):
     Attributes
     ----------
     safety_factor, safe_up_to : (m,) ndarray
-        Smallest factor found to exceed the limit [-], inf if none; largest factor up to which none was found: the lower
-        end of the last bracket, or the end of the search.
+        Smallest factor found to exceed the limit [-], inf if none; largest factor up to which no exceedance was found:
+        the lower end of the last bracket, or the end of the search.
     lane : (k,) ndarray of int
         Lane of each interval; ascending, and within a lane the intervals ascend.
     lower, upper : (k,) ndarray
         Ends of the intervals of exceedance [-]; the limit is exceeded at both.
     open, resolved : (k,) ndarray of bool
         `open` is True if the limit is still exceeded at the end of the search, which is then `upper`; `resolved` is
-        False if the limit counts as exceeded at `lower` because the model gives no result there.
+        False if the model gives no result at `lower`, which counts as exceeding the limit.
     step : (m,) ndarray
-        Ratio of neighbouring factors of the scan [-]: narrower intervals and gaps may be missed. One if none can be
+        Ratio of neighbouring factors of the scan [-]: narrower intervals and gaps may be missed. 1 if none can be
         missed (closed form, or a start beyond the end of the search); NaN without a search.
     """
 
@@ -60,7 +60,7 @@ class ScaleIntervals(LaneValues):
 
     @classmethod
     def unknown(cls, lanes: tuple[int, ...]) -> Self:
-        """Return the intervals of `lanes` lanes that were not searched: NaN, without intervals."""
+        """Return a result for `lanes` lanes that were not searched: without intervals, numbers NaN."""
         nan, none, no_flag = np.full(lanes, np.nan), np.empty(0), np.empty(0, dtype=bool)
         return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
 
@@ -104,14 +104,14 @@ class ScaleIntervals(LaneValues):
 def exceedance_intervals(
     exceeds: Exceeds, start: np.ndarray, factor_max: float, points: ArrayLike, tolerance: float = 1e-6
 ) -> ScaleIntervals:
-    """Find the intervals of the factor in which each lane exceeds a limit, by a scan on a log grid and refined edges.
+    """Find the intervals of the factor in which each lane exceeds a limit, with a log-spaced scan and refined edges.
 
     Parameters
     ----------
     exceeds : callable
         Takes lane indices (n,), which may repeat, and factors (q, n), one column per index, and returns a (q, n) array:
-        bool, or the response over the limit, at least 1 if the limit is exceeded; NaN (no result) counts as exceeding.
-        It need not be monotonic in the factor.
+        bool, or the response divided by the limit, at least 1 if the limit is exceeded; NaN (no result) counts as
+        exceeding. It need not be monotonic in the factor.
     start : (m,) array_like
         Factor > 0 below which no exceedance is possible [-]; the scan of a lane starts here. A lane whose start is
         above `factor_max`, or inf, has no interval.
@@ -125,8 +125,8 @@ def exceedance_intervals(
     Notes
     -----
     The scan has the step (factor_max/start)^(1/(points - 1)) and also includes the factor one. Below the first
-    exceedance of a lane, steps in which it may come near to the limit are halved. A narrower interval or gap is found
-    only if a factor of the scan lies in it. Then all edges are refined by bisection at the same time.
+    exceedance of a lane, steps in which its response may come close to the limit are halved. A narrower interval or gap
+    is found only if a factor of the scan lies in it. Then all edges are refined by bisection at the same time.
 
     Examples
     --------
@@ -183,7 +183,7 @@ def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarr
 def _scan(
     exceeds: Exceeds, lanes: np.ndarray, start: np.ndarray, factor_max: float, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return lane, factor and reach of each factor of the scan, sorted by lane and factor."""
+    """Return the lane index, scale factor and peak measure of every trial in the scan, sorted by lane, then factor."""
     points = int(np.max(counts[lanes]))
     # Lanes with fewer factors than others repeat the last one.
     share = np.minimum(np.arange(points)[:, np.newaxis] / (counts[lanes] - 1.0), 1.0)
@@ -200,7 +200,7 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Halve the steps of the scan that, by the second difference of the reach, may hide an earlier exceedance."""
+    """Halve scan steps that may hide an earlier exceedance, judged from second differences of the peak measure."""
     halvings = np.zeros(lane.size, dtype=np.int64)  # for the step that begins at the factor
     due = np.append(NEAR, np.inf)
     while True:

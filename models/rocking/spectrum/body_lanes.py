@@ -4,10 +4,10 @@
    others. Free flight is UNRESOLVED and counts as overturning. Without vertical acceleration, and for bodies in the
    measured range, a march ends as soon as its outcome is certain (docs/decisions/006).
 
-The first part of the lanes lies around an estimate of the capacity and is extended while its lowest lanes overturn or
-its highest ones survive. The density of the second part follows the standard deviation sqrt(P (1 - P)) of an outcome, P
-the share of nearby lanes of the first part that overturn. The uncertainty of the factor is not drawn at random, but
-applied afterwards as a kernel in ln f (:mod:`rocking.spectrum.probability`).
+The first part of the lanes surrounds an estimate of the capacity and is extended while its lowest lanes overturn or its
+highest lanes survive. The density of the second part is proportional to the standard deviation sqrt(P (1 - P)) of an
+outcome, with P the share of nearby lanes of the first part that overturn. The uncertainty of the factor is not sampled,
+but applied afterwards as a smoothing kernel in ln f (:mod:`rocking.spectrum.probability`).
 """
 
 import math
@@ -25,13 +25,13 @@ from rocking.response import Outcome
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
 
-#: Truncation of the random shift of the factor and loss of the angle, in standard deviations.
+#: Truncation of the random shift of the factor and reduction of the angle, in standard deviations.
 REACH = 4.0
-#: Largest C of a lane: with C = 1 a body never comes to rest after the record, and costs twenty times that of C = 0.99.
+#: Largest C of a lane: a body with C = 1 never comes to rest after the record and takes twenty times as long.
 MOST_RESTITUTION = 0.999
 #: Number of Sobol points drawn at once: the lanes of each part are a multiple of it.
 SET = 32
-#: Build-up of the ground (demand.py) at the estimated capacity, over the build-up that overturns.
+#: Build-up (demand.py) at the estimated capacity, divided by the build-up that overturns.
 BUILD_UP_AT_CAPACITY = 2.5
 #: Number of lanes of the first part, and its extent in ln f on each side of the estimate.
 FIRST, FIRST_HALF = 64, 0.8
@@ -39,7 +39,7 @@ FIRST, FIRST_HALF = 64, 0.8
 MORE, MORE_LENGTH = 32, 0.8
 #: The first part is complete if its lanes survive over this length in ln f at the bottom, and overturn at the top.
 QUIET = 0.2
-#: Number of lanes of the second part, and their least density over the density at P = 0.5.
+#: Number of lanes of the second part, and their smallest density divided by the density at P = 0.5.
 SECOND, FLOOR = 192, 0.2
 #: Width in ln f over which the outcomes of the first part are averaged, and number of points of the density.
 NEIGHBOURS, POINTS = 0.12, 201
@@ -70,14 +70,14 @@ class BodyLanes:
     open: bool  #: True if lanes survive the largest factor, so that outcomes above it are unknown
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Weight of each lane at each level (n, k), and the probability of a shift below and above the lanes (k,)."""
+        """Return lane weights at the levels (n, k), and probabilities (k,) of a shift below and above the lanes."""
         bells = lane_bells(self.log_factor, self.weight, log_level, shift)
         return bells, tail_masses(self.bottom, self.top, log_level, shift)
 
 
 @dataclass(eq=False)
 class LaneMarch:
-    """Marches (m,) nominal bodies under a record, one part of the lanes at a time."""
+    """Marches of (m,) nominal bodies under a record, one part of the lanes at a time."""
 
     block: Block
     acceleration: np.ndarray
@@ -95,7 +95,7 @@ class LaneMarch:
         self.add(body, np.stack([bottom, top], axis=1), np.ones((body.size, 2)), number, part)
 
     def add(self, body: np.ndarray, grid: np.ndarray, wanted: np.ndarray, number: int, part: int) -> None:
-        """March `number` lanes for each of (b,) bodies with the density `wanted` on a grid (b, g) of ln f."""
+        """March `number` lanes for each of (b,) bodies, with the density `wanted` given on a grid (b, g) of ln f."""
         from scipy.stats import qmc  # import takes half a second, and most bodies are covered by a spectrum
 
         points = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part]))
@@ -118,7 +118,7 @@ class LaneMarch:
         self.parts.append(LanePart(body, grid, density, log_factor, over, unresolved))
 
     def lanes(self, body: int, standing: bool) -> BodyLanes:
-        """Return all lanes of a body so far; `standing` says whether some survive the largest factor."""
+        """Return all lanes of a body so far; `standing` is True if some survive the largest factor."""
         own = [(part, row) for part in self.parts for row in np.flatnonzero(part.body == body)]
         log_factor, over, unresolved = (
             np.concatenate([getattr(part, name)[row] for part, row in own])
@@ -150,7 +150,7 @@ class LaneMarch:
 def probability_lanes(
     march: LaneMarch, log_max: float, guess: np.ndarray | None = None
 ) -> tuple[np.ndarray, list[BodyLanes | None]]:
-    """Return the lowest ln f (m,) of uplift, and the lanes of each body; None if none lifts below `log_max`."""
+    """Return the lowest ln f (m,) of uplift, and the lanes of each body, None without uplift below `log_max`."""
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
@@ -176,7 +176,7 @@ def probability_lanes(
 
 
 def _extend_first_part(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
-    """Extend the first part, at most from uplift to the largest factor; return (m,) whether lanes survive there."""
+    """Extend the first part, at most from uplift to the largest factor; return (m,) whether lanes survive it."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
     seen = 0

@@ -1,8 +1,8 @@
 """Probability of overturning P(f) of any body under a record times f, from nonlinear marches of this body.
 
-.. note:: The intervals of 90 % come from resampling the lanes with replacement as if they were independent (Sobol
-   points scatter less). If all n effective lanes near the factor one agree, n = (sum w)^2/sum w^2, resampling gives no
-   spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
+.. note:: The 90 % intervals are from resampling the lanes with replacement as if they were independent (Sobol points
+   scatter less). If all n = (sum w)^2/sum w^2 effective lanes near the factor one have the same outcome, resampling
+   gives no spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
 """
 
 import math
@@ -19,21 +19,21 @@ from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability
 from rocking.spectrum.overturning import OverturningFactors
 from rocking.spectrum.probability import Uncertainty, factor_at, lane_probability, lane_sums, mean_capacity, rising
 
-#: Levels are exp(LEVEL_STEP k) with integer k, the same for all bodies; 1 is one of them.
+#: Levels are exp(LEVEL_STEP k) with integer k, including 1, the same for all bodies.
 LEVEL_STEP = 0.04
 #: Number of resamples for an interval, and the quantiles at its ends.
 RESAMPLES, LOW, HIGH = 200, 0.05, 0.95
-#: Names of the factors that are read from P, and the probability of each.
+#: Names of the scale factors derived from P, and the probability of each.
 SHARES = {"factor_10": 0.1, "factor_50": 0.5}
 #: A lane is near a level if its weight is at least this share of the largest weight there.
 NEAR = 0.01
-#: Rounding tolerance: a largest factor this close to a level is that level, and a C this close above 1 is 1.
+#: Rounding tolerance: a largest factor this close to a level counts as that level, and a C this little above 1 as 1.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class LaneFactors:
-    """Factors of one body with `_low` and `_high` [-], and its increasing P (k,) from exp(LEVEL_STEP first) on."""
+    """Scale factors of one body with `_low` and `_high` [-], and its rising P (k,) from exp(LEVEL_STEP first) on."""
 
     found: dict[str, float]
     first: int
@@ -71,7 +71,7 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
 
 
 def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
-    """First and last k of the levels between P = 0 below and P = 1 above (unknown above if lanes survive there)."""
+    """Return first and last k of the levels: P = 0 below, and P = 1 above (unknown if lanes survive there)."""
     lowest = np.min(lanes.log_factor, where=lanes.over, initial=lanes.top)
     highest = np.max(lanes.log_factor, where=~lanes.over, initial=lanes.bottom)
     end = lanes.top - reach if lanes.open else highest + reach
@@ -81,7 +81,7 @@ def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
 
 @cache
 def _counts(size: int) -> np.ndarray:
-    """Number of times that each lane is counted: once in the first row, then as drawn in each of RESAMPLES rows."""
+    """Return how often each lane is counted: once in the first row, as drawn in each of the RESAMPLES other rows."""
     drawn = np.random.default_rng(size).multinomial(size, np.full(size, 1.0 / size), size=RESAMPLES)
     return np.vstack([np.ones(size), drawn])
 
@@ -122,12 +122,12 @@ def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncert
 
 @dataclass(frozen=True, eq=False)
 class OverturningProbability(OverturningFactors):
-    """Probability of overturning of (m,) bodies over the factor on a record, from marches of each body.
+    """Probability of overturning of (m,) bodies as a function of the factor on a record, from marches of each body.
 
     Attributes
     ----------
     level : (k,) ndarray
-        Factors on the record, ascending, from the lowest one that can lift a body; 1 is one of them.
+        Factors on the record, ascending, from the lowest one that can lift a body; they include 1.
     probability : (m, k) ndarray
         Probability of overturning at the levels, fitted so that it never falls [-].
     unresolved : (m,) ndarray
@@ -141,7 +141,7 @@ class OverturningProbability(OverturningFactors):
     unresolved: np.ndarray
 
     def overturning(self, factor: ArrayLike) -> np.ndarray:
-        """Probability of overturning at factors (m, d) on the record, linear in ln f between the levels [-]."""
+        """Return probabilities of overturning at factors (m, d) on the record, linear in ln f between levels [-]."""
         rows = zip(np.log(np.asarray(factor, dtype=float)), self.probability, strict=True)
         return np.array([np.interp(one, np.log(self.level), own) for one, own in rows])
 
@@ -160,16 +160,16 @@ def overturning_probability(
     seed: int = 0,
     threads: int | None = None,
 ) -> OverturningProbability:
-    """Compute the probability that bodies overturn under a record times a factor, by the nonlinear equation.
+    """Compute the probability that bodies overturn under a record times a factor, with the nonlinear equation.
 
     Parameters
     ----------
     block : Block
         One nominal body, which counts as (1,), or (m,) of them.
     acceleration, dt, vertical
-        As for :func:`~rocking.recorded_response`; the factor is on both accelerations.
+        As for :func:`~rocking.recorded_response`; the factor multiplies both accelerations.
     uncertainty : Uncertainty, optional
-        Of factor, restitution and geometry; by default ``Uncertainty()``.
+        Uncertainty of factor, restitution and geometry; by default ``Uncertainty()``.
     factor_max : float
         Largest factor that is searched [-].
     least, most : (m,) array_like, optional

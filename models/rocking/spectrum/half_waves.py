@@ -1,10 +1,10 @@
 """Overturning spectrum and demand computed from the half-waves of a record instead of its accelerations.
 
-.. note:: A half-wave is replaced by the triangle with the same ends, impulse and centroid. `march` is 1 over the factor
-   at which the linear equation (Eqs. 1-2), with uplift at g tan(alpha), overturns under the half-waves. A single march
-   is chaotic; with the uncertainty of body and strength the factor has a distribution
-   (:class:`rocking.OverturningSpectrum`), of which the mean logarithm and the value at P = 10 % are used. The lobes of
-   the weighted impulse E (demand.py) give the number of effective impulses.
+.. note:: A half-wave is replaced by the triangle with the same ends, impulse and centroid. `march` is the reciprocal of
+   the factor at which the linear equation (Eqs. 1-2), with uplift at g tan(alpha), overturns under the half-waves. The
+   result of a single march is erratic; with the uncertainty of body and strength the factor has a distribution
+   (:class:`rocking.OverturningSpectrum`), whose mean logarithm and value at P = 10 % are used. The lobes of the
+   weighted impulse E (demand.py) give the number of effective impulses.
 """
 
 import math
@@ -30,7 +30,7 @@ from rocking.spectrum.slender_lanes import (
 POINTS = 8
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Frequency parameters of the marches are RATES[0] STEP^k with integer k: those of the default spectrum and beyond.
+#: Frequency parameters of the marches are RATES[0] STEP^k with integer k: those of the default spectrum and others.
 STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
 #: Ranges of C of the marches, from 0.9 times the lowest nominal C to the highest. A body with a C below the last range
 #: is computed with the lowest C of that range, as its impacts leave almost no speed.
@@ -38,7 +38,7 @@ BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k)
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
-    """Times [s] and ground accelerations [m/s2] of the corners of half-waves as triangles, (2, 3 k).
+    """Return the times [s] and ground accelerations [m/s2] of the corners of half-waves as triangles, (2, 3 k).
 
     The centroid is at (start + top + end)/3; a top outside the half-wave is moved to the nearer end.
     """
@@ -58,7 +58,7 @@ def half_wave_lanes(
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
-    """March the lanes of an overturning spectrum under half-waves, as :func:`piece_lanes` does under a ground."""
+    """March the lanes of an overturning spectrum under half-waves, with :func:`piece_lanes`."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
     return piece_lanes(times, ground, p, between, threads)
 
@@ -66,7 +66,7 @@ def half_wave_lanes(
 def checked_half_waves(
     start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Check the four arrays (k,) of half-waves and return them; raise ValueError if they are not valid."""
+    """Return the four arrays (k,) of half-waves; raise ValueError if they are not valid."""
     arrays = tuple(np.atleast_1d(np.asarray(values, dtype=float)) for values in (start, centroid, end, impulse))
     if len({values.shape for values in arrays}) != 1 or arrays[0].ndim != 1:
         raise ValueError(
@@ -92,17 +92,17 @@ class Lobes:
 
 @dataclass(frozen=True, eq=False)
 class HalfWaveDemand:
-    """Demand of half-waves on (m,) blocks, proportional to the scale factor on the record to rounding accuracy.
+    """Demand of half-waves on (m,) blocks, proportional, except for rounding, to the scale factor on the record.
 
     Attributes
     ----------
     march, march_10 : (m,) ndarray
-        1 over exp of the mean logarithm of the factor at which the march overturns, and 1 over that at P = 10 % [-].
+        1/(overturning factor of the march) [-]: for exp of its mean logarithm, and for its value at P = 10 %.
     main_count : (m,) ndarray of int
         Number of lobes above half the largest one; at least 1.
     ratio, interval : (m,) ndarray
-        Root mean square of the other lobes between the first and the last main lobe over the largest one [-], 0 if
-        none; and median spacing of the lobes from the first to the last main one [s], NaN if there is only one.
+        Root mean square of the other lobes between the first and the last main lobe, divided by the largest [-], 0 if
+        there are none; median spacing of the lobes from the first to the last main one [s], NaN for only one.
     """
 
     __repr__ = one_line
@@ -156,7 +156,7 @@ def demand_of_half_waves(
     Returns
     -------
     HalfWaveDemand
-        Of (m,) lanes. Without half-waves the measures are 0 and the main count 1.
+        Demand on (m,) blocks. Without half-waves the measures are 0 and the main count is 1.
 
     Notes
     -----
@@ -187,7 +187,7 @@ def demand_of_half_waves(
 def lobe_shapes(
     start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rates: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Compute number of main lobes, ratio of the other lobes and spacing, of half-waves weighted for blocks with p.
+    """Compute the number of main lobes, the ratio of the other lobes and the spacing of half-waves for each p.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def _step_number(p: ArrayLike) -> np.ndarray:
 
 
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
-    """Return the number of main lobes, the rms of the others between them over the largest, and the median spacing."""
+    """Return number of main lobes, rms of the others between them divided by the largest, and median spacing."""
     sizes = np.abs(lobes.sizes)
     main = np.flatnonzero(sizes > MAIN_SHARE * np.max(sizes, initial=0.0))
     if main.size < 2:
@@ -231,7 +231,7 @@ def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
 def _spectra(
     waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
 ) -> np.ndarray:
-    """Effective impulses (2, m) of the half-waves on blocks [m/s]: in the mean, and at a probability of 10 %."""
+    """Return effective impulses (2, m) of the half-waves on blocks [m/s]: mean, and at a probability of 10 %."""
     rates = np.asarray(block.p)
     found = np.empty((2, rates.size))
     # Divided by the largest impulse, so that the levels of the spectrum scale with the record.

@@ -1,8 +1,9 @@
 """The overturning spectrum of a ground motion, which gives the capacity of every slender free-standing block.
 
-.. note:: S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x = f p/(g tan alpha) at which a block overturns: it overturns if S
-   exceeds g tan(alpha)/p. A draw of factor and geometry shifts ln x by Z with a known density h (:class:`Uncertainty`),
-   so P(x; p, C) is the outcome v_i of the lanes with a C in the range of the block, smoothed by h:
+.. note:: S(p, C) = 1/exp(E ln x_c) [m/s], with x_c the x = f p/(g tan alpha) at which a block overturns: it does if S
+   exceeds g tan(alpha)/p. A sample of factor and geometry shifts ln x by Z with a known density h
+   (:class:`Uncertainty`), so P(x; p, C) is the outcome v_i of the lanes with a C in the range of the block, smoothed
+   with h:
 
    P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
 
@@ -35,12 +36,12 @@ from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, RATES, SpectrumLan
 LEVEL_STEP = 0.05
 #: Truncation of the shift, in standard deviations.
 REACH = 6.0
-#: Standard normal quantile for intervals of 90 %.
+#: Standard normal quantile for 90 % intervals.
 TWO_SIDED = 1.6448536269514722
 #: Model error (similarity, interpolation in ln p) as a standard deviation of ln f, included in every interval
 #: (docs/decisions/018).
 INTERPOLATION = 0.02
-#: Narrowest range of C that can be evaluated, over the range of C of the lanes [-].
+#: Narrowest range of C that can be evaluated, divided by the range of C of the lanes [-].
 LEAST_SHARE = 0.09
 #: Smallest slenderness of a block for which the spectrum is valid (docs/decisions/018).
 LEAST_SLENDERNESS = 3.5
@@ -48,15 +49,15 @@ LEAST_SLENDERNESS = 3.5
 
 @dataclass(frozen=True, eq=False)
 class OverturningFactors:
-    """Probability of overturning of (m,) blocks under a record, and the scale factors at fixed probabilities.
+    """Probability of overturning of (m,) blocks under a record, and scale factors at given probabilities.
 
-    `_low` and `_high` are the ends of intervals of 90 %. A factor above the end of the search is inf, and its `_low` is
+    `_low` and `_high` are the ends of 90 % intervals. A factor above the end of the search is inf, and its `_low` is
     the end of the search.
 
     Attributes
     ----------
     at_one : (m,) ndarray
-        Probability of overturning under the record as it is [-].
+        Probability of overturning under the unscaled record [-].
     factor_10, factor_50 : (m,) ndarray
         Factor on the record at which the probability is 0.1, 0.5 [-].
     capacity_mean : (m,) ndarray
@@ -79,7 +80,7 @@ class OverturningFactors:
     capacity_mean_high: np.ndarray
 
     def up_to(self, factor_max: float) -> Self:
-        """Return the same with every factor above `factor_max` set to inf, and its `_low` limited to `factor_max`."""
+        """Return a copy with every factor above `factor_max` set to inf and its `_low` limited to `factor_max`."""
         found: dict[str, np.ndarray] = {}
         for name in ("factor_10", "factor_50", "capacity_mean"):
             for one in (name, f"{name}_high"):
@@ -97,10 +98,10 @@ def covered(
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     side: int = 0,
 ) -> np.ndarray:
-    """True, (m,), for slender bodies to which a spectrum applies: symmetric and free, or beside a wall on `side`.
+    """Return a mask (m,) of slender bodies to which a spectrum applies: symmetric and free, or beside a wall on `side`.
 
     Their p and their range `least` to `most` (m,) of C must lie within those of the lanes; a range of C below a tenth
-    of that of the lanes contains too few lanes.
+    of the lanes' range contains too few lanes.
     """
     alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
     alone &= np.asarray(block.symmetric) | (side != 0)
@@ -108,7 +109,7 @@ def covered(
 
 
 def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
-    """True, (m,), for blocks of a slenderness of at least 3.5 with p in the range of `p` (a,), ascending [1/s]."""
+    """Return a mask (m,) of blocks with slenderness of at least 3.5 and p in the range of ascending `p` (a,) [1/s]."""
     slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
     return slender & (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
 
@@ -116,13 +117,13 @@ def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
 def covered_range(
     least: np.ndarray, most: np.ndarray, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
 ) -> np.ndarray:
-    """True for ranges of C that contain enough lanes of a spectrum with restitutions in the range `between`."""
+    """Return a mask of ranges of C with enough lanes of a spectrum whose restitutions cover the range `between`."""
     wide = most - least >= LEAST_SHARE * (between[1] - between[0]) * (1.0 - 1e-9)
     return wide & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
 
 
 class OverturningSpectrum:
-    """The overturning spectrum of one record under one uncertainty, from its marched lanes.
+    """The overturning spectrum of one record for a given uncertainty, from its marched lanes.
 
     Parameters
     ----------
@@ -150,11 +151,11 @@ class OverturningSpectrum:
         self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
-        """P(x; p, C) at the levels (a, c, k), fitted so that it never falls with x.
+        """Return P(x; p, C) at the levels (a, c, k), fitted so that it never decreases with x.
 
-        The restitution varies between shares of the nominal C (c,), set by the uncertainty. The limit state is reaching
-        a `rotation` theta/alpha; inf for overturning. Raises ValueError for a C whose range lies outside the lanes, or
-        a rotation that is not positive.
+        The restitution varies between shares of the nominal C (c,), set by the uncertainty. The limit state is a
+        `rotation` theta/alpha; inf for overturning. Raises ValueError for a C whose range lies outside the lanes, or a
+        rotation that is not positive.
         """
         least, most = self._range(restitution)
         if not rotation > 0.0:
@@ -162,17 +163,17 @@ class OverturningSpectrum:
         return rising(np.stack([one.reaching(rotation, least, most) for one in self._at]))
 
     def spectrum(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
-        """S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a limit state as for :meth:`probability`."""
+        """Return S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a `rotation` (:meth:`probability`)."""
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
     def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """True, (m,), for the blocks that this spectrum represents (:func:`covered`)."""
+        """Return a mask (m,) of the blocks to which this spectrum applies (:func:`covered`)."""
         return covered(block, least, most, self.p, self.lanes.between, self.lanes.side)
 
     def factors(
         self, block: Block, least: ArrayLike | None = None, most: ArrayLike | None = None, factor_max: float = np.inf
     ) -> OverturningFactors:
-        """Compute the probability of overturning of blocks under the record, and the factors at fixed probabilities.
+        """Compute the probability of overturning of blocks under the record, and scale factors at given probabilities.
 
         Parameters
         ----------
@@ -208,14 +209,14 @@ class OverturningSpectrum:
     def overturning(
         self, block: Block, factor: ArrayLike, least: ArrayLike | None = None, most: ArrayLike | None = None
     ) -> np.ndarray:
-        """Probability that blocks overturn under the record times factors (m, d) [-], as :meth:`factors`."""
+        """Return the probability that blocks overturn under the record times factors (m, d) [-], as :meth:`factors`."""
         probability, _, speed = self._of_blocks(block, least, most)
         return _read(self._first, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
 
     def _of_blocks(
         self, block: Block, least: ArrayLike | None, most: ArrayLike | None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """P (m, k) of blocks that the spectrum covers, its standard error, and their speeds g tan(alpha)/p (m,)."""
+        """Return P (m, k) of blocks that the spectrum covers, its standard error, and g tan(alpha)/p (m,)."""
         block = block.weaker  # the corner about which a block beside a wall turns
         nominal = np.asarray(block.restitution, dtype=float)
         least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
@@ -244,7 +245,7 @@ class OverturningSpectrum:
         return least, most
 
     def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
+        """Return P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
         above = np.minimum(np.searchsorted(self.p, p), self.p.size - 1)
         below = above - 1  # for the first one this is the last, which has zero weight
         step = np.log(self.p[above] / self.p[below])
@@ -260,7 +261,7 @@ class OverturningSpectrum:
 
 
 class _AtOneRate:
-    """The lanes of one frequency parameter at the (k,) levels; P is 0 below the range of the lanes and 1 above it."""
+    """The lanes of one frequency parameter at (k,) levels; P is 0 below the range of the lanes and 1 above it."""
 
     def __init__(self, lanes: SpectrumLanes, place: int, logs: np.ndarray, uncertainty: Uncertainty) -> None:
         bottom, top, reach = lanes.bottom[place], lanes.top[place], REACH * uncertainty.spread
@@ -273,14 +274,14 @@ class _AtOneRate:
 
     @cached_property
     def sums(self) -> np.ndarray:
-        """Sums (n + 1, 4, s) over lanes up to each restitution: weights, those of overturning lanes, their squares."""
+        """Sums (n + 1, 4, s) over lanes up to each restitution: all weights, overturning weights, their squares."""
         hit = self.bells * np.isinf(self.peak)[:, np.newaxis]
         sums = np.zeros((self.bells.shape[0] + 1, 4, self.bells.shape[1]))
         np.cumsum(np.stack([self.bells, hit, self.bells**2, hit**2], axis=1), axis=0, out=sums[1:])
         return sums
 
     def overturning(self, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """P (r, k) for (r,) ranges of restitution, and its variance."""
+        """Return P (r, k) for (r,) ranges of restitution, and its variance."""
         first = np.searchsorted(self.restitution, least, side="left")
         last = np.searchsorted(self.restitution, most, side="right")
         weight, hit, square, hit_square = np.moveaxis(self.sums[last] - self.sums[first], 1, 0)
@@ -293,7 +294,7 @@ class _AtOneRate:
         return self._at_all(found, 1.0), self._at_all(variance, 0.0)
 
     def reaching(self, rotation: float, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """P (r, k) of reaching a rotation, for (r,) ranges of restitution; overturning lanes reach any rotation."""
+        """Return P (r, k) of reaching a rotation, for (r,) ranges of C; overturning lanes reach any rotation."""
         within = (self.restitution >= least[:, np.newaxis]) & (self.restitution <= most[:, np.newaxis])
         hit, whole = (lane_sums(counted, self.bells) for counted in (within & (self.peak >= rotation), within))
         return self._at_all(lane_probability(hit, whole, *self.tails), 1.0)

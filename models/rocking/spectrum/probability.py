@@ -1,17 +1,17 @@
 """The uncertainty of a body and of the strength of a record, and its effect on the scale factor.
 
 .. note:: In a random sample the factor f becomes f F with ln F normal, C is a share of the nominal one, and alpha
-   becomes alpha exp(-g abs(N)), N standard normal, with the R, p and C of the nominal body. For a slender body factor
-   and geometry are one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the shape g/s
-   (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
+   becomes alpha exp(-g abs(N)), N standard normal, with the R, p and C of the nominal body. For a slender body, factor
+   and geometry together are one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the
+   shape g/s (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
 
-Lane i was marched at ln f_i with the outcome v_i, 1 if it overturned. A block under f experiences f exp(Z), so P(f) is
-the outcome smoothed by the density h of Z,
+Lane i was marched at ln f_i with the outcome v_i, 1 if it overturned. A block under the factor f experiences f exp(Z),
+so P(f) is the outcome smoothed with the density h of Z,
 
 P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
 
-with w_i = 1/(density of the lanes in ln f); the denominator is near 1 and removes the effect of unequal spacing.
-No lane overturns below `bottom` and every lane above `top`; the probability of a shift into these ranges is known.
+with w_i = 1/(density of the lanes in ln f); the denominator is near 1 and removes the effect of unequal spacing. No
+lane overturns below `bottom` and all do above `top`; the probability of a shift into these ranges is known.
 """
 
 import math
@@ -26,11 +26,11 @@ from rocking.arguments import ArrayLike, numbers
 from rocking.kernel_cache import njit
 from rocking.pictures import one_line
 
-#: Smallest standard deviation of the factor [-]: a finite number of lanes cannot resolve a smaller one.
+#: Smallest standard deviation of ln f [-]: a finite number of lanes cannot resolve a smaller one.
 LEAST_SPREAD = 0.02
 #: Largest standard deviations that are accepted [-]; larger numbers are probably in a wrong unit.
 LARGEST_SPREAD = 1.0
-#: If the sum of weights is below this, no lane is near a level.
+#: A level at which the sum of weights is below this has no lane near it.
 NO_LANE = 1e-9
 #: Truncation of the shift, in scales: the density there is 1e-14 of its maximum.
 FARTHEST = 8.0
@@ -38,14 +38,14 @@ FARTHEST = 8.0
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Uncertainty under which a probability of overturning is stated.
+    """Uncertainty that a probability of overturning includes.
 
     Attributes
     ----------
     factor : float
         Standard deviation of the logarithm of the factor on the record [-], 0.02 to 1.
     restitution : (float, float)
-        Limits of the uniform distribution of the restitution over the nominal C [-]; above 0, at most 1.
+        Limits of the uniform distribution of the restitution divided by the nominal C [-]; above 0, at most 1.
     geometry : float
         Random reduction of alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
 
@@ -76,11 +76,11 @@ class Uncertainty:
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the shift of the logarithm of the factor by factor and geometry together [-]."""
+        """Standard deviation of the shift Z of ln f due to factor and geometry together [-]."""
         return math.sqrt(self.factor**2 + (1.0 - 2.0 / math.pi) * self.geometry**2)
 
     def density(self, shift: ArrayLike) -> np.ndarray:
-        """Probability density of the shift Z of the logarithm of the factor, by factor and geometry together [-]."""
+        """Return the probability density of the shift Z of ln f due to factor and geometry together [-]."""
         scale = math.hypot(self.factor, self.geometry)
         at = np.asarray(shift, dtype=float) / scale
         near = np.abs(at) < FARTHEST
@@ -90,7 +90,7 @@ class Uncertainty:
         return found
 
     def below(self, shift: ArrayLike) -> np.ndarray:
-        """Probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
+        """Return the probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
         at = np.asarray(shift, dtype=float) / math.hypot(self.factor, self.geometry)
         return ndtr(at) - 2.0 * owens_t(at, self.geometry / self.factor)
 
@@ -109,7 +109,7 @@ def rising(probability: np.ndarray) -> np.ndarray:
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """Scale factor (...) at which increasing probabilities (..., k) reach a share, linear in ln f; inf if none does."""
+    """Return the factor (...) at which increasing P (..., k) reaches `share`, linear in ln f; inf if it does not."""
     reached = probability >= share
     after = np.argmax(reached, axis=-1)
     before = np.maximum(after - 1, 0)
@@ -121,7 +121,7 @@ def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.nd
 
 
 def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """exp of the mean ln of the capacity (...) with the distribution (..., k), by the trapezoidal rule, or inf."""
+    """Return exp of the mean ln capacity (...) of the distribution (..., k), by the trapezoidal rule, or inf."""
     logs = np.log(level)
     gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
     # Summed in sequence, so that further levels without a change of P do not change the result.
@@ -130,12 +130,12 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """Weight of each lane at each level, w_i h(t_i - ln f) (n, k), with w_i its width in ln f."""
+    """Return the weight of each lane at each level, w_i h(t_i - ln f) (n, k), with w_i its width in ln f."""
     return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
 
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
-    """Sums (r, k) of `counted` (r, n) times `bells` (n, k), identical on any number of threads."""
+    """Return the sums (r, k) of `counted` (r, n) times `bells` (n, k), identical on any number of threads."""
     sums = np.zeros((counted.shape[0], bells.shape[1]))
     _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
     return sums
@@ -152,11 +152,11 @@ def _add(counted, bells, sums):
 
 
 def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
-    """Probability that the shifted factor is below `bottom`, and above `top` (both as ln f), at (k,) levels."""
+    """Return probabilities at (k,) levels that the shifted factor is below `bottom` and above `top` (both as ln f)."""
     return shift.below(bottom - log_level), 1.0 - shift.below(top - log_level)
 
 
 def lane_probability(hit: np.ndarray, whole: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """P at the levels (..., k) from the weights of overturning and of all lanes, and the probabilities outside."""
+    """Return P at levels (..., k) from the weights of overturning and of all lanes, and the probabilities outside."""
     share = np.divide(hit, whole, out=np.zeros(np.shape(hit)), where=whole > NO_LANE)
     return (1.0 - below - above) * np.clip(share, 0.0, 1.0) + above

@@ -1,4 +1,4 @@
-"""March of slender blocks under a piecewise linear ground acceleration, by the linear equation in closed form.
+"""March of slender blocks under a piecewise linear ground acceleration, with the linear equation in closed form.
 
 .. note:: With phi = theta/alpha, tau = p t, u = s phi and g = (x/p) a_g, linear in tau over a piece, u'' = u - 1 - s g
    (Eqs. 1-2). So y = u - 1 - s g obeys y'' = y: y = A e^tau + B e^-tau with A = (y_0 + y_0')/2 and B = (y_0 - y_0')/2.
@@ -13,9 +13,9 @@ import numpy as np
 
 from rocking.kernel_cache import njit
 
-#: Impacts slower than this, as u' [-], end the rocking if the ground does not lift the block: u would reach 5e-7.
+#: Impacts slower than this u' [-] end the rocking unless the ground lifts the block: u would only reach 5e-7.
 SLOWEST = 1e-3
-#: Largest number of steps of the search for an impact, and its accuracy as u [-].
+#: Largest number of steps of the search for an impact, and its accuracy in u [-].
 STEPS, ACCURACY = 60, 1e-10
 #: Largest number of impacts computed within one piece.
 MOST_IMPACTS = 100_000
@@ -23,7 +23,7 @@ MOST_IMPACTS = 100_000
 
 @njit()
 def _turning(grow, fall, slope, growth, lowest):
-    """e^tau at the highest (or `lowest`) point of u = grow e^tau + fall e^-tau + a line in a piece; 0 for none."""
+    """Return e^tau at the top (or `lowest` point) of u = grow e^tau + fall e^-tau + a line in a piece; 0 for none."""
     if grow == 0.0:
         roots = (fall / slope if slope != 0.0 else 0.0, 0.0)
     else:
@@ -40,7 +40,7 @@ def _turning(grow, fall, slope, growth, lowest):
 
 @njit()
 def _impact(grow, fall, level, slope, above, below):
-    """tau of an impact, u = 0, between `above` (u > 0) and `below` (u <= 0), by Newton steps inside this bracket."""
+    """Return tau of an impact (u = 0) between `above` (u > 0) and `below` (u <= 0), by bracketed Newton steps."""
     tau = below
     for _ in range(STEPS):
         growth = math.exp(tau)
@@ -61,13 +61,13 @@ def _impact(grow, fall, level, slope, above, below):
 
 @njit(inline="always")
 def _pushes(ground, wall):
-    """Ground acceleration that can lift the resting block; a push towards the wall cannot."""
+    """Return the ground acceleration that can lift the resting block; a push towards a wall cannot."""
     return max(-ground, 0.0) if wall else abs(ground)
 
 
 @njit()
 def _march(begin, strength, restitution, length, growth, ground, left, wall):
-    """Largest u of one lane at rest until piece `begin`, inf if it overturns; with a `wall` C is the rebound e."""
+    """Return the largest u of one lane at rest until piece `begin`, inf if it overturns; with a wall, C is e."""
     peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
     for j in range(begin, length.shape[0]):
         start, end = strength * ground[j, 0], strength * ground[j, 1]
@@ -137,11 +137,11 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
 
 @njit()
 def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
-    """Fill the largest u of lanes `first` to `last`, inf if they overturn.
+    """Write the largest u of lanes `first` to `last` - 1, inf if they overturn.
 
     The lanes (n,) have the index `place` of their p, the `strength` x/p [s2/m] and C; `length` and `growth` (a, k) are
-    the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration at both ends [m/s2], `past` (k,)
-    and `left` (k + 1,) its largest value up to and from each piece.
+    the lengths of the pieces in tau and their e^tau, `ground` (k, 2) is the acceleration at both ends [m/s2], and
+    `past` (k,) and `left` (k + 1,) are its largest absolute values up to and from each piece.
     """
     for lane in range(first, last):
         k = place[lane]
@@ -151,7 +151,7 @@ def march_pieces(first, last, place, strength, restitution, length, growth, grou
 
 @njit()
 def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
-    """E [m/s] of :mod:`rocking.march.demand` at the points (k,) of a piecewise linear ground, in one backward pass."""
+    """Return E [m/s] (:mod:`rocking.march.demand`) at the points (k,) of a piecewise linear ground acceleration."""
     weighted = np.zeros(times.shape[0])
     for i in range(times.shape[0] - 2, -1, -1):
         step = times[i + 1] - times[i]
@@ -167,7 +167,7 @@ def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.n
 
 @njit()
 def lobe_tops(weighted: np.ndarray) -> np.ndarray:
-    """Indices of the largest absolute value in every run of one sign of E (k,), in order; zeros belong to no run."""
+    """Return indices of the largest abs(E) (k,) in every run of one sign, in order; zeros belong to no run."""
     tops = np.empty(weighted.shape[0], dtype=np.int64)
     count, side = 0, 0.0
     for i in range(weighted.shape[0]):

@@ -7,8 +7,8 @@
 
    (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001), linear between impacts, with a
    closed form for a straight piece of the ground (:mod:`rocking.spectrum.slender`). At each p the lanes cover (ln x, C)
-   by a golden-ratio lattice: a first part from uplift to where every lane overturns, a second part where the outcomes
-   of the first differ.
+   with a golden-ratio lattice: a first part from uplift to overturning of every lane, and a second part in the range in
+   which the outcomes of the first differ.
 """
 
 import math
@@ -24,26 +24,26 @@ from rocking.lanes import split_lanes
 from rocking.pictures import one_line
 from rocking.spectrum.slender import march_pieces, weighted_impulse
 
-#: Largest acceleration over gravity that is accepted in a ground motion [-].
+#: Largest acceleration divided by gravity that is accepted in a ground motion [-].
 STRONGEST = 1e6
-#: Pieces shorter than this are left out [s], such as one side of a triangle whose top is at one of its ends.
+#: Pieces shorter than this [s] are omitted, such as one side of a triangle whose top is at one of its ends.
 SHORTEST = 1e-12
-#: Range of restitutions of the lanes. A block with C = 1 never comes to rest: it costs twenty times one with 0.99.
+#: Range of restitutions of the lanes. A block with C = 1 never comes to rest and takes twenty times as long.
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
 #: Number of lanes of each p in the first and in the second part.
 FIRST, SECOND = 144, 700
-#: The first part ends where the weighted impulse is this multiple of the one that overturns a resting block, ...
+#: The first part ends at this multiple of the weighted impulse that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
 #: ... and at least this far above uplift [-], in ln x.
 LEAST_SPAN = 0.7
-#: The first part is extended if a lane survives in this top share of it; largest number of these extensions.
+#: The first part is extended if a lane survives in its top share of this size; largest number of extensions.
 LAST_SHARE, WIDENINGS = 0.1, 6
 #: Capacities decrease with C: lanes of equal expected outcome have equal ln x + SLOPE (C - MIDDLE).
 SLOPE, MIDDLE = 1.3, 0.85
-#: Width in ln x over which the outcomes of the first part are averaged, and least density of the second part over its
-#: density at P = 0.5.
+#: Width in ln x over which the outcomes of the first part are averaged, and smallest density of the second part divided
+#: by its density at P = 0.5.
 NEIGHBOURS, FLOOR = 0.12, 0.08
 #: Number of points at which the density of the second part is computed.
 POINTS = 161
@@ -64,7 +64,7 @@ class SpectrumLanes:
     peak : (a, n) ndarray
         Largest abs(theta)/alpha [-]; inf if the lane overturns or is UNRESOLVED.
     bottom, top : (a,) ndarray
-        ln x below which no block is lifted, and above which every block counts as overturned.
+        ln x below which no block lifts, and above which every block counts as overturned.
     between : (float, float)
         Range of restitutions that the lanes represent [-].
     side : int
@@ -111,8 +111,8 @@ def spectrum_lanes(
     Raises
     ------
     ValueError
-        For p that do not ascend, an interval that is not positive, and a record that is not finite, is zero throughout
-        or exceeds a million times gravity.
+        For p that are not ascending, an interval that is not positive, and a record that is not finite, is zero
+        throughout or exceeds a million times gravity.
     """
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
@@ -129,7 +129,7 @@ def piece_lanes(
     *,
     side: int = 0,
 ) -> SpectrumLanes:
-    """March lanes under a ground [m/s2] that is linear between ascending `times` (k,) [s], at ascending p [1/s]."""
+    """March lanes at ascending p [1/s] under a ground acceleration [m/s2] linear between ascending `times` (k,) [s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
@@ -182,7 +182,7 @@ def _filled(
     march: Callable[..., np.ndarray],
     between: tuple[float, float],
 ) -> SpectrumLanes:
-    """Lanes from `bottom` (uplift) to `top` (a,) in ln x, by `march(log_x, restitution)`, inf if they overturn."""
+    """Return lanes from `bottom` (uplift) to `top` (a,) in ln x, with peaks from `march(log_x, restitution)`."""
     restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
@@ -226,7 +226,7 @@ def _level(log_x: np.ndarray, restitution: float | np.ndarray) -> np.ndarray:
 def _where_verdicts_differ(
     level: np.ndarray, over: np.ndarray, lowest: float, highest: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Levels (SECOND,) of the second part, and their density on a grid, which follows sqrt(P (1 - P)) of the first."""
+    """Return levels (SECOND,) of the second part, and their density on a grid, from sqrt(P (1 - P)) of the first."""
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
     share = np.sum(near * over, axis=1) / np.sum(near, axis=1)

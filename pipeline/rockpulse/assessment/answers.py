@@ -18,7 +18,7 @@ from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 
 class Share(NamedTuple):
-    """Probability that a record overturns a body [-], or share of earthquakes that do, with its 90 % interval."""
+    """Probability that a record overturns a body [-], or share of overturning earthquakes, with its 90 % interval."""
 
     value: float
     low: float  # ends of the interval for further earthquakes of this kind
@@ -30,7 +30,7 @@ class Share(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The ground motions of the results, and probabilities over their earthquakes."""
+    """The ground motions of the results, and means over their earthquakes."""
 
     names: list[str]  # ids of records or names of pairs
     index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
@@ -40,27 +40,27 @@ class Motions:
 
     @property
     def event_count(self) -> int:
-        """Number of different earthquakes; one if no earthquake is known."""
+        """Number of different earthquakes; 1 if no earthquake is known."""
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
-        """Mask (motions, bodies) of the motions with at least one direction not in `left_out` (records, bodies)."""
+        """Return a mask (motions, bodies) of motions with a direction that is not `left_out` (records, bodies)."""
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
-        """Number of earthquakes (bodies,) among the motions kept for each body (motions, bodies)."""
+        """Return the number of earthquakes (bodies,) among the motions kept for each body (motions, bodies)."""
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
-        """Arrange values (records, ...) as (motions, directions, ...), with `missing` for directions not assessed."""
+        """Arrange values (records, ...) as (motions, directions, ...), with `missing` in unassessed directions."""
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Mask (motions, ...) of motions with a condition (records, ...) true in a direction; `missing` for others."""
+        """Return (motions, ...) whether a condition (records, ...) holds in any direction; `missing` if unassessed."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean over earthquakes of equal weight, each the mean of its values other than NaN."""
+        """Return the mean over earthquakes, with equal weights, of the mean of the values of each that are not NaN."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -68,9 +68,9 @@ class Motions:
             return np.asarray(np.sum(sums / counts, axis=0, where=counts > 0.0) / (counts > 0.0).sum(axis=0))
 
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
-        """Probability of each body over the earthquakes, from the probability (records, bodies) under each record.
+        """Return each body's probability over the earthquakes, from probabilities (records, bodies) under each record.
 
-        Motions with all directions `left_out` (records, bodies) do not count. The interval is that of Clopper & Pearson
+        Motions with all directions `left_out` (records, bodies) are excluded. The interval is that of Clopper & Pearson
         (1934) for this number of earthquakes: a sum of independent numbers between 0 and 1 scatters no more than a
         binomial one with the same mean (Hoeffding 1956, doi:10.1214/aoms/1177728178), so the interval is conservative.
         For 0 of n its upper end is 1 - 0.05^(1/n), the rule of three 3/n.
@@ -93,13 +93,13 @@ def _others(events: list[str]) -> int:
     return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 
-#: Units for which a margin is computed: each body, each block with its worst restitution, each motion with its worst
+#: Items for which a margin is computed: each body, each block with its worst restitution, each motion with its worst
 #: block.
 Of = Literal["body", "block", "motion"]
 
 
 class Body(NamedTuple):
-    """A block with one of its restitutions; ``place`` and ``case`` are its indices along these dimensions."""
+    """A block with one of its restitutions; ``place`` and ``case`` are the indices of block and restitution."""
 
     block: str
     place: int
@@ -109,12 +109,12 @@ class Body(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of the block, with the restitution if the block has several."""
+        """Name of the block, with the restitution if there are several."""
         return f"{self.block}, C = {self.restitution:.3f}" if self.several else self.block
 
 
 class Margin(NamedTuple):
-    """Smallest and median factor over demand [-], over motions with results in all directions; inf: none."""
+    """Smallest and median factor, or capacity/demand, [-] of motions with results in all directions; inf: none."""
 
     smallest: float
     median: float
@@ -128,7 +128,7 @@ class Margin(NamedTuple):
 
 
 class Answers:
-    """The results of one model, read on demand: (records,), (records, bodies), or with demands as the last axis."""
+    """The results of one model, read on demand: arrays (records,), (records, bodies) or (records, bodies, demands)."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary
@@ -162,71 +162,71 @@ class Answers:
 
     @cached_property
     def demands(self) -> dict[str, SiteDemand]:
-        """The demands of the site by name."""
+        """Demands of the site by name."""
         return stored_demands(self.summary)
 
     def to_demand(self, demand: str) -> np.ndarray:
-        """Factor (records, bodies) that scales each record to a demand."""
+        """Return the factors (records, bodies) that scale each record to a demand."""
         return self._of_demand("demand_factor", demand)
 
     def at_demand(self, demand: str) -> np.ndarray:
-        """Probability of overturning (records, bodies) under each record scaled to a demand; NaN if unknown."""
+        """Return probabilities of overturning (records, bodies) under records scaled to a demand; NaN if unknown."""
         return self._of_demand("demand_probability", demand)
 
     @cached_property
     def source(self) -> np.ndarray:
-        """Source of each probability (records, bodies), as a word."""
+        """Return the source of each probability (records, bodies), as a word."""
         return flags_as_words(self["probability_source"], dict(enumerate(SOURCES)))
 
     @property
     def searched(self) -> bool:
-        """Whether safety factors of the model are known."""
+        """True if safety factors of the model are known."""
         return not bool(np.isnan(self["safety_factor"]).all())
 
     @cached_property
     def probable(self) -> bool:
-        """Whether the probability of overturning by the model is known."""
+        """True if the probability of overturning in the model is known."""
         return is_full(self.model) and not bool(np.isnan(self["overturning_probability"]).all())
 
     @property
     def factor(self) -> str:
-        """Name of the variable with the scale factor that overturns."""
+        """Name of the variable that contains the overturning scale factor."""
         return "factor_10" if self.probable else "safety_factor"
 
     @property
     def has_factor(self) -> bool:
-        """Whether one of these factors is known."""
+        """True if one of these factors is known."""
         return not bool(np.isnan(self[self.factor]).all())
 
     @property
     def bound(self) -> np.ndarray:
-        """Mask (records, bodies) of factors that are lower bounds, as the model gives no result there."""
+        """Mask (records, bodies) of factors that are lower bounds, as the model gives no result at them."""
         return np.asarray((self["factor_resolved"] == 0) & (not self.probable))
 
     @property
     def counts(self) -> list[int]:
-        """Number of results with each outcome, over all records and bodies, in the order of Outcome."""
+        """Return the number of results with each outcome, over all records and bodies, in the order of Outcome."""
         return [int(np.count_nonzero(self["outcome"] == outcome)) for outcome in Outcome]
 
     @cached_property
     def overturned(self) -> np.ndarray:
-        """Mask (motions, bodies): a direction of the unscaled motion overturns the body."""
+        """Mask (motions, bodies) of unscaled motions that overturn the body in at least one direction."""
         return self.motions.in_any_direction(self["outcome"] == Outcome.OVERTURNS)
 
     @property
     def unresolved(self) -> list[int]:
-        """Number of motions (bodies,) with a direction without a result."""
+        """Number (bodies,) of motions without a result in some direction."""
         silent = self.motions.in_any_direction(self["outcome"] == Outcome.UNRESOLVED)
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """Factor, or multiple of a demand, (records, bodies) up to which the search found no overturning."""
+        """Return the factor, or multiple of a demand, (records, bodies) up to which the search found no overturning."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.to_demand(demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """Factors (records, bodies), or with a demand the factors over those that scale the records to it."""
+        """Return factors (records, bodies); for a demand, divided by the factors that scale the records to it."""
         if demand is None:
             return self[self.factor]
         if self.probable:
@@ -238,7 +238,7 @@ class Answers:
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
-        """Smallest factor over the directions (motions, bodies), and its row of /summary, -1 for none."""
+        """Return the smallest factor over the directions (motions, bodies), and its row in /summary, -1 for none."""
         factor = self.motions.over(self[self.factor], np.nan)
         place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
         finite = np.isfinite(factor).any(axis=1)
@@ -246,17 +246,17 @@ class Answers:
         return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
-        """Reduce a table (..., bodies) to (..., blocks) by the worst restitution of each block."""
+        """Reduce a table (..., bodies) to (..., blocks), with the worst restitution of each block."""
         firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
     def overturnings(self, of: Of = "body") -> list[int]:
-        """Number of unscaled motions that overturn each body or block, or of blocks that each motion overturns."""
+        """Return the number of unscaled motions that overturn each body or block, or of blocks per motion."""
         fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion as a scale factor, or as capacity over a demand."""
+        """Return the margin of every body, block or motion as a scale factor, or as capacity divided by a demand."""
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
         # Lower bound of each, upper bound of each, and end of the search.
@@ -271,14 +271,14 @@ class Answers:
 
 
 def answers_of(tree: xr.DataTree) -> Answers:
-    """Return the results of the most complete model under the motions of a tree of results."""
+    """Return the results of the most complete model for the motions in a tree of results."""
     summary = tree["summary"].to_dataset()
     swept = "directions" in tree.children
     return swept_answers(summary, tree["directions"].to_dataset()) if swept else Answers(summary)
 
 
 def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
-    """Return the results of the most complete model under pairs of channels, whose directions are rows of /summary."""
+    """Return the results of the most complete model for pairs of channels, whose directions are rows of /summary."""
     events = [str(event) for event in summary["event"].values]
     index = directions["record_index"].transpose("pair", "direction").values
     kept = np.flatnonzero((index >= 0).any(axis=1))
@@ -319,7 +319,7 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """Smallest end of search among those without overturning; NaN if overturning was found in all."""
+    """Return the smallest end of the searches without overturning; NaN if every search found overturning."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
@@ -354,7 +354,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Median of every column over values other than NaN; NaN if there are none."""
+    """Return the median of every column over values other than NaN; NaN if there are none."""
     count = (~np.isnan(values)).sum(axis=0)
     ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):

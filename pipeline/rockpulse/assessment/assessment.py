@@ -1,4 +1,4 @@
-"""Assessment of bodies under records, or under the design sequence of a site."""
+"""Assessment of bodies under records, or under the design spectrum or design sequence of a site."""
 
 import math
 import os
@@ -47,9 +47,9 @@ def assess(
     Parameters
     ----------
     records : path, Record, or iterable of either
-        Files, folders, globs and zip archives, read by ``[records]`` as by :func:`rockpulse.read_all`; or all channels,
-        as :func:`rockpulse.read` returns them. Vertical channels and, by default, structural ones are listed, not
-        assessed; ``[records] components`` says whether pairs of horizontal channels are rotated.
+        Files, folders, globs and zip archives, read with the options of ``[records]`` as in :func:`rockpulse.read_all`;
+        or all channels, as :func:`rockpulse.read` returns them. Vertical channels and, by default, structural ones are
+        listed, not assessed; ``[records] components`` sets whether pairs of horizontal channels are rotated.
     config : Config or path, optional
         Options; by default the default settings.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
@@ -59,15 +59,15 @@ def assess(
     progress : callable, optional
         Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
     units, dt : str, float, optional
-        Unit and sampling interval [s] of files that do not state theirs, in place of those of ``[records]``.
+        Unit and sampling interval [s] of files that do not state them, in place of those of ``[records]``.
     all_models : bool
-        Every model side by side, in place of ``[models] use``.
+        Whether to run every model, in place of ``[models] use``.
 
     Returns
     -------
     xarray.DataTree
-        /summary, /half_cycles, /overturning_intervals, /failures, for a sweep over direction /directions and, unless
-        switched off, /records; see docs/schema.md. ``tree.rockpulse`` is :class:`Results`, with the verdicts.
+        /summary, /half_cycles, /overturning_intervals, /failures, /directions for a sweep over direction, and /records
+        unless switched off; see docs/schema.md. ``tree.rockpulse`` is a :class:`Results`, with the verdicts.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def assess(
 
 
 class Assessment(Analysis):
-    """Computes the response of every body to every record by every model."""
+    """Computes the response of every body to every record with every model."""
 
     name = "assess"
     doing = "assessing"
@@ -110,7 +110,7 @@ class Assessment(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Empty variables of a record without results."""
+        """Return empty variables, for a record without results."""
         return empty_rows(self.bodies, self.config)
 
     def dimension_of(self, name: str) -> str:
@@ -129,7 +129,7 @@ class Assessment(Analysis):
 
 
 def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
-    """Assess all bodies under one record; raise ValueError if it has no intense phase or a model refuses it."""
+    """Assess all bodies under one record; raise ValueError if it has no intense phase or a model rejects it."""
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
@@ -139,7 +139,7 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
         return record_part(assessment)
 
 
-#: Default name of a design sequence, used instead of the id of a record.
+#: Default name of a design sequence, in place of the id of a record.
 NAME = "design sequence"
 
 
@@ -150,7 +150,7 @@ def assess_sequence(
     name: str = NAME,
     source: str = "",
 ) -> xr.DataTree:
-    """Assess bodies under the design of a site: one sequence of impulses for all bodies, or one for each.
+    """Assess bodies under the design of a site: one impulse sequence for all bodies, or one for each.
 
     Parameters
     ----------
@@ -161,20 +161,20 @@ def assess_sequence(
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     name, source : str
-        Id of the row, instead of a record's, and source file of the sequence.
+        Id of the row, in place of a record's id, and source file of the sequence.
 
     Returns
     -------
     xarray.DataTree
         A tree as from :func:`rockpulse.assess`, with one row whose record columns are empty. Models that need a record
-        (impulsive, linear, nonlinear) are left out, with a warning; for a design spectrum, where every body has its own
-        sequence, also resonance and the columns of the sequence.
+        (impulsive, linear, nonlinear) are omitted, with a warning; so are resonance and the columns of the sequence for
+        a design spectrum, with which every body has its own sequence.
 
     Raises
     ------
     ConfigError
-        Without a body, for several sequences or an endless one, for bodies outside the design spectrum, or if
-        ``[models] use`` names no model that can use the design.
+        Without a body, for several sequences or an endless one, for bodies outside the design spectrum, or if no model
+        in ``[models] use`` can use the design.
 
     Examples
     --------
@@ -186,7 +186,7 @@ def assess_sequence(
     """
     asked_for = given_config(config)
     gathered = gather_bodies(asked_for.bodies if bodies is None else bodies)
-    refuse_floors(gathered, "a design sequence is one of the ground")
+    refuse_floors(gathered, "a design sequence is a motion of the ground")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):
@@ -203,9 +203,7 @@ def assess_sequence(
     asked = asked_for.models.use
     use = tuple(model for model in asked if model in answering)
     if not use:
-        raise ConfigError(
-            f"[models] use: {', '.join(asked)} cannot answer {what}; it is answered by {' and '.join(answering)}"
-        )
+        raise ConfigError(f"[models] use: {', '.join(asked)} cannot be used with {what}; use {' or '.join(answering)}")
     endless = [model for model in use if MODELS[model].needs_end]
     if endless and sequence.main_count is None and math.isinf(sequence.duration):
         raise ConfigError(
@@ -231,7 +229,7 @@ def assess_sequence(
     warnings = list(done.record.warnings)
     if dropped:
         verb = "is" if len(dropped) == 1 else "are"
-        warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
+        warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot be applied to it and {verb} left out")
     if asked_for.demands:
         warnings.append(WarningText("demand_not_compared"))
     done = replace(done, scene=replace(done.scene, record=replace(done.record, warnings=tuple(warnings))))

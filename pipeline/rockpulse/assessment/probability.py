@@ -20,19 +20,19 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: A body whose probability of uplift at the largest factor is below this counts as always at rest.
+#: A body whose probability of uplift at the largest factor is below this counts as at rest.
 NEVER = 1e-6
-#: Side of rotation of the bodies covered by a spectrum, and range of restitutions or rebounds of its lanes.
+#: Side of rotation of the bodies that a spectrum covers, and range of restitutions or rebounds of its lanes.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 
 def record_probability(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
-    """Compute the probability of overturning under a record, unscaled and at each demand; and the record's spectrum.
+    """Compute the probability of overturning under a record, unscaled and at each demand, and the record's spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND have all lanes, (b x c,) and (b x c, d): NaN without a probability, and
-    beyond FARTHEST or `[search] factor_max`. Demands are compared with the strength of `channels`, or of the record.
+    The variables of PROBABILITY and AT_DEMAND have all lanes, (b x c,) and (b x c, d); NaN without a probability, and
+    at a demand beyond FARTHEST or `[search] factor_max`. The factor to a demand is from `channels`, or from the record.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -107,7 +107,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
 
 def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
-    """Range of C of each of b bodies: the ends of its list, or the shares of its single value."""
+    """Return the range of C of each of b bodies: the ends of its list, or shares of its single value."""
     restitution = bodies.per_case(np.asarray(bodies.lanes.restitution, dtype=float))
     low, high = restitution.min(axis=1), restitution.max(axis=1)
     least, most = uncertainty.restitution

@@ -28,7 +28,7 @@ from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 
 
 class ModelRows(NamedTuple):
-    """The rows that one model gives to a table of the results."""
+    """The rows that one model adds to a table of the results."""
 
     model: int  # its index in /summary
     lane: np.ndarray  # lane of each row, and below its body and restitution case
@@ -40,7 +40,7 @@ class ModelRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The response to one record of every lane: bodies times restitution cases, with the cases of one body adjacent."""
+    """The response of every lane to one record; lanes are bodies times restitutions, those of one body adjacent."""
 
     scene: Scene  # the conditioned record with its half-waves and sequence
     bodies: Bodies
@@ -71,7 +71,7 @@ class RecordAssessment:
 
     @property
     def sequence(self) -> ImpulseSequence | None:
-        """The calibrated sequence; None if the record gave none, or every body has its own."""
+        """The calibrated sequence; None if the record has no sequence, or every body has its own."""
         sequence = self.scene.sequence
         return None if sequence is None or sequence.shape else sequence
 
@@ -81,7 +81,7 @@ class RecordAssessment:
 
     @cached_property
     def half_cycles(self) -> list[ModelRows]:
-        """Rows of the half-cycles of all models that have such a table."""
+        """Rows of the half-cycles of all models with such a table."""
         found = []
         for place, response in enumerate(self.responses.values()):
             if (table := response.half_cycles) is not None:
@@ -111,7 +111,7 @@ class RecordAssessment:
 def assess_scene(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = (), pair: Pair | None = None
 ) -> RecordAssessment:
-    """Assess all bodies under one record, which may be rotated from `pair`; raise ValueError if a model refuses it."""
+    """Assess all bodies under one record, which may be rotated from `pair`; raise ValueError if a model rejects it."""
     places = places_of(bodies, scene.record, pair, config)
     of_record = places[0][0] == FeltMotion(None, ())  # on the ground, without its own direction
     if len(places) == 1 and of_record:
@@ -128,7 +128,7 @@ def assess_scene(
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(table: str) -> dict[str, np.ndarray]:
-        """Join one table by variable of all lanes from the tables of the parts."""
+        """Join the tables of parts of the lanes into one table, by variable, for all lanes."""
         tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
         return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 
@@ -154,7 +154,7 @@ def assess_scene(
 def _assess_at(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
 ) -> RecordAssessment:
-    """Assess bodies on the same ground or floor; `stronger` is the peak there over that of the ground."""
+    """Assess bodies on the same ground or floor; `stronger` is its peak divided by that of the ground."""
     lanes, sides = bodies.lanes, senses(bodies, scene.record)
     warnings: list[str] = []
     responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
@@ -171,7 +171,7 @@ def _assess_at(
         if rule is not None and (outside := np.count_nonzero(~rule.applicable(lanes))):
             warnings.append(
                 f"{model}: {outside} of {np.size(lanes.p)} bodies lie outside the range that the rule was fitted on "
-                f"({rule.range_text}): its rates of error do not hold for them"
+                f"({rule.range_text}): its error rates do not apply to them"
             )
     if warnings:
         scene = replace(scene, record=replace(scene.record, warnings=(*scene.record.warnings, *warnings)))
@@ -196,7 +196,7 @@ def _assess_at(
 
 
 def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
-    """Return the strength of the motion at the bodies over their own, and the friction that it requires."""
+    """Return measures of the motion relative to each body, and the friction that the motion requires."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
     found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}

@@ -1,4 +1,4 @@
-"""Results in Python: loading or opening files, and the accessor ``tree.rockpulse`` with verdicts and margins."""
+"""Results in Python: functions that read files, and the accessor ``tree.rockpulse`` with verdicts and margins."""
 
 import math
 import os
@@ -19,8 +19,14 @@ from rockpulse.option import hint
 from rockpulse.storage.hdf5 import results_file
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 
-#: Colours of the verdicts in a picture, and largest number of bodies in it.
-COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
+#: Colours of the verdicts in the picture, and largest number of bodies in it.
+COLOURS = {
+    Grade.AT_REST: GREY,
+    Grade.ROCKS: BLUE,
+    Grade.MAY_OVERTURN: ORANGE,
+    Grade.NOT_KNOWN: INK,
+    Grade.OVERTURNS: RED,
+}
 DRAWN = 20
 #: Height of a body in the picture [px].
 ROW = 18.0
@@ -30,7 +36,8 @@ class Results(Shown):
     """The verdicts and margins of an assessment, ``tree.rockpulse`` of a tree of results.
 
     The accessor is registered by :func:`rockpulse.assess`, :func:`rockpulse.assess_sequence`, :func:`rockpulse.load`
-    and :func:`rockpulse.open_results`. A type checker does not see accessors: ``rockpulse.Results(tree)`` is the same.
+    and :func:`rockpulse.open_results`. Type checkers do not know accessors; for them ``rockpulse.Results(tree)`` is the
+    same.
 
     Parameters
     ----------
@@ -43,9 +50,9 @@ class Results(Shown):
     >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
     >>> tree = rp.assess([sine], bodies={"chest": (1.0, 1.2), "wall": (0.25, 2.2)})
     >>> tree.rockpulse.verdicts()["verdict"].to_dict()
-    {'chest': 'stays', 'wall': 'overturns'}
+    {'chest': 'at rest', 'wall': 'overturns'}
     >>> tree.rockpulse
-    <Results 1 record, 2 bodies, model nonlinear, stays 1, overturns 1>
+    <Results 1 record, 2 bodies, model nonlinear, at rest 1, overturns 1>
     """
 
     def __init__(self, tree: xr.DataTree) -> None:
@@ -57,12 +64,12 @@ class Results(Shown):
         Returns
         -------
         pandas.DataFrame
-            One row for each body, or for each restitution of a body that has several. `verdict` is "stays", "rocks",
-            "may overturn", "not known", "overturns" or "no verdict"; it follows from `probability`, the probability of
-            overturning over earthquakes [-], at the worst of the site's demands if there are any, with its interval of
-            90 % (`low`, `high`). `overturned` is the number of the `motions` that overturn the body without scaling.
-            `worst` is the record with the smallest factor, or empty. Each demand has `verdict at NAME` and `probability
-            at NAME`.
+            One row for each body, or for each restitution of a body that has several. `verdict` is "at rest", "rocks",
+            "may overturn", "not known", "overturns" or "no verdict"; it follows from `probability`, the mean
+            probability of overturning over earthquakes [-] (at the worst of the site's demands, if any), with its 90 %
+            interval (`low`, `high`). `overturned` is the number of the `motions` that overturn the body without
+            scaling. `worst` is the record with the smallest factor, or empty. Each demand has columns `verdict at NAME`
+            and `probability at NAME`.
 
         Raises
         ------
@@ -92,16 +99,16 @@ class Results(Shown):
         Parameters
         ----------
         demand : str, optional
-            Name of a demand of the configuration; by default the factor is on the unscaled records.
+            Name of a demand of the configuration; by default the factor refers to the unscaled records.
 
         Returns
         -------
         pandas.DataFrame
             One row for each body: the `smallest` and the `median` over the motions of the factor at which the
-            probability of overturning is 10 %, else of the safety factor [-]: inf if none was found, NaN if it is
-            unknown. `smallest_is_bound` and `median_is_bound` mark lower bounds, where the model gives no result;
-            `searched_up_to` is the end of the search if none was found. `motion` is the record, or the pair of
-            channels, of the smallest; `unknown` counts the motions without a result.
+            probability of overturning is 10 %, or else of the safety factor [-]; inf if no such factor was found, NaN
+            if it is unknown. `smallest_is_bound` and `median_is_bound` mark lower bounds, at which the model gives no
+            result; `searched_up_to` is the end of the search if no factor was found. `motion` is the record, or the
+            pair of channels, with the smallest factor; `unknown` is the number of motions without a result.
 
         Raises
         ------
@@ -190,7 +197,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     Returns
     -------
     xarray.DataTree
-        The tree that was saved, with the provenance in its attributes; ``tree.rockpulse`` is :class:`Results`.
+        The tree that was saved, with the provenance in its attributes; ``tree.rockpulse`` is a :class:`Results`.
 
     Raises
     ------
@@ -204,7 +211,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
 
 @contextmanager
 def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
-    """Open results in a ``with`` block without reading them; numbers are read on demand while the block lasts.
+    """Open results in a ``with`` block; numbers are read on demand inside the block.
 
     Parameters
     ----------
@@ -214,12 +221,13 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
     Yields
     ------
     xarray.DataTree
-        A tree as from :func:`load`. Read data that you need later inside the block, by ``.load()`` or ``.values``.
+        A tree as from :func:`load`. Data needed after the block must be read inside it, with ``.load()`` or
+        ``.values``.
 
     Raises
     ------
     ResultsError, OSError
-        As :func:`load`. Damaged numbers raise an OSError of HDF5 when they are read.
+        As in :func:`load`. Damaged numbers raise an OSError of HDF5 when they are read.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Preparation of one record for the models: also for bodies on floors, in other directions, or beside a wall."""
+"""Preparation of one record for the models, also for bodies on floors, in other directions or beside a wall."""
 
 import math
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """A record as read, and its vertical channel, conditioned and as :func:`extract`; RockpulseError if refused."""
+    """Condition a record and its vertical channel, then :func:`extract`; raise RockpulseError if it is rejected."""
     up = None if vertical is None else conditioned(vertical, config)
     return extract(conditioned(record, config), config, up)
 
@@ -68,7 +68,7 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
-    """Return the places of bodies, each with the indices of its bodies; raise RecordRefused for a missing direction."""
+    """Return the positions of bodies, each with its bodies' indices; raise RecordRefused for a missing direction."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -83,7 +83,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
 
 
 def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
-    """Return the scene in the direction of a place, rotated from the two channels of the record."""
+    """Return the scene in the direction of a position, rotated from the two channels of the record."""
     if place.azimuth is None:
         return scene
     assert pair is not None
@@ -91,7 +91,7 @@ def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -
 
 
 def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
-    """Return the scene on the floor of a place; the vertical motion is that of the ground."""
+    """Return the scene on the floor of a position; the vertical motion is that of the ground."""
     if not place.floors:
         return scene
     record, found = scene.record, floor_record(scene.record, place.floors)
@@ -122,7 +122,7 @@ def joined_responses(
 
 
 #: Largest angle between the azimuths of a record and of a body's fall (or its opposite) at which the sense is known
-#: [degrees]; else a body beside a wall is assessed in both senses, and the worse result counts.
+#: [degrees]; else a body beside a wall is assessed in both senses, and the worse result is used.
 SAME_DIRECTION = 30.0
 
 
@@ -139,7 +139,7 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return the worse response of both senses of each lane: overturning, no result, then the larger rotation."""
+        """Return the worse response of both senses of each lane (overturning, then no result, then larger rotation)."""
         if self.both.size == 0:
             return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
@@ -152,7 +152,7 @@ class Senses:
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
     def higher_probability(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
-        """Index in ``block`` of each lane's sense with the higher probability, or if equal with the smaller factor."""
+        """Return the index in ``block`` of each lane's sense with the higher P, or if equal with the smaller factor."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:

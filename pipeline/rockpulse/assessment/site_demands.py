@@ -19,7 +19,7 @@ FARTHEST = (0.25, 4.0)
 
 
 class SiteDemand(NamedTuple):
-    """Demand of a site in a limit state: its value, and measure and value as text."""
+    """Demand of a site for a limit state: its value, and measure and value as strings."""
 
     value: float
     limit_state: str
@@ -41,7 +41,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """Factors (m, d) [-] that scale the geometric mean of conditioned channels to d demands, for (m,) blocks."""
+    """Return factors (m, d) that scale the geometric mean of conditioned channels to d demands, for (m,) blocks."""
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))
     for place, demand in enumerate(config.demands):

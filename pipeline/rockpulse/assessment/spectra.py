@@ -21,11 +21,11 @@ from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
 from rockpulse.storage.variables.summary import ANSWER
 
-#: Angle of the blocks that represent all slender ones [rad]; their capacity over g tan(alpha)/p does not depend on it.
+#: Angle of the blocks that represent all slender ones [rad]; capacity divided by g tan(alpha)/p does not depend on it.
 ALPHA = 0.1
 
 
-#: Functions that march the lanes of a record, by `method`; the rule can use known half-waves.
+#: Function that marches the lanes of a record, for each `method`; the rule can use known half-waves.
 LANES: dict[str, Callable[..., SpectrumLanes]] = {
     "nonlinear": lambda record, rates=RATES, threads=None, waves=None: spectrum_lanes(
         record.acceleration, record.dt, rates, threads
@@ -49,7 +49,7 @@ def overturning_spectrum(
     Parameters
     ----------
     record : Record
-        Conditioned; not all zeros.
+        Conditioned record, not all zeros.
     p : sequence of float, length a
         Frequency parameters [1/s], ascending.
     restitution : sequence of float, length c
@@ -66,8 +66,8 @@ def overturning_spectrum(
     -------
     xarray.Dataset
         `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (p, restitution), `probability` over (p, restitution,
-        level), level the factor on the record over the mean capacity, and `rotation_spectrum` [m/s] over (rotation, p,
-        restitution); attributes `record` and `method`.
+        level), with level the factor on the record divided by the mean capacity, and `rotation_spectrum` [m/s] over
+        (rotation, p, restitution); attributes `record` and `method`.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def overturning_spectrum(
     if method not in LANES:
         raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
     if method == "rule" and uncertainty not in (None, Uncertainty()):
-        raise ValueError("uncertainty: the rule was fitted under the default one and takes no other")
+        raise ValueError("uncertainty: the rule was fitted with the default uncertainty and accepts no other")
     values = stored_spectrum_values(OverturningSpectrum(LANES[method](record, rates, threads), uncertainty), nominal)
     axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}
     found = xr.Dataset(
@@ -135,7 +135,7 @@ def stored_spectrum_values(
 
 
 def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:
-    """Read the probability of overturning of blocks, and factors at fixed probabilities, from an overturning spectrum.
+    """Read the probability of overturning of blocks, and factors at given probabilities, from an overturning spectrum.
 
     Parameters
     ----------
@@ -175,13 +175,13 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
 
 
 def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Return factors on a record (l,) and the probability at each that a block overturns; NaN in gaps."""
+    """Return factors on a record (l,) and the probability of overturning at each; NaN if the spectrum is missing."""
     capacity, probability = _at_blocks(spectrum, block)
     return capacity[0] * spectrum["level"].values, probability[0]
 
 
 def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean capacity (m,) of blocks and the probability (m, l) at the spectrum's levels times it."""
+    """Return the mean capacity (m,) of blocks, and P (m, l) at the spectrum's levels times this capacity."""
     block = block.lanes()
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)
@@ -195,7 +195,7 @@ def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarr
     return capacity, at_blocks(block, *axes, spectrum["probability"].values)
 
 
-#: Default frequency parameters [1/s], R from 7.4 m to 0.2 m, and critical angles [rad], slenderness from 20 to 2.4.
+#: Default frequency parameters [1/s] (R from 7.4 m to 0.2 m) and critical angles [rad] (slenderness from 20 to 2.4).
 P = tuple(np.linspace(1.0, 6.0, 101).round(10).tolist())
 ALPHAS = tuple(np.linspace(0.05, 0.4, 71).round(10).tolist())
 
@@ -210,12 +210,12 @@ def rocking_spectrum(
     gravity: float = STANDARD_GRAVITY,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """Compute the largest rotation of blocks of every p and alpha under one record, by the nonlinear equation.
+    """Compute the largest rotation of blocks of every p and alpha under one record, from the nonlinear equation.
 
     Parameters
     ----------
     record : Record
-        Conditioned.
+        Conditioned record.
     p : sequence of float, length a
         Frequency parameters [1/s].
     alpha : sequence of float, length b
@@ -240,7 +240,7 @@ def rocking_spectrum(
     Raises
     ------
     ValueError
-        For a p, alpha or restitution that is impossible for a block.
+        For a p, alpha or restitution that no block can have.
 
     References
     ----------

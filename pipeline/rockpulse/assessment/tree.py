@@ -1,8 +1,8 @@
 """Assembly of the tree of results from the assessed records (docs/schema.md).
 
-.. note:: Median and largest over direction are defined as RotD50 and RotD100 (Boore 2010, doi:10.1785/0120090400). A
-   direction without a result may have any value from 0 to overturning: a median, largest or smallest that depends on it
-   is NaN.
+.. note:: Median and largest value over direction are defined as RotD50 and RotD100 (Boore 2010,
+   doi:10.1785/0120090400). A direction without a result may have any value from 0 to overturning; a median, largest or
+   smallest value that depends on it is NaN.
 """
 
 import base64
@@ -75,14 +75,14 @@ def direction_statistics(
 
 
 def median_over(values: np.ndarray) -> np.ndarray:
-    """Median over the second axis of values (a, d, ...) from 0 to inf; NaN if it depends on missing values."""
+    """Return the median over axis 1 of values (a, d, ...) from 0 to inf; NaN if it depends on missing values."""
     unknown = np.isnan(values)
     low, high = (np.median(np.where(unknown, bound, values), axis=1) for bound in (0.0, np.inf))
     return np.where(low == high, low, np.nan)
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Largest value over axis 1 of (a, d, ...), and its index or -1; of several inf that with the smallest `first`."""
+    """Return the largest value over axis 1 of (a, d, ...), its index or -1; for several inf, the lowest `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -92,7 +92,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest value over axis 1 of (a, d, ...), NaN if one is missing, and its index or -1."""
+    """Return the smallest value over axis 1 of (a, d, ...), NaN if one is missing, and its index or -1."""
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
 
@@ -101,7 +101,7 @@ def _at(azimuths: np.ndarray, place: np.ndarray) -> np.ndarray:
     return np.append(azimuths, np.nan)[place]
 
 
-#: The only variable along the records that is not in the parts, as it depends on all records.
+#: The only variable along the records that is missing in the parts, as it depends on all records.
 EVENT = "/summary/event"
 
 
@@ -112,7 +112,7 @@ def build_tree(
     failures: Sequence[Failure],
     swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
-    """Build one tree from the parts of all records in order; `swept` has the record ids of the directions by pair."""
+    """Build one tree from the parts of all records in order; `swept` maps pairs to record ids of their directions."""
     arrays = joined_parts([empty_rows(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in _variables(config).items():
@@ -146,7 +146,7 @@ def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
-    """Join parts; record indices, which count from 0 in each part, continue from `records_before`."""
+    """Join parts; record indices, which start at 0 in each part, continue from `records_before`."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
     return {
         path: np.concatenate(
@@ -192,7 +192,7 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """Return the dimensions in the file; a single restitution has no dimension."""
+    """Return the dimensions of a variable in the file; a single restitution has no dimension."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 

@@ -15,9 +15,9 @@ from rockpulse.model_table import is_upper_bound
 
 #: Smallest probabilities for the grades "may overturn" and "overturns" [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
-#: Smallest number of earthquakes, of records scaled to a demand, for a verdict.
+#: Smallest number of earthquakes among the records scaled to a demand for a verdict.
 FEWEST_AT_DEMAND = 5
-#: Rounding tolerance of a mean probability, and probability of uplift below which a body stays at rest [-].
+#: Rounding tolerance of a mean probability, and probability of uplift below which a body counts as at rest [-].
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
@@ -33,7 +33,7 @@ class Standing(IntEnum):
 class Grade(IntEnum):
     """The verdict on a body under all records, from best to worst."""
 
-    STAYS = auto()  #: no motion lifts it
+    AT_REST = auto()  #: no motion lifts it
     ROCKS = auto()  #: the probability of overturning is below 0.05
     MAY_OVERTURN = auto()  #: from 0.05 to 0.5; the worst grade for upper-bound inputs
     NOT_KNOWN = auto()  #: depends on records without a result
@@ -58,13 +58,13 @@ class DemandVerdict:
 
     @property
     def few(self) -> bool:
-        """Whether there are too few earthquakes for a verdict."""
+        """True if there are too few earthquakes for a verdict."""
         return self.earthquakes < FEWEST_AT_DEMAND
 
 
 @dataclass(frozen=True)
 class BodyVerdict:
-    """The verdict on one body over all records, by the most complete model."""
+    """The verdict on one body over all records, from the most complete model."""
 
     body: Body
     grade: Grade
@@ -82,7 +82,7 @@ class BodyVerdict:
 
     @property
     def overall(self) -> Grade:
-        """Worst grade over the demands of the site; without demands, the grade under the unscaled records."""
+        """Worst grade over the demands of the site, or without demands the grade under the unscaled records."""
         return self.grade if self.deciding is None else self.deciding.grade
 
     @property
@@ -108,7 +108,7 @@ def standings(answers: Answers) -> np.ndarray:
 
 
 def reasons_unknown(answers: Answers) -> np.ndarray:
-    """Code (records, bodies) of the reason for a missing or unreliable result; empty for reliable results."""
+    """Return codes (records, bodies) of the reason for a missing or unreliable result; empty for reliable results."""
     found = np.full(answers["outcome"].shape, "", dtype=object)
     for doubtful, why in _doubts(answers):
         found[doubtful] = why
@@ -131,7 +131,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     return [
         BodyVerdict(
             body=body,
-            grade=Grade.STAYS if stays[lane] else _grade(shares[lane], is_upper_bound(answers.model)),
+            grade=Grade.AT_REST if stays[lane] else _grade(shares[lane], is_upper_bound(answers.model)),
             share=shares[lane],
             overturned=fallen[lane],
             at_rest=resting[lane],
@@ -171,13 +171,13 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
 
 
 def too_far(answers: Answers, demand: str) -> np.ndarray:
-    """Mask (records, bodies) of records that are too far from a demand to be scaled; they do not count."""
+    """Return a mask (records, bodies) of records that are too far from a demand to be scaled; they are excluded."""
     factor = answers.to_demand(demand)
     return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
 
 
 def overturning_probabilities(answers: Answers, demand: str | None = None) -> np.ndarray:
-    """Probability (records, bodies) that a record, unscaled or at a demand, overturns a body; NaN if unknown."""
+    """Return the probability (records, bodies) that a record, unscaled or at a demand, overturns a body, or NaN."""
     if answers.probable:
         return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
     if demand is not None:
@@ -187,7 +187,7 @@ def overturning_probabilities(answers: Answers, demand: str | None = None) -> np
 
 
 def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
-    """1 if by its safety factor a body overturns at the demand, 0 if not, NaN if unknown: (records, bodies)."""
+    """Return (records, bodies) 1 if the safety factor is exceeded at the demand, 0 if not, NaN if unknown."""
     ratio = answers.ratios(demand)
     # A search that ends below the demand gives no information on the factors up to it.
     unknown = np.isnan(ratio) | ((ratio < 1.0) & answers.bound)
@@ -197,7 +197,7 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """Return masks of reasons for doubt about a result by their codes, the most serious last."""
+    """Return masks of doubtful results, by the code of the reason, the most serious reason last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     outside, unresolved = answers["applicable"] == 0, answers["outcome"] == Outcome.UNRESOLVED
     return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
@@ -211,7 +211,7 @@ def _governing(factor: np.ndarray, standing: np.ndarray) -> int:
 
 
 class Sliding(NamedTuple):
-    """A body that may slide: `above` of `total` records require more friction than it has, at most `most`."""
+    """A body that may slide: `above` of `total` records require more friction than it has; `most` is the largest."""
 
     body: Body
     above: int

@@ -22,7 +22,7 @@ def _run(args: argparse.Namespace) -> int:
     options = {name: "PATHS" if name == "paths" else f"--{name.replace('_', '-')}" for name in of_records}
     given = [option for name, option in options.items() if getattr(args, name)]
     if args.sequence is not None and given:
-        raise ConfigError(f"--sequence takes the place of the records: drop {' and '.join(given)}, or --sequence")
+        raise ConfigError(f"--sequence replaces the records: remove {' and '.join(given)}, or --sequence")
     config, paths = resolved(args) if args.sequence is None else (configured(args), [])
     if args.all_models:
         from rockpulse.model_table import ALL_MODELS
@@ -68,8 +68,8 @@ def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
 VERB = Verb(
     name="assess",
     summary="assess blocks under records, or under the design sequence of a site",
-    description="Read records, let every model answer for every block, write the results and show the verdicts. With "
-    "--sequence the input is the design sequence of a site; the models that take a sequence answer.",
+    description="Read records, run every model on every body, write the results and show the verdicts. With --sequence "
+    "the input is the design sequence of a site, and only the models that accept a sequence are run.",
     options=(
         from_records("RESULTS"),
         {

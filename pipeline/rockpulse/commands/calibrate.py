@@ -34,7 +34,7 @@ def _run(args: argparse.Namespace) -> int:
 VERB = Verb(
     name="calibrate",
     summary="calibrate the design of a site on its records",
-    description="Read the records of a site, work out the overturning spectrum of each and its quantiles over "
+    description="Read the records of a site, compute the overturning spectrum of each and its quantiles over "
     "earthquakes, with intervals by resampling earthquakes, and read from them an effective impulse and a sequence for "
     "every block. [calibration] method asks for one sequence for all blocks instead, fitted to the rotations.",
     options=(from_records("SITE"), *BATCH),

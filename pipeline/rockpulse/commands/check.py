@@ -27,15 +27,15 @@ def _run(args: argparse.Namespace) -> int:
 
 VERB = Verb(
     name="check",
-    summary="what codes say of the bodies, from their geometry and a design spectrum",
+    summary="check the bodies by building codes, from their geometry and a design spectrum",
     description="Check each body by the kinematic analysis of Italian practice (Circolare 617/2009, Circolare 7/2019) "
     "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone; with results, "
-    "beside the probability of overturning of the same body. A check is not a model of rocking: some bodies pass and "
-    "overturn, many fail and do not overturn.",
+    "also show the probability of overturning of the same body. A check is not a model of rocking: some bodies pass "
+    "and overturn, many fail and do not overturn.",
     options=(
         {
             "RESULTS": (
-                "results of rockpulse assess, whose probability of overturning is shown beside the codes",
+                "results of rockpulse assess, whose probability of overturning is shown with the checks",
                 {"nargs": "?"},
             ),
             "--config CONFIG": "configuration with [[block]] and [check]; default: that of the results",

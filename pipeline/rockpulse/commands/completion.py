@@ -51,7 +51,7 @@ def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
 
 VERB = Verb(
     name="completion",
-    summary="let a shell complete verbs, options and names",
+    summary="print a script for shell completion",
     description="Print a script with which a shell completes verbs, options, kinds of pictures, units and file names. "
     "The examples show where to put it; it takes effect in the next shell.",
     options=({"shell": ("the shell", {"choices": tuple(HOW), "metavar": None})},),

@@ -29,7 +29,7 @@ def _run(args: argparse.Namespace) -> int:
     if not args.quiet and failures:
         tell(rows_not_used(failures, more_in="", listed=LISTED), sys.stderr)
     if not records:
-        told = "rockpulse: no record could be read, nothing was written"
+        told = "rockpulse: no record could be read; nothing was written"
         tell(f"{told}: {failed}" if failed else told, sys.stderr)
         return 1
     if failed:
@@ -42,7 +42,7 @@ def _run(args: argparse.Namespace) -> int:
                 record = known[name]
                 size = f"{record.npts} samples at {record.dt:g} s, PGA {record.pga / STANDARD_GRAVITY:.4g} g"
                 unsaid = record.orientation == "structural" and not writer.structure
-                place = f", on a structure, which {file.path.name} cannot say" if unsaid else ""
+                place = f", on a structure, which {file.path.name} cannot store" if unsaid else ""
                 tell(f"{file.path}: {name}{f' as {code}' if code else ''}: {size}{place}")
                 for warning in record.warnings:
                     tell(paragraph(warning, "      ", "    warning: "))
@@ -52,10 +52,10 @@ def _run(args: argparse.Namespace) -> int:
 
 VERB = Verb(
     name="convert",
-    summary="write records as AT2, CSV or miniSEED",
-    description="Read records of any format and write them in one that other programs read. Samples are written as "
-    "they were read, in m/s2 or g: nothing is corrected or filtered; traces of unequal steps were resampled when they "
-    "were read. The warnings of each record, and what the new format cannot hold, are printed.",
+    summary="convert records to AT2, CSV or miniSEED",
+    description="Read records of any supported format and write them in a format that other programs read. Samples are "
+    "written as they were read, in m/s2 or g: nothing is corrected or filtered; traces of unequal steps were resampled "
+    "when they were read. The warnings of each record, and what the new format cannot hold, are printed.",
     options=(
         {
             "PATHS": ("files, folders, zips or globs of records", {"nargs": "+"}),

@@ -22,7 +22,7 @@ def _tolerance(words: str) -> float:
     except ValueError:
         value = math.nan
     if not (math.isfinite(value) and value >= 0.0):
-        raise argparse.ArgumentTypeError(f"expected a number from 0, found {words!r}")
+        raise argparse.ArgumentTypeError(f"expected a number >= 0, found {words!r}")
     return value
 
 

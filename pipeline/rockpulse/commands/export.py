@@ -55,18 +55,18 @@ def _names(joined: str | None) -> list[str] | None:
 
 VERB = Verb(
     name="export",
-    summary="write answers of a results file as a table",
+    summary="write results as a table",
     description="Write a group of a results file as a long table (CSV, a workbook, Parquet), one row per answer and "
     "one column per variable, and a README that gives every column its unit and meaning. Flags are written as words.",
     options=(
         {
             "RESULTS": "results file of any kind",
             "-o --output TABLE !": "name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install "
-            "'rockpulse[tables]'); name.README.md beside it explains the columns",
+            "'rockpulse[tables]'); name.README.md, written next to it, explains the columns",
             "--group NAME": "group of the file: half_cycles, overturning_intervals, directions, failures, records ...; "
             "default: the one with the answers (summary)",
             "--rows DIM[,DIM]": "dimensions of a row: record, or record,block ...; default: record,block,model",
-            "--columns NAME[,NAME]": "only these variables, beside the names; default: all",
+            "--columns NAME[,NAME]": "only these variables, in addition to the names; default: all",
             "--record ID ...": "only this record (* and ? are wildcards); repeatable",
             "--block NAME ...": "only this body (* and ? are wildcards); repeatable",
             **SELECTION,

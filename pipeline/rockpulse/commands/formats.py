@@ -29,21 +29,21 @@ def _run(args: argparse.Namespace) -> int:
         tell(wrapped(f"recognised by: {row.recognised}", _INDENT, 2 * _INDENT))
         tell(wrapped(f"unit: {row.unit}; corrected: {row.processed}; such as {row.example}", _INDENT, 2 * _INDENT))
     if refused:
-        tell("\nKnown at sight and refused with the reason:")
+        tell("\nRecognised but not read (the reason is reported):")
         for row in refused:
             tell(wrapped(f"{row.name} - {row.what}, such as {row.example}", "  ", 2 * _INDENT))
     tell("")
     tell(
         wrapped(
-            "Every file may be compressed with gzip or lie in a zip archive: files and members up to "
+            "Every file may be compressed with gzip or stored in a zip archive: files and members up to "
             f"{FILE_LIMIT // 1024**2} MiB, compressed up to {RATIO_LIMIT} times; archives up to {MEMBER_LIMIT} members "
             f"and {TOTAL_LIMIT // 1024**2} MiB, without archives in them."
         )
     )
     tell(
         wrapped(
-            "obspy.read takes them too, in m/s2 with calib 1; K-NET, miniSEED and SAC it reads in its own way, in "
-            "counts, and columns with format='COLUMNS', units='g' and, without times, dt=0.01."
+            "obspy.read reads them too, in m/s2 with calib 1, except K-NET, miniSEED and SAC, which obspy reads "
+            "itself, in counts; it reads columns with format='COLUMNS', units='g' and, without times, dt=0.01."
         )
     )
     tell(f"Units: {', '.join(UNITS)}.")
@@ -54,7 +54,7 @@ VERB = Verb(
     name="formats",
     summary="list the file formats",
     description="List the formats that are read, how they are recognised, their unit, whether they are corrected "
-    "volumes, and the units that can be named for those that state none.",
+    "volumes, and the units that can be given for those that state none.",
     options=(),
     run=_run,
     examples=("rockpulse formats",),

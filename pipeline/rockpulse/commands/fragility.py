@@ -38,8 +38,9 @@ VERB = Verb(
     name="fragility",
     summary="fragility curves of blocks under a set of records",
     description="Scale every record until each limit state is reached (or to given levels), fit fragility curves with "
-    "confidence bands over earthquakes in every intensity measure, and say which measure serves best. Limit states, "
-    "measures and the way of scaling: section [fragility] of the configuration; without one its defaults.",
+    "confidence bands over earthquakes in every intensity measure, and report the dispersion of capacity in each "
+    "measure. Limit states, measures and the way of scaling: section [fragility] of the configuration; without one its "
+    "defaults.",
     options=(from_records("RESULTS"), *BATCH),
     run=_run,
     examples=(

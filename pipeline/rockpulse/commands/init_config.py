@@ -70,7 +70,7 @@ VERB = Verb(
     name="init-config",
     summary="write a configuration with every key explained",
     description="Print a configuration with every key, its default and its meaning, or write it to a new file.",
-    options=({"-o --output FILE": "write here instead; a file that exists is left alone"},),
+    options=({"-o --output FILE": "file to write; an existing file is not replaced"},),
     run=_run,
     examples=("rockpulse init-config -o site.toml",),
 )

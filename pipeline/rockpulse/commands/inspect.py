@@ -45,7 +45,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
     if beside:
         raise ResultsError(
-            f"--worst lists cases by their safety factor and cannot be combined with {', '.join(beside)}; take --sort "
+            f"--worst lists cases by their scale factor and cannot be combined with {', '.join(beside)}; use --sort "
             "VARIABLE --limit N instead"
         )
     selection = read_selection(args)
@@ -101,7 +101,7 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     if asked or (args.failures and not listed):
         options = ", ".join(f"--{option}" for option in asked or ["failures"])
         raise ResultsError(
-            f"{args.results}: {options}: for results of 'rockpulse assess'; {said}, which inspect shows whole"
+            f"{args.results}: {options}: only for results of 'rockpulse assess'; {said}, which inspect shows in full"
         )
     if args.failures:
         return failure_list(file.tree("failures")) or NOTHING
@@ -122,7 +122,7 @@ VERB = Verb(
             "repeatable",
             "--block NAME ...": "one body in detail, or the cases of a pattern; repeatable",
             "--all": "the verdict of every model for every record and body",
-            "--failures": "what failed or was skipped, and why",
+            "--failures": "files and channels that failed or were skipped, with the reason",
             "--records": "list the records",
             "--blocks": "list the bodies",
             "--worst N": ("the N cases with the smallest scale factor that overturns", {"type": parse_count}),

@@ -84,7 +84,7 @@ class Parser(argparse.ArgumentParser):
         found, left = super().parse_known_args(self._given, namespace)
         if left:
             several = any(one.nargs in ("*", "+") for one in self._actions if not one.option_strings)
-            apart = "; name all paths together, in one place" if several and not left[0].startswith("-") else ""
+            apart = "; give all paths together" if several and not left[0].startswith("-") else ""
             self.error(f"unrecognized arguments: {' '.join(left)}{apart}")
         return found, left
 

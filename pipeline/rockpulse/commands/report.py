@@ -17,10 +17,10 @@ def _run(args: argparse.Namespace) -> int:
 
 VERB = Verb(
     name="report",
-    summary="one file of the results to hand over, HTML or PDF",
-    description="Write the results as one file that needs no network: on two pages the verdict on every body and what "
-    "it rests on, then an annex with every body and record, the method and what it does not cover, and where the "
-    "numbers come from. A PDF is printed by the Chrome, Chromium or Edge of this machine.",
+    summary="write a report of the results in one file, HTML or PDF",
+    description="Write the results as one file that needs no network: two pages with the verdict on every body and its "
+    "basis, then an annex with every body and record, the method and its limits, and the origin of the data. A PDF is "
+    "printed by the Chrome, Chromium or Edge of this machine.",
     options=(
         {
             "RESULTS": "results file of rockpulse assess",

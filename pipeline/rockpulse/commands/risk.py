@@ -38,7 +38,7 @@ def _run(args: argparse.Namespace) -> int:
         raise ConfigError("--hazard, --config: expected one source of the hazard, found both")
     bodies = None if args.bodies is None else read_inventory(args.bodies)
     if bodies is not None and bodies.passed_over:
-        tell(f"{args.bodies}: columns passed over: {', '.join(bodies.passed_over)}", sys.stderr)
+        tell(f"{args.bodies}: columns not used: {', '.join(bodies.passed_over)}", sys.stderr)
     found = risk(
         args.fragility,
         args.hazard,
@@ -69,15 +69,16 @@ def _run(args: argparse.Namespace) -> int:
 VERB = Verb(
     name="risk",
     summary="annual frequency of overturning from a fragility file and a hazard curve",
-    description="Sum the fragility of each body over the hazard of its site: annual frequency of a limit state with a "
-    "band over earthquakes, probability in a number of years, and the levels of ground motion that contribute. The "
-    "hazard is taken as known; a warning says where much of the frequency comes from levels that were not analysed.",
+    description="Integrate the fragility of each body over the hazard curve of its site: annual frequency of a limit "
+    "state with a band over earthquakes, probability in a number of years, and the levels of ground motion that "
+    "contribute. The hazard is taken as known; a warning is given if much of the frequency comes from levels that were "
+    "not analysed.",
     options=(
         {
             "FRAGILITY": "file of rockpulse fragility; with --bodies results of rockpulse assess with [uncertainty] "
             'spectrum = "all"',
             "--bodies TABLE": "any number of free bodies that the spectra of the results cover: a table (CSV) with the "
-            'columns "name", "width [m]", "height [m]", perhaps "restitution", perhaps "longitude" and "latitude", for '
+            'columns "name", "width [m]", "height [m]", and optionally "restitution", "longitude" and "latitude", for '
             'the hazard of each body\'s own site, and "soil_factor"',
             "--hazard CURVE": 'hazard curve (CSV): "pga [g],rate" or "pga [g],probability in 50 years", OpenQuake\'s '
             'hazard curves, or return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section '

@@ -52,7 +52,7 @@ class _Escaping(logging.Formatter):
 
 
 class _LogFile(logging.FileHandler):
-    """A log file to which nothing is written after a write error, which `failed` contains, while the run continues."""
+    """A log file that takes no more lines after a write error, stored in `failed`, while the run continues."""
 
     failed = ""
 
@@ -103,19 +103,19 @@ def _logged(log: Path, output: Path) -> Iterator[None]:
 
 def _check_log(log: Path, output: Path) -> None:
     if log.absolute() == output.absolute():
-        raise ConfigError(f"--log-file {log}: expected another file than the output; choose another name")
+        raise ConfigError(f"--log-file {log}: expected a file other than the output; choose another name")
     if log.is_fifo():  # opening a pipe without a reader would block
         try:
             os.close(os.open(log, os.O_WRONLY | os.O_NONBLOCK))
         except OSError as error:
-            raise ConfigError(f"--log-file {log}: nobody reads from this pipe; choose another file") from error
+            raise ConfigError(f"--log-file {log}: no program reads from this pipe; choose another file") from error
     if not log.is_file():
         return
     with log.open("rb") as file:
         head = file.read(len("2000-01-01 00:00:00"))
     if head and not re.fullmatch(rb"\d{4}(-\d\d){2} \d\d(:\d\d){2}", head):
         raise ConfigError(
-            f"--log-file {log}: expected a new file, or a log to be added to, found something else; choose another name"
+            f"--log-file {log}: expected a new file or an existing log, found another file; choose another name"
         )
 
 
@@ -125,7 +125,7 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
     from rockpulse.views.text.left_out import rows_not_used
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
-    told = f"rockpulse: no record could be {what}, nothing was written"
+    told = f"rockpulse: no record could be {what}; nothing was written"
     # Where nothing failed, records that were too weak are why.
     weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
     why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))

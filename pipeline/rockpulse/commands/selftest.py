@@ -28,12 +28,12 @@ def _run(args: argparse.Namespace) -> int:
             tell(_line(cells) + ("" if one.passed else f"  FAILED: expected {stored.outcome}"))
         tell(f"\n{_machine()}")
         tell(
-            "peak, error: theta_max/alpha_c and its distance from the stored answer, which has 24 digits; ns: of a "
-            "sample in\nwhich the body moves, 64 factors in a call of one thread, and by solve_ivp (RK45, rtol 1e-6) "
-            "one case a call."
+            "peak, error: theta_max/alpha_c and its difference from the stored result of 24 digits; ns: time per "
+            "sample in\nwhich the body moves, with 64 scale factors per call on one thread, and with solve_ivp (RK45, "
+            "rtol 1e-6), one case per call."
         )
         flips = sum(math.isinf(one.error) for one in found)
-        tell(f"\n{len(found)} cases: {len(failed)} beyond their bounds, {flips} of them with another verdict")
+        tell(f"\n{len(found)} cases: {len(failed)} outside their bounds, {flips} of them with a different verdict")
     return 1 if failed else 0
 
 
@@ -72,9 +72,10 @@ def _machine() -> str:
 
 VERB = Verb(
     name="selftest",
-    summary="solve stored cases and compare them with their answers",
-    description="Solve some thirty stored cases on this machine: error against answers of 24 digits, verdicts, and the "
-    "cost of a sample beside that of scipy's solve_ivp. Exit code 0: every error is within its bound, 1: one is not.",
+    summary="solve stored cases and compare them with their stored results",
+    description="Solve some thirty stored cases on this machine: error against results of 24 digits, verdicts, and the "
+    "time per sample compared with scipy's solve_ivp. Exit code 0: every error is within its bound, 1: at least one is "
+    "not.",
     options=({"--quiet": QUIET},),
     run=_run,
     examples=("rockpulse selftest",),

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 #: What --quiet does.
-QUIET = "print only one line on what failed"
+QUIET = "print only one line that summarises failures"
 
 #: Options for properties that a file may lack.
 READING: Options = {
@@ -37,8 +37,8 @@ def from_records(output: str) -> Options:
         "configuration; repeatable",
         "--confirm-size": "accept a --block larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
         **READING,
-        "--confirm PATTERN ...": "accept a peak above 5 g, a defect or a twin that differs in channels with this id "
-        "(* and ? are wildcards), which fail otherwise; repeatable",
+        "--confirm PATTERN ...": "accept a peak above 5 g, a defect or a differing duplicate in channels with this id "
+        "(* and ? are wildcards), which are rejected otherwise; repeatable",
         "--overwrite": "replace an existing results file; never another file",
         "--quiet": QUIET,
     }
@@ -67,9 +67,9 @@ BATCH: tuple[Options, ...] = (
         }
     ),
     {
-        "--resume": "continue a run that was stopped, or start one",
-        "--strict": "stop at the first file or record that fails and write no output; --resume continues with what was "
-        "finished",
+        "--resume": "continue a stopped run, or start a new one",
+        "--strict": "stop at the first file or record that fails and write no output; --resume continues from the "
+        "finished records",
         "--log-file FILE": "append a log with times to this file",
     },
 )
@@ -79,7 +79,7 @@ def parse_count(words: str) -> int:
     """Parse a whole number from 1."""
     number = int(words) if words.isdecimal() else 0
     if number < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 1, found {words!r}")
+        raise argparse.ArgumentTypeError(f"expected a whole number >= 1, found {words!r}")
     return number
 
 
@@ -89,7 +89,7 @@ SELECTION: Options = {
     "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
     "--where CONDITION ...": "only where a variable or a column of the tables meets a condition: 'factor_10 < 1', "
     "'SF < "
-    "1', 'P > 0.5', 'source = *.AT2'; repeatable, all must hold",
+    "1', 'P > 0.5', 'source = *.AT2'; repeatable, all must be met",
     "--sort VARIABLE": "sort by this variable or column, smallest first, unknown values last",
     "--descending": "with --sort: largest first",
     "--limit N": ("at most N rows", {"type": parse_count}),
@@ -101,7 +101,7 @@ def read_selection(args: argparse.Namespace) -> RowSelection:
     from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
-        raise ResultsError("--descending: expected --sort VARIABLE beside it, found none; add --sort VARIABLE")
+        raise ResultsError("--descending: needs --sort VARIABLE; add it")
     names = {dim: tuple(getattr(args, dim)) for dim in ("record", "block", "model") if getattr(args, dim)}
     conditions = [Condition.parse(words) for words in args.where]
     if args.outcome:

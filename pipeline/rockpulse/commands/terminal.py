@@ -79,10 +79,10 @@ MISSING = {
 
 #: For each number of an operating-system error: advice on the fault of the file.
 ADVICE = {
-    (errno.ENOSPC, errno.EDQUOT): "; make room there, or choose another folder",
+    (errno.ENOSPC, errno.EDQUOT): "; free some space there, or choose another folder",
     (errno.EACCES, errno.EPERM, errno.EROFS): "; check the permissions, or choose another folder",
     (errno.ENAMETOOLONG,): "; choose a shorter name: most file systems take 255 bytes",
-    (errno.EAGAIN, errno.EBUSY, errno.ETXTBSY): "; another program holds the file: close it there, or wait",
+    (errno.EAGAIN, errno.EBUSY, errno.ETXTBSY): "; another program has the file open: close it there, or wait",
 }
 
 #: Arguments that name a results file to read.
@@ -135,7 +135,7 @@ def differing_results(args: argparse.Namespace) -> str:
         if found.variables and found.differences:  # without checksums no comparison is possible
             changed = [one for one in found.differences if one.startswith("variable ")] or [*found.differences]
             return (
-                f"{path} is not as it was written ({'; '.join(changed[:SAID])}); 'rockpulse verify {path}' lists every "
-                "difference; run the assessment again"
+                f"{path} was changed after it was written ({'; '.join(changed[:SAID])}); 'rockpulse verify {path}' "
+                "lists every difference; run the assessment again"
             )
     return ""

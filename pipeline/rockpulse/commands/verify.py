@@ -18,10 +18,10 @@ def _run(args: argparse.Namespace) -> int:
         tell(f"{args.results}: {difference}")
     if not args.quiet:
         count = len(found.differences)
-        verdict = f"{count} difference{'s' * (count != 1)}" if count else "as it was written"
+        verdict = f"{count} difference{'s' * (count != 1)}" if count else "unchanged"
         tell(f"{args.results}: {found.kind}, schema {found.schema}, {found.variables} variables: {verdict}")
         if args.inputs:
-            tell(f"input files read again: {found.inputs}, not where they were: {len(found.absent)}")
+            tell(f"input files checked: {found.inputs}, missing: {len(found.absent)}")
             for name in found.absent[:LISTED]:
                 tell(f"  {name}")
             if len(found.absent) > LISTED:

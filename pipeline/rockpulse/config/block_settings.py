@@ -46,7 +46,7 @@ def _restitution(value: Any) -> Any:
 
 _NAME = KeyType('a printable text without "/"', _is_name, str)
 _REBOUND = KeyType(
-    'a share e in [0, 1], "sorrentino", or a list of such numbers',
+    'a number e in [0, 1], "sorrentino", or a list of such numbers',
     lambda value: value == "sorrentino" or (_is_restitution(value) and value != "housner"),
     _restitution,
     ("sorrentino",),
@@ -248,14 +248,16 @@ class BlockSettings(Section):
                 f"radius [m], or b_1, b_2, centre and gyration [m]; found {found}"
             )
         if self.width is None and (self.offset or self.lean or self.density or self.length):
-            raise ConfigError(f"{self.where}: offset, lean, density and length go with width and height only")
+            raise ConfigError(f"{self.where}: offset, lean, density and length can be given with width and height only")
         if self.p is not None and (self.ties or self.loads or self.thrusts or self.mass):
             raise ConfigError(
                 f"{self.where}: mass, ties, loads and thrusts need a body with sizes, by width and height or by "
                 "b_1, b_2, centre and gyration; found one by p and alpha"
             )
         if not self.one_sided and (self.rebound is not None or self.facing is not None):
-            raise ConfigError(f"{self.where}: rebound and facing are of a body before a wall; set one_sided = true")
+            raise ConfigError(
+                f"{self.where}: rebound and facing apply only to a body before a wall; set one_sided = true"
+            )
         if self.azimuth is not None and self.facing is not None and math.remainder(self.azimuth - self.facing, 180.0):
             raise ConfigError(
                 f"{self.where} azimuth: a body before a wall falls towards its facing, {self.facing:g} degrees, found "
@@ -263,7 +265,7 @@ class BlockSettings(Section):
             )
         if self.pedestals and (self.one_sided or self.ties or self.loads or self.thrusts or self.p is not None):
             raise ConfigError(
-                f"{self.where}: a pedestal is of a free body with sizes; found one by p and alpha, before a wall, or "
+                f"{self.where}: a pedestal needs a free body with sizes; found one by p and alpha, before a wall, or "
                 "with ties, loads or thrusts"
             )
         if self.alpha is not None and self.alpha >= math.pi / 2:
@@ -329,8 +331,8 @@ def _doubt(block: BlockSettings) -> str:
     """Return why the size of a body is probably wrong, and what to give instead; empty for usual sizes."""
     if block.width is not None and block.height is not None:
         width, height = block.width, block.height
-        larger = "millimetres?" if max(width, height) >= _MILLIMETRES else "centimetres?"
-        swapped = "are the two swapped?" if width > height else "in m?"
+        larger = "are these millimetres?" if max(width, height) >= _MILLIMETRES else "are these centimetres?"
+        swapped = "are the two swapped?" if width > height else "are these metres?"
         found = f"{width:g} x {height:g}: {larger if max(width, height) > LARGEST_SIZE else swapped}"
         advice = "give full sizes in m"
     elif block.centre is not None:
@@ -348,7 +350,7 @@ def _doubt(block: BlockSettings) -> str:
         found = f"{source} of a rectangle of {width:.3g} x {height:.3g} m."
         advice = "give p = sqrt(M g R/I_0) in 1/s, alpha in rad, the radius in m"
     doubt = size_problem(width, height)
-    return doubt and f"{found} A body {doubt} is taken only where that is confirmed: {advice}"
+    return doubt and f"{found} A body {doubt} is accepted only if confirmed: {advice}"
 
 
 def parse_block_option(option: str, confirm_size: bool = False) -> BlockSettings:

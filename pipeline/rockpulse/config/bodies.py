@@ -22,7 +22,7 @@ LIGHT = 0.05
 class FeltMotion(NamedTuple):
     """The direction and the building modes that determine the motion under a body."""
 
-    azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for the record's own
+    azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for that of the record
     floors: tuple[FloorSettings, ...]  #: modes of the building under the body; empty on the ground
 
 
@@ -52,7 +52,7 @@ class Bodies:
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
-        """Group body indices by place, the record's own place (`within` degrees of `azimuth`) first."""
+        """Group body indices by direction and floor; directions `within` degrees of `azimuth` are the record's own."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
@@ -71,11 +71,11 @@ class Bodies:
         return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
-        """(..., b x cases) -> (..., b, cases)."""
+        """Reshape values of lanes (..., b x cases) to (..., b, cases)."""
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
     def apart(self) -> tuple[list[str], Block, np.ndarray]:
-        """Split restitutions into bodies such as "wall C 0.9": names, lanes, body; ConfigError for equal names."""
+        """Split bodies by restitution ("wall C 0.9"): return names, lanes, body index; ConfigError for equal names."""
         names, kept = [], []
         for place, (name, own) in enumerate(
             zip(self.names, self.per_case(np.asarray(self.lanes.restitution)), strict=True)
@@ -89,7 +89,7 @@ class Bodies:
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
             raise ConfigError(
-                f'block "{twice}": one body has the name that another gets with one of its restitutions; rename one'
+                f'block "{twice}": this name is also that of another body with one of its restitutions; rename one'
             )
         return names, Block.stack([self.lanes.lane(lane) for lane in kept]), np.array(kept) // self.cases
 
@@ -115,7 +115,7 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
         raise ConfigError("no body to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT")
     lengths = {name: block.shape[0] for name, block in named.items() if block.shape}
     if len(set(lengths.values())) > 1:
-        raise ConfigError(f"restitution: expected lists of one length in all blocks, found {lengths}")
+        raise ConfigError(f"restitution: expected lists of equal length in all blocks, found {lengths}")
     gravities = {block.gravity for block in named.values()}
     if len(gravities) > 1:
         raise ConfigError(f"gravity: expected one value for all blocks of an assessment, found {sorted(gravities)}")
@@ -123,7 +123,8 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
     for name, block in named.items():
         if any(np.ptp(values) > 0.0 for values in (block.p, block.alpha_c, block.radius)):
             raise ConfigError(
-                f'block "{name}": its lanes may differ in restitution only; give other sizes another name'
+                f'block "{name}": the cases of a body may differ in restitution only; '
+                "give bodies of other sizes other names"
             )
 
     facing, azimuth = _values_of_key(given, named, "facing"), _values_of_key(given, named, "azimuth")
@@ -165,8 +166,8 @@ def _heavy(body: BlockSettings, block: Block) -> list[str]:
     if not masses or not mass > LIGHT * min(masses):
         return []
     return [
-        f"mass {mass:.4g} kg is {mass / min(masses):.2g} of its floor's: the floor's motion is worked out without the "
-        f"body, which holds up to {LIGHT:g}"
+        f"mass {mass:.4g} kg is {mass / min(masses):.2g} of the mass of its floor: the floor's motion is computed "
+        f"without the body, which is accurate up to {LIGHT:g}"
     ]
 
 
@@ -198,7 +199,7 @@ def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
 
 def _named(name: Any, body: Any) -> Block | BlockSettings:
     if not isinstance(name, str):
-        raise ConfigError(f"bodies: expected texts as the names of bodies, found {_found(name)}")
+        raise ConfigError(f"bodies: expected strings as the names of bodies, found {_found(name)}")
     if isinstance(body, Block):
         return body
     if isinstance(body, BlockSettings):

@@ -81,7 +81,7 @@ class Config:
         lists = {name: len(own) for name, own in ratios if isinstance(own, tuple)}
         if len(set(lists.values())) > 1:
             found = ", ".join(f'{length} in "{name}"' for name, length in lists.items())
-            raise ConfigError(f"[[block]] restitution: expected lists of one length in all blocks, found {found}")
+            raise ConfigError(f"[[block]] restitution: expected lists of equal length in all blocks, found {found}")
         if self.models.histories and self.records.store == "none":
             raise ConfigError(
                 '[models] histories: true, but [records] store = "none" leaves them out of the results; '
@@ -89,8 +89,8 @@ class Config:
             )
         if self.fragility.selection is not None and self.records.components == "strongest":
             raise ConfigError(
-                '[fragility] selection: it names records, and [records] components = "strongest" tells their ids only '
-                'when all is done; take "horizontal", "azimuth" or "sweep"'
+                '[fragility] selection: it names records, but with [records] components = "strongest" their ids are '
+                'known only after the run; use "horizontal", "azimuth" or "sweep"'
             )
         require_pairs(self.bodies, self.records)
         if self.uncertainty.azimuth and self.records.components != "sweep":
@@ -105,7 +105,7 @@ class Config:
         return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
-        """``records.paths`` relative to the current folder."""
+        """Return ``records.paths`` relative to the current folder."""
         return [located(path, self.folder) for path in self.records.paths]
 
     def as_text(self) -> str:
@@ -203,7 +203,7 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
     known = [*SECTIONS, *SEVERAL]
     for name in document:
         if name not in known:
-            told = f"known are {', '.join(known)}"
+            told = f"known sections: {', '.join(known)}"
             raise ConfigError(f"[{name}]: unknown section{hint(name, known, told)}")
     sections: Any = {name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document}
     blocks = _sections(BlockSettings, document, "block", "body")
@@ -227,11 +227,11 @@ def _section(cls: type[Section], values: Any) -> Any:
     known = {_toml_key(item): item for item in dataclasses.fields(cls)}
     for key in values:
         if key not in known:
-            otherwise = f"known are {', '.join(known)}"
+            otherwise = f"known keys: {', '.join(known)}"
             raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, list(known), otherwise)}")
     for key, item in known.items():
         if item.default is dataclasses.MISSING and key not in values:
-            raise ConfigError(f"{cls.heading} {key}: this key is needed, found only {', '.join(values) or 'nothing'}")
+            raise ConfigError(f"{cls.heading} {key}: this key is required, found only {', '.join(values) or 'nothing'}")
     return cls(**{item.name: _given(item, key, values[key]) for key, item in known.items() if key in values})
 
 

@@ -11,7 +11,7 @@ from rockpulse.option import KeyType, Section, boolean, choice, count, entries, 
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
 
-#: Spacings of the secondary impulses.
+#: Names of the spacings of secondary impulses.
 SPACINGS = ("end", "middle", "start", "open", "continuous")
 #: Words allowed for `weights`, which may also be the name of a table.
 WEIGHTS = ("equal", "event")
@@ -19,7 +19,7 @@ WEIGHTS = ("equal", "event")
 MOST_WORKERS = 10_000
 
 
-def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "drop it") -> ConfigError:
+def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "remove it") -> ConfigError:
     """Return the error for keys that the value of another key does not allow."""
     they = "they belong" if "," in keys else "it belongs"
     return ConfigError(f'{section.where} {keys}: {they} to {key} = {words}, found {key} = "{section[key]}"; {advice}')
@@ -70,10 +70,10 @@ class RecordSettings(Section):
                 "north-east: 45)"
             )
         if self.components != "azimuth" and self.azimuth is not None:
-            raise misplaced(self, "azimuth", "components", '"azimuth"', "drop it or change components")
+            raise misplaced(self, "azimuth", "components", '"azimuth"', "remove it or change components")
         if not math.isclose(180.0 / self.azimuth_step, round(180.0 / self.azimuth_step), rel_tol=1e-9):
             raise ConfigError(
-                f"[records] azimuth_step: expected a whole part of 180 degrees, found {self.azimuth_step:g}; "
+                f"[records] azimuth_step: expected a divisor of 180 degrees, found {self.azimuth_step:g}; "
                 "take 5, 10, 15, 22.5, 30 or 45"
             )
 
@@ -133,13 +133,13 @@ class IntensePhaseSettings(Section):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.method != "window" and (self.start_s is not None or self.end_s is not None):
-            raise misplaced(self, "start_s, end_s", "method", '"window"', "drop them or change the method")
+            raise misplaced(self, "start_s, end_s", "method", '"window"', "remove them or change the method")
         if self.end_s is not None and (self.start_s is None or self.start_s >= self.end_s):
             raise ConfigError(
                 f"[intense_phase] end_s: expected a time after start_s = {self.start_s}, found {self.end_s:g}"
             )
         if self.level is not None and self.method != "bracketed":
-            raise misplaced(self, "level", "method", '"bracketed"', "drop it or change the method")
+            raise misplaced(self, "level", "method", '"bracketed"', "remove it or change the method")
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,7 @@ class CalibrationSettings(Section):
         if self.scale_to != "none" and self.target is None:
             raise ConfigError(f'[calibration] scale_to: "{self.scale_to}" needs the value to scale to; give target')
         if self.scale_to == "none" and self.target is not None:
-            raise misplaced(self, "target", "scale_to", quoted(SCALING), "drop it or say what is scaled to it")
+            raise misplaced(self, "target", "scale_to", quoted(SCALING), "remove it, or set scale_to")
 
     @property
     def weighting(self) -> str:

@@ -59,7 +59,7 @@ def _by_severity(value: Any) -> tuple[str | float, ...]:
 
 
 _RANGE = KeyType(
-    "[least, most], shares of the nominal C above 0 and at most 1",
+    "[lowest, highest], fractions of the nominal C above 0 and at most 1",
     lambda value: _are_numbers(value, 2) and value[0] <= value[1] <= 1.0,
     _floats,
 )
@@ -69,8 +69,10 @@ _LIMIT_STATES = KeyType(
     _by_severity,
     (UPLIFT, OVERTURNING),
 )
-_FACTORS = KeyType("two positive numbers [lowest, highest] that ascend", lambda value: _ascend(value, 2), _floats)
-_LEVELS = KeyType("a list of positive numbers that ascend", _ascend, _floats)
+_FACTORS = KeyType(
+    "two positive numbers [lowest, highest] in ascending order", lambda value: _ascend(value, 2), _floats
+)
+_LEVELS = KeyType("a list of positive numbers in ascending order", _ascend, _floats)
 
 
 @dataclass(frozen=True)
@@ -224,7 +226,9 @@ class CheckSettings(Section):
         needed = {"ntc": ("ag", "f0", "tc_star"), "table": ()}.get(self.spectrum, ("ag",))
         missing = [name for name in needed if name not in named]
         if named and missing:
-            raise ConfigError(f"[check] {missing[0]}: {self.spectrum} needs it beside {', '.join(named)}; give it")
+            raise ConfigError(
+                f"[check] {missing[0]}: {self.spectrum} requires it in addition to {', '.join(named)}; give it"
+            )
 
     @property
     def given(self) -> bool:

@@ -1,4 +1,4 @@
-"""Readers of strong-motion files; importing them loads neither obspy, pandas, numba nor xarray."""
+"""Readers of strong-motion files; their import loads none of obspy, pandas, numba and xarray."""
 
 import os
 from dataclasses import replace
@@ -17,7 +17,7 @@ __all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", 
 
 
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
-    """Read every channel of an opened file, as `read` does for a path."""
+    """Read every channel of an open file, as `read` does for a path."""
     tables = text_tables(file)
     if tables is not None:
         return read_tables(file, tables, lambda table: _read_text(table, options))
@@ -44,7 +44,7 @@ def read(
     response: str = "sensitivity",
     stationxml: str | os.PathLike[str] | BinaryIO | None = None,
 ) -> list[Record]:
-    """Read every channel of a strong-motion file; as :func:`rockpulse.read`, without folders."""
+    """Read every channel of a strong-motion file, as :func:`rockpulse.read` does, but no folders."""
     options = ReadOptions(units, dt, response)
     file = _open(path)
     if stationxml is not None:

@@ -1,4 +1,4 @@
-"""Members of a zip archive, read in memory: nothing is written to disk."""
+"""Reads the members of a zip archive in memory, without writing to disk."""
 
 import lzma
 import re
@@ -11,16 +11,16 @@ from pathlib import Path, PurePosixPath
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, archive_kind
 
-#: An archive with more members is refused.
+#: Largest number of members of an archive; an archive with more is rejected.
 MEMBER_LIMIT = 100_000
-#: An archive whose members are larger together is refused [bytes].
+#: Largest total size of the members of an archive [bytes]; a larger archive is rejected.
 TOTAL_LIMIT = 2 * 1024**3
 _LOCAL_HEADER = 30  # bytes of a member's local header before its name
 _NESTED = (".zip", ".gz", ".tgz", ".tar", ".bz2", ".xz", ".7z", ".rar", ".zst")
 
 
 def is_archive(path: Path) -> bool:
-    """Whether a file is a zip archive, by its first bytes or its name; office documents are none."""
+    """Return whether a file is a zip archive, from its first bytes or its name; office documents are not."""
     if path.suffix.lower() == ".zip":
         return True
     with path.open("rb") as stream:
@@ -28,7 +28,7 @@ def is_archive(path: Path) -> bool:
 
 
 class Archive:
-    """An open zip archive of records, to be closed or used as a context manager; unsound ones are refused."""
+    """An open zip archive of records, to be closed or used in a ``with`` block; unsafe archives are rejected."""
 
     def __init__(self, path: Path) -> None:
         try:
@@ -55,11 +55,11 @@ class Archive:
         self.close()
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file of the archive."""
         self._archive.close()
 
     def member(self, number: int) -> SourceFile:
-        """Unpack in memory the file at place `number` of `names`."""
+        """Unpack in memory the member with index `number` in `names`."""
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
         folder = PurePosixPath(entry.filename).parent
@@ -68,7 +68,7 @@ class Archive:
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
-    """Refuse too many members or bytes, and members that share their bytes (a small archive may unpack to much)."""
+    """Reject too many members or bytes, and members that share bytes (a small archive could unpack to a huge size)."""
     if len(entries) > MEMBER_LIMIT:
         raise RecordRefused(f"{path}: {len(entries)} members, the most that is read is {MEMBER_LIMIT}; split it")
     total = sum(entry.file_size for entry in entries)
@@ -118,7 +118,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
 def _station_files(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: PurePosixPath
 ) -> list[tuple[str, bytes]]:
-    """Name and bytes of each XML member of one folder."""
+    """Return name and bytes of each XML member in one folder."""
     xml = (entry for entry in entries if entry.filename.lower().endswith(".xml"))
     beside = (entry for entry in xml if PurePosixPath(entry.filename).parent == folder)
     named = ((f"{archive.filename}!{entry.filename}", entry) for entry in beside)
@@ -128,6 +128,6 @@ def _station_files(
 def _beside(
     archive: zipfile.ZipFile, entries: dict[str, zipfile.ZipInfo], folder: PurePosixPath, name: str
 ) -> bytes | None:
-    """The bytes of a member by its name in a folder; None where there is none."""
+    """Return the bytes of a member, given its name in a folder; None if there is no such member."""
     wanted = str(folder / name)
     return _content(archive, entries[wanted], f"{archive.filename}!{wanted}") if wanted in entries else None

@@ -1,4 +1,4 @@
-"""Workbooks (XLSX), MATLAB and numpy files as tables of text, which the reader of columns takes like any other."""
+"""Converts workbooks (XLSX), MATLAB and numpy files to tables of text, which the reader of columns reads."""
 
 import io
 import zipfile
@@ -16,9 +16,9 @@ from rockpulse.record.record import Record
 _WORKBOOKS = (".xlsx", ".xlsm")
 _SAVE = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
 _DELIMITER = ";"  # between the cells of the text; a cell may hold a comma
-#: Fewer rows make no series of a sheet, which may be a list of stations, and fewer numbers none of an array.
+#: Smallest number of rows of a series in a sheet, which may be a list of stations, and of numbers in an array.
 _FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
-#: Names of single numbers, in small letters, by the words that the reader of columns knows.
+#: Words known to the reader of columns, for names of single numbers (in lower case).
 _NUMBERS = dict.fromkeys(("dt", "delta", "deltat", "step", "time_step", "timestep", "sampling_interval"), "dt")
 _NUMBERS |= dict.fromkeys(("fs", "sps", "sampling_rate", "samplerate", "sample_rate", "rate"), "sampling rate")
 _NUMBERS |= dict.fromkeys(("npts", "nsamples"), "npts") | dict.fromkeys(("pga",), "pga")
@@ -27,7 +27,7 @@ _SAMPLES = ("data", "samples", "values", "signal", "x", "y", "arr_0")
 
 
 def text_tables(file: SourceFile) -> list[SourceFile] | None:
-    """The tables of a workbook, or of a MATLAB or numpy file, as texts; None for every other file."""
+    """Return the tables of a workbook, or of a MATLAB or numpy file, as text; None for other files."""
     suffix, head = file.path.suffix.lower(), file.head
     reader: Callable[[SourceFile], Iterable[str]] | None = None
     if head.startswith(b"\x93NUMPY") or (head.startswith(b"PK") and suffix == ".npz"):
@@ -43,7 +43,7 @@ def text_tables(file: SourceFile) -> list[SourceFile] | None:
 
 
 def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[SourceFile], list[Record]]) -> list[Record]:
-    """The records of the tables that hold some, each with the digest of the file; the first error where none does."""
+    """Return the records of all tables, with the digest of the file; raise the first error if no table has records."""
     records: list[Record] = []
     faults: list[RockpulseError] = []
     for table in tables:
@@ -59,7 +59,7 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
 
 
 def _workbook(file: SourceFile) -> Iterable[str]:
-    """Each sheet of a workbook as rows of text, without what is empty around its cells."""
+    """Return each sheet of a workbook as rows of text, without empty rows and columns around its cells."""
     import pandas
 
     try:
@@ -77,7 +77,7 @@ def _workbook(file: SourceFile) -> Iterable[str]:
 
 
 def _cell(value: Any) -> str:
-    """A cell as text, without the delimiter; times as ISO has them."""
+    """Return a cell as text without the delimiter, with times in ISO 8601."""
     if value is None or value != value:
         return ""
     text = value.isoformat() if hasattr(value, "isoformat") else str(value)
@@ -85,7 +85,7 @@ def _cell(value: Any) -> str:
 
 
 def _numpy(file: SourceFile) -> Iterable[str]:
-    """The one array of a NPY file, or those of a NPZ file, as text; no file that would have to run code is read."""
+    """Return the arrays of an NPY or NPZ file as text; arrays whose reading would execute code are not read."""
     try:
         found = np.load(io.BytesIO(file.content), allow_pickle=False)
         arrays = {"": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
@@ -96,7 +96,7 @@ def _numpy(file: SourceFile) -> Iterable[str]:
 
 
 def _matlab(file: SourceFile) -> Iterable[str]:
-    """The variables of a MATLAB file, and the fields of its structures, as text."""
+    """Return the variables of a MATLAB file, and the fields of its structures, as text."""
     from scipy.io import loadmat
 
     try:
@@ -115,7 +115,7 @@ def _matlab(file: SourceFile) -> Iterable[str]:
 
 
 def _texts(arrays: Mapping[str, Any]) -> list[str]:
-    """The columns of equal length as one table for each length, below the single numbers and words as prose."""
+    """Return a table for all columns of the same length, with single numbers and words as prose above it."""
     prose: list[str] = []
     columns: dict[int, list[tuple[str, np.ndarray]]] = {}
     for name, value in arrays.items():
@@ -138,7 +138,7 @@ def _texts(arrays: Mapping[str, Any]) -> list[str]:
 
 
 def _table(prose: list[str], named: list[tuple[str, np.ndarray]]) -> str:
-    """One table with its headings, if its columns have names, and every digit of its numbers."""
+    """Return a table with headings, if its columns have names, and with all digits of its numbers."""
     # A series without a name, and a matrix, whose columns have numbers only, are as a text of numbers without headings.
     bare = all(not name.strip(" 0123456789") for name, _ in named)
     heading = [] if bare else [_DELIMITER.join(name.replace(_DELIMITER, ",") or "value" for name, _ in named)]

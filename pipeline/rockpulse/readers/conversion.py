@@ -1,4 +1,4 @@
-"""Write records into files for other programs: nothing is replaced unasked, all is written whole or not at all."""
+"""Writes records to files for other programs, either all or none; files are replaced only if requested."""
 
 import logging
 import os
@@ -22,14 +22,14 @@ from rockpulse.record.record import Record
 
 logger = logging.getLogger("rockpulse")
 _UNDERFLOW = 1e-97  # largest value that a number of few digits may lose near zero [m/s2]
-#: Largest share by which an interval may come back otherwise: miniSEED keeps the rate in single precision.
+#: Largest relative change of a sampling interval by writing and reading: miniSEED stores the rate in single precision.
 _STEP_TOLERANCE = 1e-7
 _AZIMUTH_TOLERANCE = 1e-4  # degrees by which an azimuth may come back otherwise
 
 
 @dataclass(frozen=True)
 class Writer:
-    """A format in which records are written."""
+    """A format in which records can be written."""
 
     suffix: str  # of the files that it writes
     lost: str  # words for the properties of a record that the files cannot hold
@@ -43,16 +43,18 @@ class Writer:
 
     @property
     def suffixes(self) -> tuple[str, ...]:
-        """Lower-case suffixes by which the format is recognised."""
+        """File suffixes of the format in lower case."""
         return (self.suffix.lower(), *self.others)
 
 
-_AT2 = "AT2 keeps 8 digits in g, event, date, station and direction; not the start time, the codes, "
-_AT2 += "the processing and the warnings"
-_CSV = "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else"
-_MSEED = "miniSEED keeps every digit in m/s2, start times and codes as far as SEED has room; its StationXML, of the "
-_MSEED += "same name, the directions and whether a record is raw; not the event, the processing and the warnings"
-#: By the name that ``rockpulse convert --format`` takes.
+_AT2 = "AT2 stores accelerations in g to 8 digits, plus event, date, station and direction, but not the start time, "
+_AT2 += "the codes, the processing or the warnings"
+_CSV = "CSV stores accelerations in m/s2 to every digit, the interval and a direction in whole degrees, but nothing "
+_CSV += "else"
+_MSEED = "miniSEED stores accelerations in m/s2 to every digit, start times, and codes as far as they fit; its "
+_MSEED += "StationXML, of the same name, the directions and whether a record is raw; it does not store the event, the "
+_MSEED += "processing or the warnings"
+#: The formats by their names for ``rockpulse convert --format``.
 WRITERS = {
     "at2": Writer(".AT2", _AT2, at2_bytes, digits=0.51e-7, structure=True),
     "csv": Writer(".csv", _CSV, csv_bytes, whole=False),
@@ -61,7 +63,7 @@ WRITERS = {
 
 
 class Written(NamedTuple):
-    """A file that was written, id of each record in it, and its name there (empty where it is that of the file)."""
+    """A written file, the ids of its records, and their names in it (empty if a record has the name of the file)."""
 
     path: Path
     records: tuple[tuple[str, str], ...]
@@ -75,30 +77,31 @@ def write(
     Parameters
     ----------
     records : Record or sequence of Record
-        Records to write, at least one, ids distinct. Samples are written as they are: a raw record stays raw.
+        Records to write, at least one, with distinct ids. Samples are written unchanged: a raw record remains raw.
     out : path
-        A file, whose suffix tells the format, or for AT2 and CSV a folder. AT2 and CSV hold one record: several are
-        written to ``out`` with the channel (or the id) before the suffix; in a folder the name is the id. miniSEED
-        holds all, with a StationXML of the same name beside it.
+        A file, whose suffix gives the format, or for AT2 and CSV a folder. An AT2 or CSV file contains one record:
+        several records are written to ``out`` with the channel (or the id) before the suffix; in a folder, file names
+        are ids. A miniSEED file contains all records, and a StationXML of the same name is written next to it.
     format : {"at2", "csv", "mseed"}, optional
-        Needed for a folder; otherwise the suffix tells.
+        Required for a folder; by default the format of the suffix.
     overwrite : bool
-        Whether files that exist may be replaced; a StationXML only if rockpulse wrote it, never a source of theirs.
+        Whether existing files may be replaced: a StationXML only if rockpulse wrote it, and source files of the records
+        never.
 
     Returns
     -------
     list of Written
-        The files in the order of the records. Only AT2 tells that a channel is on a structure; with the others it is
-        logged as a warning.
+        The files in the order of the records. Only AT2 states that a channel is on a structure; for the other formats
+        this is logged as a warning.
 
     Raises
     ------
     ConfigError
-        No record, an unknown format, a file that exists, a folder that does not.
+        If there is no record, the format is unknown, a file exists already, or a folder does not exist.
     RecordRefused
-        A record that would not come back from the file as it is. Nothing has been written then.
+        If a record read from the file would differ; nothing is written.
     OSError
-        As the operating system says. The files are then as they were.
+        For an error of the operating system; all files remain unchanged.
     """
     records = [records] if isinstance(records, Record) else list(records)
     if not records:
@@ -123,12 +126,12 @@ def write(
         files.commit()
     for record in records:
         if record.orientation == "structural" and not writer.structure:
-            logger.warning("%s: on a structure, which %s files cannot say", record.id, writer.suffix)
+            logger.warning("%s: on a structure, which %s files cannot store", record.id, writer.suffix)
     return written
 
 
 def _sources(records: Sequence[Record]) -> set[str]:
-    """Paths of all files that the records may have come from, by `Record.source`."""
+    """Return the paths of all files from which the records may have been read, according to `Record.source`."""
     sources = set()
     for text in {record.source for record in records if record.source}:
         # Joined records name several files, archives stand before a "!"; both marks may also be part of a name.
@@ -141,12 +144,12 @@ def _sources(records: Sequence[Record]) -> set[str]:
 
 
 def check_output(out: str | os.PathLike[str], format: str | None = None) -> Writer:
-    """The writer for a path or a format name, checked before any work; raises ConfigError as `write` does."""
+    """Return the writer for a path or a format name, before any work; raise ConfigError as `write` does."""
     return _format(Path(out), format)[0]
 
 
 def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
-    """The writer of the format, and whether `out` is a folder."""
+    """Return the writer of the format, and whether `out` is a folder."""
     told = next((key for key, row in WRITERS.items() if out.suffix.lower() in row.suffixes), None)
     folder = out.is_dir() or told is None
     key = name or (None if out.is_dir() else told)
@@ -171,7 +174,7 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
 
 
 def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool) -> dict[Path, list[Record]]:
-    """Files to write and the records that go into them."""
+    """Return the files to write with the records of each."""
     if writer.one is None or (len(records) == 1 and not folder):
         return {out: list(records)}
     ids = [record.id.lstrip(".") for record in records]  # a file that begins with a point is hidden
@@ -187,7 +190,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """The path of the StationXML of each file; refused where it would serve another miniSEED file as well."""
+    """Return the path of the StationXML of each file; raise an error if another miniSEED file would use it too."""
     if writer.one is not None:
         return
     for path in targets:
@@ -201,7 +204,7 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
 
 
 def _shares_station_file(other: Path, path: Path) -> bool:
-    """Whether `other` is a miniSEED file, compressed or not, with the stem of `path`."""
+    """Return whether `other` is a miniSEED file, compressed or not, with the same stem as `path`."""
     if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
         return False
     if path.exists() and other.samefile(path):
@@ -213,13 +216,13 @@ def _shares_station_file(other: Path, path: Path) -> bool:
 
 
 def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) -> None:
-    """Refuse to replace files that exist, or that records came from, before anything is written."""
+    """Raise an error, before anything is written, if existing files or the source of a record would be replaced."""
     for path in paths:
         check_link(path)
         if os.path.realpath(path) in sources:
             raise ConfigError(f"{path}: a record comes from this file; choose another name")
         if path.exists() and not path.is_file():
-            raise ConfigError(f"{path}: expected the name of a file, found something that is no regular file")
+            raise ConfigError(f"{path}: expected the name of a file, found something that is not a regular file")
         if path.exists() and not overwrite:
             raise ConfigError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
         if path.exists() and path.suffix == ".xml" and b"<Source>rockpulse" not in path.read_bytes()[:HEAD]:
@@ -233,7 +236,7 @@ def _remove_empty(folder: Path) -> None:
 
 
 def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[dict[Path, bytes], list[str]]:
-    """Content of a file and of its companions by path, and the names of the records inside."""
+    """Return the content of a file and of its companions by path, and the names of the records in it."""
     if writer.one is not None:
         return {path: writer.one(records[0])}, [""]
     own = path.with_suffix(".xml")
@@ -246,7 +249,7 @@ def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[di
 
 
 def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str, Record], writer: Writer) -> None:
-    """Read a file back as a user would, with the StationXML of its folder, and refuse a record that differs."""
+    """Read a written file as a user would, with the StationXML of its folder; raise an error if a record differs."""
 
     def station_files() -> list[tuple[str, bytes]]:
         own = {str(name): content for name, content in contents.items() if name != path}
@@ -277,7 +280,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """The property that comes back wrong: direction, or raw or corrected; with `whole`, also one that is missing."""
+    """Return a property that differs after reading (direction or processing); with `whole`, also one that is lost."""
     if orientation_of(record) == "unknown":  # the name of the file may tell more
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -292,7 +295,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """The words for a state of processing that comes back wrong."""
+    """Return the words for a state of processing that differs after reading."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed comes back as {again.processed} instead of {record.processed}"
     return ""

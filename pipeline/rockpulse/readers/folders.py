@@ -1,4 +1,4 @@
-"""From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash."""
+"""Reads records from files, folders, globs and zip archives; a file that fails becomes a row of failures."""
 
 import glob
 import logging
@@ -33,14 +33,14 @@ PathLike = str | os.PathLike[str]
 
 
 class Found(NamedTuple):
-    """A file or a zip archive to read; `named` tells that the user gave its very name."""
+    """A file or a zip archive to read; `named` is true if the user gave its own name."""
 
     path: Path
     named: bool
 
 
 class Opened(NamedTuple):
-    """A file, or a member of an archive, on its way to the readers."""
+    """A file, or a member of an archive, that was opened for the readers, or the error."""
 
     name: str  # as in `Record.source`
     file: SourceFile | RockpulseError | OSError  # the file, or the reason why it cannot be opened
@@ -59,8 +59,9 @@ def read(
     Parameters
     ----------
     path : str, path or binary file
-        A file, plain or compressed with gzip, or an open one, read from its position. A folder is read as by
-        `rockpulse.read_all`, which also tells the files that gave no record; these are logged as warnings here.
+        A file, plain or compressed with gzip, or an open file, which is read from its current position. A folder is
+        read as by `rockpulse.read_all`; files without a record, which that function returns, are logged as warnings
+        here.
     units : str, optional
         Unit of the accelerations, a key of `UNITS`, for files that do not state one (columns, SAC).
     dt : float, optional
@@ -68,26 +69,26 @@ def read(
     response : {"sensitivity", "remove"}
         How counts with a StationXML become m/s2; see `ReadOptions`.
     stationxml : str, path or binary file, optional
-        Station metadata of miniSEED. Without it the StationXML files beside a file with a name are searched.
+        Station metadata of miniSEED; by default the StationXML files in the folder of the file are searched.
 
     Returns
     -------
     list of Record
-        In m/s2, in the order of the file; of a folder sorted by path and channel.
+        Records in m/s2, in the order of the file or, for a folder, sorted by path and channel.
 
     Raises
     ------
     RecordFormatError
-        No reader recognises the file, or it breaks the rules of its format.
+        If no reader recognises the file, or it violates the rules of its format.
     RecordRefused
-        A sound file without usable acceleration: velocity, spectra, counts without a gain, gaps; a folder without a
-        record.
+        For a valid file without usable acceleration (velocity, spectra, counts without a gain, gaps), or a folder
+        without a record.
     UnitError
-        The unit is missing or unknown.
+        If the unit is missing or unknown.
     ConfigError
-        `dt` or `response` is none that can be, or a `stationxml` is given for a folder.
+        If `dt` or `response` is not allowed, or a `stationxml` is given for a folder.
     OSError
-        The file cannot be opened.
+        If the file cannot be opened.
 
     Examples
     --------
@@ -124,35 +125,35 @@ def read_all(
     ----------
     paths : path or iterable of paths
         Files, folders (searched to any depth; links to folders are not followed), globs (``**`` for any depth) and zip
-        archives. A path that exists is never taken as a glob.
+        archives. An existing path is never used as a glob.
     units : str, optional
-        Unit of the accelerations for files that do not state one; see `rockpulse.read`.
+        Unit of the accelerations for files that state no unit; see `rockpulse.read`.
     on_file : callable, optional
-        Called with the path of each file after it was read.
+        Function that is called with the path of each file after it was read.
     dt : float, optional
         Sampling interval [s] for columns without a time column.
     response : {"sensitivity", "remove"}
         How counts with a StationXML become m/s2; see `rockpulse.readers.ReadOptions`.
     files : sequence of FileSettings, optional
-        Unit and interval of some of the files, in place of `units` and `dt`; where several choose a file the last one
-        that gives a property decides it. A file that states something else is refused.
+        Unit and interval of some of the files, instead of `units` and `dt`; if several match a file, the last one that
+        gives a property is used. A file that states something else is rejected.
 
     Returns
     -------
     records : list of Record
-        Sorted by path and channel, with distinct ids (``~2`` appended to the second of two). A record that its agency
-        cut into files is one.
+        Sorted by path and channel, with distinct ids (``~2`` is appended to the second of two equal ids). A record that
+        its agency split into several files is joined.
     failures : list of Failure
-        Sorted by file. A file that may be a record and cannot be read "failed"; so did velocities, displacements,
-        spectra and other files if named, which are "skipped" otherwise. A record whose samples and interval another
-        file has is a "duplicate", unless the two face different directions.
+        Sorted by file. A file that may be a record but cannot be read is "failed". Velocities, displacements, spectra
+        and other files are "failed" if the user named them and "skipped" otherwise. A record with the samples and the
+        interval of another file is a "duplicate", unless the directions of the two differ.
 
     Raises
     ------
     UnitError
-        If `units` is none of the accepted ones. No file raises anything.
+        If `units` is not an accepted unit. Faulty files raise no error.
     ConfigError
-        If `response` is, or a pattern of `files` chooses no file.
+        If `response` is not an accepted value, or a pattern of `files` matches no file.
     """
     options = ReadOptions(units, dt, response, tuple(files))
     found, failures = find_files(paths)
@@ -173,14 +174,14 @@ def read_all(
 
 
 def in_order(row: Failure) -> tuple[str, str]:
-    """Key that sorts the rows of files that gave no record: by file and reason."""
+    """Return the sort key of rows of failures: file, then reason."""
     return row.file, row.reason
 
 
 def find_files(
     paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
 ) -> tuple[list[Found], list[Failure]]:
-    """Files behind the paths of `read_all`, each once, sorted, but `passed_over`, and rows for paths without one."""
+    """Return the sorted, distinct files of some paths except `passed_over`, and a row for each path without files."""
     # The run writes the files that are passed over: to open and close one that this process has locked would give up
     # the lock. Only XML is opened, to pass over metadata of stations and earthquakes.
     found: dict[str, Found] = {}
@@ -198,7 +199,7 @@ def find_files(
 
 
 def _behind(text: str) -> tuple[list[Found], list[Failure]]:
-    """The files behind one path, and a row where there is none."""
+    """Return the files of one path, or a row of failures if it has no files."""
     path, lacking = Path(text), ""
     items: list[Found] = []
     faults: list[Failure] = []
@@ -223,7 +224,7 @@ def _behind(text: str) -> tuple[list[Found], list[Failure]]:
 
 
 def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> None:
-    """Raise ConfigError for a pattern that chooses none of the files, nor a member of an archive among them."""
+    """Raise ConfigError for a pattern that matches no file and no member of an archive."""
     names = [str(item.path) for item in found]
     missed = [row for row in files if not any(map(row.chooses, names))]
     if missed:
@@ -237,7 +238,7 @@ def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> Non
 
 
 def _member_names(path: Path) -> list[str]:
-    """The members of an archive; none of another file, or of one that cannot be opened: its reading says why."""
+    """Return the members of an archive; empty for other files, and if it cannot be opened (reported by its reading)."""
     try:
         if not path.is_file() or not is_archive(path):
             return []
@@ -248,7 +249,7 @@ def _member_names(path: Path) -> list[str]:
 
 
 def _identity(path: PathLike) -> tuple[int, int] | None:
-    """Device and inode, equal for all names and links of a file; None where there is no file."""
+    """Return device and inode, which are equal for all names and links of a file; None if there is no file."""
     try:
         state = os.stat(path)  # noqa: PTH116 - takes any path
     except (OSError, ValueError):  # whoever opens it says why
@@ -257,7 +258,7 @@ def _identity(path: PathLike) -> tuple[int, int] | None:
 
 
 def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
-    """Files below a folder, and a row for each folder that cannot be listed."""
+    """Return the files below a folder, and a row for each folder that cannot be listed."""
     faults: list[OSError] = []
     items = []
     for parent, folders, files in os.walk(folder, onerror=faults.append):
@@ -272,7 +273,7 @@ def _quiet_file(path: Path) -> bool:
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
-    """Open a file, or each member of an archive, or give the error; `station_files` gives those of a folder."""
+    """Open a file or each member of an archive, or yield the error; `station_files` returns the files of a folder."""
     path = found.path
     try:
         check_link(path)
@@ -298,14 +299,14 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
 
 
 def read_opened(opened: Opened, options: ReadOptions) -> list[Record]:
-    """Every channel of a file that was opened; raises the error that kept it from being opened or read."""
+    """Return every channel of an opened file; raise the error that prevented opening or reading it."""
     if isinstance(opened.file, Exception):
         raise opened.file
     return read_source(opened.file, options)
 
 
 def read_failure(found: Found, name: str, fault: Exception) -> Failure:
-    """The row for a file, or a member of an archive, called `name`, that gave no record because of `fault`."""
+    """Return the row of failures for a file or member of an archive, `name`, that has no record because of `fault`."""
     named = found.named and name == str(found.path)
     if isinstance(fault, NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")

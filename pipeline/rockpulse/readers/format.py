@@ -1,4 +1,4 @@
-"""One row of the table of formats, as every reader offers it, and the options of reading."""
+"""A row of the table of formats, which every reader defines, and the options of reading."""
 
 import math
 import os
@@ -24,14 +24,14 @@ _PATTERN = KeyType("a pattern that is not empty", lambda value: isinstance(value
 
 @dataclass(frozen=True)
 class FileSettings(Section):
-    """Unit and sampling interval of the files that a pattern chooses; in TOML [[records.file]].
+    """Unit and sampling interval of the files that match a pattern; in TOML [[records.file]].
 
     Attributes
     ----------
     match : str
-        The end of a path, as ``*.g3``, ``site 2/*``, ``old.zip`` (every member of the archive), ``*/a.g3``; ``*`` and
-        ``?`` stand for any letters, also for ``/``. Capitals count; ``.gz`` at the end of a file's name does not.
-        Brackets stand for themselves, a backslash for ``/``.
+        Pattern of the end of a path, such as ``*.g3``, ``site 2/*``, ``old.zip`` (every member of the archive) or
+        ``*/a.g3``; ``*`` and ``?`` match any characters, including ``/``. Upper and lower case differ; a final ``.gz``
+        is ignored. Brackets are ordinary characters, and a backslash means ``/``.
     units : str or None
         Unit of the accelerations, a key of `rockpulse.readers.UNITS`.
     dt : float or None
@@ -56,7 +56,7 @@ class FileSettings(Section):
 
     @property
     def where(self) -> str:
-        """The name of this section in messages."""
+        """Name of this section in messages."""
         return f'[[records.file]] match = "{self.match}"' if isinstance(self.match, str) else self.heading
 
     def __post_init__(self) -> None:
@@ -70,7 +70,7 @@ class FileSettings(Section):
                 raise ConfigError(str(error)) from None
 
     def chooses(self, name: str) -> bool:
-        """Whether the pattern chooses the absolute path of a file or member, as `Record.source` names it."""
+        """Return whether the pattern matches the absolute path of a file or member, in the form of `Record.source`."""
         path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
         archive, _, member = path.partition("!")
         parts = [path, archive, f"/{member}"] if member else [path]
@@ -81,7 +81,7 @@ class FileSettings(Section):
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Properties that the caller knows and the file may not state; see `rockpulse.read`."""
+    """Properties that the caller knows and the file may lack; see `rockpulse.read`."""
 
     units: str | None = None  # unit of the accelerations, for formats that do not state one
     dt: float | None = None  # sampling interval [s], for columns without a time column
@@ -99,7 +99,7 @@ class ReadOptions:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
     def of_file(self, name: str) -> "ReadOptions":
-        """The options for one file, by its name as in `Record.source`, with those rows that decide something."""
+        """Return the options for one file, named as in `Record.source`, with only the rows that apply to it."""
         if not self.files:
             return self
         units, dt = self._last("units", name), self._last("dt", name)
@@ -111,19 +111,19 @@ class ReadOptions:
         )
 
     def said_by(self, key: str) -> str:
-        """Where a property of one file was given, for a message: "the option units", or a row of the configuration."""
+        """Return the origin of a property, for a message: "the option units", or a row of the configuration."""
         row = self._last(key)
         return f"the option {key}" if row is None else row.where
 
     def advice(self, key: str) -> str:
-        """The advice where the file itself states something else than a property that was given."""
+        """Return the advice for a file that contradicts a given property."""
         value = getattr(self, key)
         if self._last(key) is not None:
             return "correct the wrong one, or the pattern"
         return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
 
     def check(self, records: Sequence[Record]) -> None:
-        """Refuse the records of one file that state another unit or interval than the row that chooses the file."""
+        """Raise an error if the records of a file state another unit or interval than the row that matches the file."""
         units, dt = self._last("units"), self._last("dt")
         for record in records:
             if units is not None:
@@ -136,19 +136,19 @@ class ReadOptions:
                 raise RecordFormatError(f"{record.source}: {told}; {self.advice('dt')}")
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
-        """The last row that gives a property, of those that choose a file; of all without its name."""
+        """Return the last row that gives a property, among those that match the file or, without a name, among all."""
         found = (row for row in reversed(self.files) if row[key] is not None)
         return next((row for row in found if name is None or row.chooses(name)), None)
 
 
 def begins_with(pattern: re.Pattern[str], count: int = 200) -> Callable[[bytes, str], bool]:
-    """A detector for `Format`: whether the first `count` bytes of a file, as Latin-1, match a pattern."""
+    """Return a detector for `Format` that matches the first `count` bytes of a file, as Latin-1, with a pattern."""
     return lambda head, name: bool(pattern.match(head[:count].decode("latin-1")))
 
 
 @dataclass(frozen=True)
 class Format:
-    """One row of the table of formats."""
+    """A row of the table of formats: name, detector, reader and description of a format."""
 
     name: str  # short name, `Record.format`
     what: str  # the files, in words
@@ -163,7 +163,7 @@ class Format:
     parts: PartRule | None = None  # where the agency cuts long records into files: how these are called
 
     def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
-        """The channels of a file, each with an id of its own; a file that holds everything twice is read once."""
+        """Read the channels of a file, with distinct ids; a file that contains everything twice is read once."""
         half = file.first_half()
         records = [replace(record, format=self.name) for record in self.parse(half or file, options)]
         if self.parts:

@@ -1,4 +1,4 @@
-"""Files without a word on their kind of motion, of which one is the integral of another: velocities, displacements."""
+"""Detects velocities and displacements among files of unstated kind, as one is the integral of another."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -17,14 +17,14 @@ _ALIKE = 0.98  # correlation of the slope of one file with the values of another
 
 @dataclass(frozen=True, eq=False)
 class UnstatedKind(Record):
-    """A record whose file does not state its kind of motion, with its values and slopes at some samples."""
+    """A record whose file does not state the kind of motion, with its values and slopes at some samples."""
 
     values: tuple[float, ...] = ()  # [m/s2]
     slopes: tuple[float, ...] = ()  # [m/s3]
 
 
 def of_unstated_kind(record: Record) -> Record:
-    """The record with its values and slopes; as it is if it is too short."""
+    """Return the record with its values and slopes; unchanged if it is too short."""
     if record.npts < _FEWEST:
         return record
     at = np.linspace(1, record.npts - 2, _POINTS).astype(int)
@@ -35,7 +35,7 @@ def of_unstated_kind(record: Record) -> Record:
 
 
 def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
-    """The records but those whose slope is another of the same folder, length and interval, and rows for these."""
+    """Return the records whose slope is no other record of their folder, length and interval, and rows for the rest."""
     groups: dict[tuple[object, ...], list[UnstatedKind]] = defaultdict(list)
     for record in records:
         if isinstance(record, UnstatedKind):
@@ -48,7 +48,7 @@ def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Fai
 
 
 def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
-    """A row for each record whose slopes are the values of another one, by its identity."""
+    """Return a row for each record (by its identity) whose slopes are the values of another record."""
     values, slopes = (_unit_vectors(np.array([getattr(one, name) for one in group])) for name in ("values", "slopes"))
     rows = {}
     for place, record in enumerate(group):
@@ -65,7 +65,7 @@ def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
 
 
 def _unit_vectors(table: np.ndarray) -> np.ndarray:
-    """The rows (n, m) without their means, of length 1; zero where they are constant."""
+    """Return the rows (n, m) without their means and with unit length; zero for constant rows."""
     centred = table - table.mean(axis=1, keepdims=True)
     size = np.linalg.norm(centred, axis=1, keepdims=True)
     return np.divide(centred, size, out=np.zeros_like(centred), where=size > 0.0)

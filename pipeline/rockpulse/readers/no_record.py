@@ -1,4 +1,4 @@
-"""Tell a file that may hold a record, though no reader knows it, from a text or a picture beside the records."""
+"""Distinguishes files that may contain a record of unknown format from texts and pictures in the same folder."""
 
 import re
 from collections import defaultdict
@@ -9,30 +9,30 @@ from pathlib import PurePath
 from rockpulse.errors import RockpulseError
 from rockpulse.readers.source import SourceFile
 
-#: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
+#: Suffixes of files in folders of records that are ignored without a row unless the user names them.
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
-#: First element of XML files of a station or an earthquake; other XML files may hold samples.
+#: Pattern of the first element of XML files on a station or an earthquake; other XML files may contain samples.
 _METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml|inventory\b[^>]*(?:geofon|seiscomp))", re.IGNORECASE)
-#: Names of files that agencies put beside their records, in lower letters and without suffix.
+#: Names of files that agencies add to their records, in lower case and without suffix.
 _BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", "citation"})
-#: Beginning of the name of PEER's list of what was found, which holds spectra, and so rows of numbers.
+#: Beginning of the name of PEER's list of search results, which contains spectra, and so rows of numbers.
 _SEARCH_RESULTS = "_searchresults"
-#: Suffixes of pictures, documents, maps and programs; of .log and .ini files the content decides, as of texts.
+#: Suffixes of pictures, documents, maps and programs; .log and .ini files are judged from their content, as texts.
 _SUFFIXES = (
     ".avi .bib .bmp .cpg .db .dbf .dll .doc .docx .eps .exe .gif .heic .htm .html .ipynb .jpeg .jpg .kml .kmz .lnk .md "
     ".mov .mp4 .odt .parquet .pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
 )
 _DOCUMENTS = frozenset(_SUFFIXES.split())
-#: Beginnings of files that hold no record whatever they are called: pictures, documents, programs, data bases, logs
-#: such as those of ``--log-file``, responses of instruments (RESP).
+#: Pattern of the first bytes of files without records, whatever their name: pictures, documents, programs, data bases,
+#: logs such as those of ``--log-file``, responses of instruments (RESP).
 _OTHER = re.compile(
     rb"\x89PNG\r\n|\xff\xd8\xff|GIF8[79]a|%PDF-|%!PS|\x7fELF|SQLite format 3\x00|"
     rb"\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d\S* (?:DEBUG|INFO|WARNING|ERROR|CRITICAL)\b|(?:#[^\n]*\n)*B050F03\b"
 )
-#: A line of PEER's list of what was found, under any name.
+#: A line of PEER's list of search results, which may have any name.
 _SEARCH_LINE = b"-- Summary of Metadata of Selected Records"
-#: First two headings of the tables that the program writes (``rockpulse export``) or takes (events, weights). One
-#: word alone would not do: a series may be headed "event,NS,EW".
+#: Pattern of the first two headings of tables that the program writes (``rockpulse export``) or reads (events,
+#: weights). One heading is not enough: a series may have the headings "event,NS,EW".
 _OWN_TABLE = re.compile(
     rb"(?:\xef\xbb\xbf)?(?:record[,;] *(?:block|case|model|demand|source|event|weight|wave|sample|rotation|pair|"
     rb"direction|half_cycle)|(?:event|weight)[,;] *record|"
@@ -40,7 +40,7 @@ _OWN_TABLE = re.compile(
     rb"file[,;] *stage)\b",
     re.IGNORECASE,
 )
-#: Headings of flat files, and of lists of stations and files; one of them must stand in the first line.
+#: Pattern of headings of flat files and of lists of stations and files, one of which must be in the first line.
 _PARAMETER = re.compile(
     rb"npts|pga|pgv|rrup|rjb|r_?epi|vs_?30|magnitude|mag\b|file_?name|file\b|station|rsn", re.IGNORECASE
 )
@@ -53,32 +53,32 @@ _PARAMETERS = re.compile(
     r"lat(?:itude)?|lon(?:gitude)?|station latitude|station longitude|mechanism|site class|azimuth|component|channel|"
     r"orientation|scale factor|tp|pulse period"
 )
-#: Words that head samples: a file with them is a series, whatever else its headings say.
+#: Pattern of headings of samples: a file with them is a series, whatever its other headings are.
 _SAMPLES_OF = re.compile(r"time|t|acc|accel|acceleration|ax|ay|az|accx|accy|accz")
 _LONGEST_HEADING, _FEWEST_PARAMETERS = 4000, 3
 _SPREADSHEETS = frozenset({".ods", ".xls", ".xlsm", ".xlsx"})
-#: Suffixes that records have; those of texts and tables (.txt, .csv) tell nothing.
+#: Pattern of suffixes of records; suffixes of texts and tables (.txt, .csv) are not characteristic.
 _RECORDS = re.compile(
     r"\.(?:v[0-3][a-z]?|[avd]t2|acc|acl|vel|dis|dsp|raw|smc|m?seed|msd|sac|asc|dat|th|evt|gcf|gse2?|sg2|segy|knt|"
     r"(?:ew|ns|ud)[12]?|[ensuz]\d\w|\d{3})"
 )
-#: Control characters that no text has; it has tabs and breaks, and from DOS an end-of-file mark.
+#: Pattern of control characters other than those of texts: tabs, line breaks, and the end-of-file mark of DOS.
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")
-#: First lines of texts whose samples are coded in letters (GSE).
+#: Pattern of the first lines of texts whose samples are coded in letters (GSE).
 _CODED = re.compile(rb"^(?:WID[12]|XW0[12]) ", re.MULTILINE)
 _DECIMAL = re.compile(r"[.,]\d")
 _DIGITS = re.compile(r"\d+")
 _LETTERS = re.compile(r"[^\W\d_]+")
-#: Letters that are part of a number, or stand for one.
+#: Pattern of letters that are part of a number, or replace one.
 _OF_NUMBERS = re.compile(r"(?<=[\d.])[ed](?=[+-]?\d)|(?<![^\W\d_])(?:nan|inf|null|none|na)(?![^\W\d_])", re.IGNORECASE)
 _FEWEST = 40  # no series has less groups of digits than 20 samples with a point have
-#: So many rows of numbers, one after the other, may be the beginning of data whatever stands before them.
+#: Number of consecutive rows of numbers that may be the beginning of data, whatever precedes them.
 _RUN = 10
 _COMPONENTS = 4  # rows with the codes of so many channels in turn are still one series
 
 
 def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
-    """Whether a file that nobody named is passed over without a row, by its name or the beginning of an XML file."""
+    """Return whether a file not named by the user is ignored without a row, from its name or the start of its XML."""
     suffix = PurePath(name).suffix.lower()
     if suffix != ".xml":
         return suffix in _QUIET
@@ -89,7 +89,7 @@ def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
 
 
 def may_be_record(file: SourceFile) -> bool:
-    """Whether a sign speaks for a record in a file that no reader recognised: the suffix, binary data, or numbers."""
+    """Return whether a file that no reader recognised may be a record, from its suffix, binary data or numbers."""
     if _OTHER.match(file.head) or _METADATA.search(file.head):
         return False
     suffix = file.path.suffix.lower()
@@ -107,7 +107,7 @@ def may_be_record(file: SourceFile) -> bool:
 
 
 def _is_series(lines: Sequence[str]) -> bool:
-    """Whether rows of numbers with the same words are half of the lines, ten together, or most of the letters."""
+    """Return whether rows of numbers with the same words are half of the lines, ten in a row, or most of the text."""
     words = [_words(line) for line in lines]
     digits: dict[tuple[str, ...], int] = defaultdict(int)
     for line, key in zip(lines, words, strict=True):
@@ -124,14 +124,14 @@ def _is_series(lines: Sequence[str]) -> bool:
 
 
 def _words(line: str) -> tuple[str, ...] | None:
-    """The words of a row of numbers, but for those that belong to them; None of a line with more words than numbers."""
+    """Return the words in a row of numbers, except those in numbers; None for a line with more words than numbers."""
     if not _DECIMAL.search(line) and len(_DIGITS.findall(line)) < len(_LETTERS.findall(line)):
         return None
     return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
 
 
 def is_table(file: SourceFile) -> bool:
-    """Whether a file is a table of the program, or a flat file: a line of headings of parameters, one row a record."""
+    """Return whether a file is a table of the program, or a flat file: headings of parameters, and a row per record."""
     if _OWN_TABLE.match(file.head):
         return True
     end = file.head.find(b"\n", 0, _LONGEST_HEADING)
@@ -147,7 +147,7 @@ def is_table(file: SourceFile) -> bool:
 
 
 def advice(file: SourceFile) -> str:
-    """The advice in the message about a file that no reader recognises."""
+    """Return the advice in the message on a file that no reader recognises."""
     if file.path.suffix.lower() in _SPREADSHEETS:
         return "it is a spreadsheet: save it as CSV, columns of time and acceleration, and give the unit"
     return "convert it to columns of time and acceleration, and give the unit"

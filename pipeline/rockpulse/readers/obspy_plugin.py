@@ -1,7 +1,7 @@
-"""Records as `obspy.Trace` and back, and the formats as plugins of obspy: ``obspy.read("RSN763.AT2")`` is in m/s2.
+"""Converts records to and from `obspy.Trace`, and makes the formats plugins of obspy: ``obspy.read("a.AT2")``, in m/s2.
 
-Fields that a Trace has no place for travel in ``trace.stats.rockpulse``, which copies in memory and PICKLE keep. The
-entry points that ``hatch_build.py`` makes name ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
+Fields that a Trace lacks are in ``trace.stats.rockpulse``, which copies in memory and PICKLE keep. The entry points
+made by ``hatch_build.py`` refer to ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
 """
 
 from __future__ import annotations
@@ -31,20 +31,20 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("rockpulse")
 _CODES = ("network", "station", "location", "channel")
-#: Fields that travel in ``stats.rockpulse``: all of a Record for which a Trace has no place of its own.
+#: Fields stored in ``stats.rockpulse``: all fields of a Record that a Trace lacks.
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})
-#: Methods of a Trace after which its data are no acceleration in the unit they had before.
+#: Methods of a Trace after which its data are not an acceleration in the same unit.
 _CHANGES_UNIT = {
     *["integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger"]
 }
-#: Largest relative gap between the interval of a Trace, which keeps the rate, and the one it was made with.
+#: Largest relative difference between the interval of a Trace, which stores the rate, and that of its record.
 _SAME_STEP = 1e-12
-#: Formats that are read where they are asked for by name and never claimed: any text file of numbers looks like one.
+#: Formats that are read only if requested by name, as any text file of numbers would be recognised.
 _BY_NAME_ONLY = frozenset({"columns"})
 
 
 def to_trace(record: Record) -> obspy.Trace:
-    """The record as an `obspy.Trace`.
+    """Return the record as an `obspy.Trace`.
 
     Parameters
     ----------
@@ -83,41 +83,41 @@ def from_trace(
     response: str = "sensitivity",
     azimuth: float | None = None,
 ) -> Record:
-    """A record from an `obspy.Trace`.
+    """Return a record made from an `obspy.Trace`.
 
     Parameters
     ----------
     trace : obspy.Trace
-        One made by `to_trace` or by ``obspy.read`` through rockpulse needs nothing else, whatever filters it went
-        through; any other needs `units`.
+        A trace from `to_trace`, or from ``obspy.read`` through rockpulse, needs no other argument, even after filters;
+        any other trace needs `units`.
     units : str, optional
         Unit of the data: a key of `rockpulse.readers.UNITS`, or "counts".
     factor : float, optional
-        m/s2 per count. Without it, counts need ``trace.stats.response`` (``trace.attach_response(inventory)``).
+        m/s2 per count; without it, counts need ``trace.stats.response`` (``trace.attach_response(inventory)``).
     response : {"sensitivity", "remove"}
-        The use of an attached response; see `rockpulse.readers.ReadOptions`.
+        How an attached response is used; see `rockpulse.readers.ReadOptions`.
     azimuth : float, optional
-        Direction of a horizontal trace, clockwise from north [degrees]; needed after ``Stream.rotate``, which keeps no
-        account of it. A rotation that leaves the channel codes as they were cannot be seen: give the azimuth.
+        Direction of a horizontal trace, clockwise from north [degrees]; needed after ``Stream.rotate``, which does not
+        store it. A rotation that does not change the channel codes cannot be detected: give the azimuth.
 
     Returns
     -------
     Record
-        In m/s2. The steps in ``stats.processing`` are appended to its own. The id of ``stats.rockpulse`` stays unless
-        the codes have changed since: then it is made of the new ones, with a warning, and with a new channel code the
-        direction becomes unknown unless `azimuth` is given.
+        The record in m/s2, with the steps in ``stats.processing`` appended to its processing. The id in
+        ``stats.rockpulse`` is kept unless the codes have changed: it is then made from the new codes, with a warning,
+        and after a change of the channel code the direction is unknown unless `azimuth` is given.
 
     Raises
     ------
     UnitError
-        The unit is missing, unknown, contradicts ``stats.rockpulse``, or has changed on the way (integrated).
+        If the unit is missing or unknown, contradicts ``stats.rockpulse``, or has changed (after an integration).
     RecordRefused
-        Masked samples, counts without a gain, or ``stats.calib`` other than 1: in obspy it may mean nm, nm/s or
-        anything else per count, so it is never applied. Where `factor` is given it is left alone.
+        For masked samples, counts without a gain, or ``stats.calib`` other than 1, which in obspy may mean nm, nm/s or
+        any other unit per count and is never applied; it is ignored if `factor` is given.
     RecordFormatError
-        Fewer than two samples, or samples that are not finite.
+        For fewer than two samples, or samples that are not finite.
     ConfigError
-        An azimuth that is not finite.
+        If `azimuth` is not finite.
     """
     where = f"trace {trace.id}"
     if azimuth is not None and not np.isfinite(azimuth):
@@ -151,7 +151,7 @@ def _steps(stats: Any) -> tuple[str, ...]:
 
 
 def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Record:
-    """The record that a trace with ``stats.rockpulse`` was made from, with the processing since then."""
+    """Return the record from which a trace with ``stats.rockpulse`` was made, with its later processing."""
     missing = [field.name for field in _KEPT if field.default is MISSING and field.name not in kept]
     if missing:
         expected, advice = f"{', '.join(missing)} in stats.rockpulse", "delete stats.rockpulse and give the units"
@@ -175,7 +175,7 @@ def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Recor
 
 
 def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) -> Record:
-    """The record without the fields that its former codes told; `undirected` if nobody says where it points."""
+    """Return the record without the facts of its former codes, and without a direction if `undirected`."""
     stem = SourceFile(record.source, b"", bytes).path.stem or record.station_name or "trace"
     codes = (record.network, record.station, record.location, record.channel)
     record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
@@ -191,7 +191,7 @@ def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) ->
 def _new(
     where: str, trace: Any, units: str | None, factor: float | None, response: str, azimuth: float | None
 ) -> Record:
-    """A record from a trace of which only obspy's own fields are known."""
+    """Return a record made from a trace without ``stats.rockpulse``."""
     stats = trace.stats
     if units is None:
         raise UnitError(
@@ -233,12 +233,12 @@ def _new(
 
 @lru_cache(maxsize=1)
 def _recognised(head: bytes, name: str) -> str:
-    """Name of the format that `rockpulse.read` would take, or an empty text; obspy asks every plugin in turn."""
+    """Return the format in which `rockpulse.read` would read a file; cached, as obspy tries every plugin."""
     return next((row.name for row in FORMATS if row.detect(head, name)), "")
 
 
 def _head(file: str | BinaryIO) -> tuple[bytes, str]:
-    """The first bytes and the name of a path or an open file; the position in an open file does not change."""
+    """Return the first bytes and the name of a file; the position in an open file does not change."""
     if isinstance(file, str | os.PathLike):
         source = open_source(Path(file))
         return source.head, source.name
@@ -251,12 +251,12 @@ def _head(file: str | BinaryIO) -> tuple[bytes, str]:
 
 @dataclass(frozen=True)
 class Plugin:
-    """The two functions that obspy wants of one format, for its row of the table of formats."""
+    """The two functions that obspy requires of a format, for its row of the table of formats."""
 
     row: Format
 
     def is_format(self, file: str | BinaryIO) -> bool:
-        """Whether a path or an open binary file holds this format and no other that rockpulse knows."""
+        """Return whether a path or an open binary file is in this format and in no other that rockpulse knows."""
         if self.row.name in _BY_NAME_ONLY:
             return False
         try:
@@ -293,12 +293,12 @@ class Plugin:
         return obspy.Stream([obspy.Trace(header=trace.stats) for trace in traces] if headonly else traces)
 
 
-#: By the name that obspy knows them by.
+#: The plugins by their names in obspy.
 PLUGINS = {row.name.upper(): Plugin(row) for row in FORMATS if row.unit != "-" and not row.obspy_reads}
 
 
 def __getattr__(name: str) -> Plugin:
-    """The plugin of a format under its name in upper case, ``obspy_plugin.AT2``, as the entry points name it."""
+    """Return the plugin of a format by its name in upper case, ``obspy_plugin.AT2``, as in the entry points."""
     if name not in PLUGINS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return PLUGINS[name]

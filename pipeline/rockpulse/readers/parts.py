@@ -1,4 +1,4 @@
-"""Records of several files made one: each content once, and records joined that an agency cut into files."""
+"""Merges records of several files: drops duplicates, and joins records that an agency split into files."""
 
 import hashlib
 import re
@@ -23,7 +23,7 @@ _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printe
 
 @dataclass(frozen=True, eq=False)
 class Part(Record):
-    """One channel of one part of a record."""
+    """A channel of a part of a record that was split into files."""
 
     whole: str = ""  # name of the file without the number of the part
     part: int = 1  # number of the part, from 1
@@ -32,14 +32,14 @@ class Part(Record):
 
 @dataclass(frozen=True)
 class PartRule:
-    """How the agency of a format cuts long records into files; the rule stands in the row of the format."""
+    """How the agency of a format splits long records into files; defined in the row of the format."""
 
     name: re.Pattern[str]  # of a part's file, without suffix; groups: name of the whole record, number of the part
     # time of the first sample of each channel, by its component, in the file's own column of times [s]
     first_times: Callable[[SourceFile], dict[str, float]]
 
     def read(self, file: SourceFile, records: list[Record]) -> list[Record]:
-        """The channels of a file as parts, which start at the first of their times; as they are in any other file."""
+        """Return the channels of a file as parts, which start at their first times; unchanged in other files."""
         name = self.name.fullmatch(file.path.stem)
         if not name:
             return records
@@ -56,7 +56,7 @@ class PartRule:
 
 
 def sample_digest(record: Record) -> str:
-    """SHA-256 of the samples and the interval of a record as read."""
+    """Return the SHA-256 of the samples and the interval of a record as read."""
     digest = hashlib.sha256(record.acceleration.tobytes())
     digest.update(f"{record.dt:.9g}".encode())
     return digest.hexdigest()
@@ -65,9 +65,9 @@ def sample_digest(record: Record) -> str:
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """Each content once, as `digest` tells, cut records joined, sorted, with the records each is made of.
+    """Return sorted records without duplicates (according to `digest`), split ones joined, each with its parts.
 
-    Second: rows for copies, and for files that are the integral of another.
+    The second value contains rows for duplicates, and for files that are the integral of another.
     """
     kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
     kept, integrals = without_integrals(kept)
@@ -84,10 +84,10 @@ def _place(record: Record) -> tuple[str, str]:
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[Record], list[Failure], dict[int, WarningText]]:
-    """Each content once, and rows for the others; kept is the record that knows its direction, else time and event.
+    """Return distinct records, and rows for duplicates; a record with direction, or with time and event, is preferred.
 
-    Third: a remark, by the identity of a record, on those of several files that are kept as other channels of equal
-    samples.
+    The third value contains, by the identity of a record, warnings on records of several files that have equal samples
+    but are kept as different channels.
     """
     alike: dict[str, list[Record]] = defaultdict(list)
     for record in records:
@@ -113,7 +113,7 @@ def _without_duplicates(
 
 
 def _same_motion(one: Record, other: Record) -> bool:
-    """Whether two records of equal samples are one motion: channels of one file, and dead ones, need not be."""
+    """Return whether two records of equal samples are one motion, unlike dead channels or channels of one file."""
     same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True) and one.orientation == other.orientation
     if not same and "unknown" not in (one.orientation, other.orientation):
         return False
@@ -125,12 +125,12 @@ def _same_motion(one: Record, other: Record) -> bool:
 
 
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
-    """Join the parts of records that were cut into files; each record beside those that it is made of, in their order.
+    """Join the parts of records that were split into files; return each record with its parts in order.
 
-    Parts 1, 2, ... of one file name and station, which come last, are joined if they hold the same channels and each
-    begins one step behind the one before, by the columns of times or by the clocks. Else they get a warning. Files of
-    one channel of which each begins one step behind the end of the one before by their clocks, such as those of single
-    days, are joined too.
+    Parts 1, 2, ... of one file name and station, which come last, are joined if they contain the same channels and each
+    begins one step after the end of the previous part, according to the columns of times or the clocks; otherwise they
+    get a warning. Files of one channel that each begin one step after the end of the previous one according to their
+    clocks, such as files of single days, are joined too.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = []
     groups: dict[tuple[str, str], dict[str, list[Part]]] = {}
@@ -156,7 +156,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
 
 
 def _channel(record: Record) -> tuple[object, ...]:
-    """The properties that all parts of one channel have in common."""
+    """Return the properties that all parts of one channel have in common."""
     codes = (record.network, record.station, record.location, record.channel, record.station_name)
     facing = (record.component, record.orientation, f"{record.azimuth:g}", f"{record.sensor_depth:g}")
     return (
@@ -171,7 +171,7 @@ def _channel(record: Record) -> tuple[object, ...]:
 
 
 def _chains(records: Sequence[Record]) -> list[list[Record]]:
-    """Records of one channel in the order of time, those together of which each begins one step behind the other."""
+    """Group records of one channel, in order of time, that each begin one step after the end of the previous one."""
     chains: list[list[Record]] = []
     for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
         before = chains[-1][-1] if chains else None
@@ -184,7 +184,7 @@ def _chains(records: Sequence[Record]) -> list[list[Record]]:
 
 
 def _continued(pieces: Sequence[Record]) -> Record:
-    """One channel that goes on from file to file, with the metadata of its first part."""
+    """Return a channel that continues over several files, with the metadata of its first part."""
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings)
     return replace(
         pieces[0],
@@ -198,7 +198,7 @@ def _continued(pieces: Sequence[Record]) -> Record:
 
 
 def _fault(parts: Sequence[Sequence[Part]]) -> str:
-    """The reason why the parts do not make one record; empty if they do, or if there is only one."""
+    """Return the reason why parts cannot be joined to a record; empty if they can, or if there is only one."""
     if len(parts) < 2:
         return ""
     numbers = [part[0].part for part in parts]
@@ -219,7 +219,7 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
 
 
 def _joined(pieces: Sequence[Part]) -> Record:
-    """One channel of the whole record, with the metadata of its first part."""
+    """Return one channel of the whole record, with the metadata of its first part."""
     first = pieces[0]
     codes = (first.network, first.station, first.location, first.channel)
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings if code_of(note) != "part_of_record")

@@ -1,4 +1,4 @@
-"""The bytes of one record file and the station metadata beside it, from a disk, an archive or a stream."""
+"""The bytes of a record file and the station metadata in its folder, from a disk, an archive or a stream."""
 
 import codecs
 import gzip
@@ -15,14 +15,14 @@ from typing import BinaryIO
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.files import check_regular
 
-#: Bytes from the start of a file that decide its format.
+#: Number of bytes at the start of a file from which its format is recognised.
 HEAD = 65536
-#: Largest file, or member of an archive, that is read [bytes]; a day of one channel at 200/s as text is half of it.
+#: Largest file, or member of an archive, that is read [bytes]; text of one channel at 200/s for a day needs half of it.
 FILE_LIMIT = 256 * 1024**2
-#: Files compressed by more than this ratio are refused; text of numbers reaches 10, a silent channel 100.
+#: Largest compression ratio of a file that is read; text of numbers reaches 10, a silent channel 100.
 RATIO_LIMIT = 500
 _GZIP = b"\x1f\x8b\x08"
-#: First bytes of files that hold other files.
+#: First bytes of files that contain other files.
 _ARCHIVES = {
     "a zip archive": (b"PK\x03\x04", b"PK\x05\x06"),
     "a gzip file": (_GZIP,),
@@ -33,9 +33,9 @@ _ARCHIVES = {
     "a zstd file": (b"\x28\xb5\x2f\xfd",),
 }
 _TAR_MARK = 257
-#: A word in so many bytes from the start tells a header from the first of the numbers.
+#: Pattern of a word, and number of bytes at the start in which one indicates a header before the numbers.
 _WORD, _TOP = re.compile(rb"[A-Za-z]{3}"), 1000
-#: First members of office documents, which are zip archives of no records, as are the arrays of numpy (.npy).
+#: First members of zip files that are not archives of records: office documents and arrays of numpy (.npy).
 _DOCUMENTS = (b"[Content_Types].xml", b"mimetype", b"docProps/", b"_rels/", b"xl/")
 _FIRST_NAME = 30
 #: Suffixes of files of station metadata.
@@ -45,28 +45,28 @@ Neighbour = Callable[[str], bytes | None]
 
 
 class Unrecognised(RecordFormatError):
-    """No reader knows the file, which may hold a record: it failed, wherever it was met."""
+    """Error: no reader recognises the file, which may contain a record; it is always reported as "failed"."""
 
 
 class NoRecord(Unrecognised):
-    """No reader knows the file, and nothing speaks for a record in it: skipped in a folder, an error where named."""
+    """Error: no reader recognises the file, which is probably no record; skipped unless the user named it."""
 
 
 class NotAcceleration(RecordRefused):
-    """A velocity, displacement or spectrum: skipped in a folder, an error where it was named."""
+    """Error: the file contains velocity, displacement or spectra; skipped unless the user named it."""
 
 
 class OtherKind(NotAcceleration):
-    """A file whose name says velocity or displacement: skipped also where it was named, as by a pattern of a shell."""
+    """Error: the file name means velocity or displacement; skipped also if named, as a shell may expand a pattern."""
 
 
 class Table(NoRecord):
-    """A table of results or of parameters beside the records: skipped also where it was named."""
+    """Error: the file is a table of results or parameters; skipped also if the user named it."""
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A file to be read; text with a byte-order mark is turned into UTF-8, the digest is of the bytes."""
+    """A file to be read; text with a byte-order mark is converted to UTF-8, the digest is of the original bytes."""
 
     name: str  # path, or archive.zip!member, as messages and `Record.source` show it
     head: bytes  # the first `HEAD` bytes
@@ -80,7 +80,7 @@ class SourceFile:
 
     @cached_property
     def _coding(self) -> str:
-        """The encoding that a byte-order mark tells, or an empty text; binary data that begin like one are no text."""
+        """Return the encoding given by a byte-order mark; empty without a mark, and for binary data."""
         if self.head.startswith(codecs.BOM_UTF8):
             return "utf-8-sig"
         if not self.head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
@@ -97,16 +97,16 @@ class SourceFile:
 
     @cached_property
     def content(self) -> bytes:
-        """All bytes, with text of a known encoding turned into UTF-8."""
+        """Return all bytes; text of a known encoding is converted to UTF-8."""
         return _plain_text(self._bytes, self._coding)
 
     @cached_property
     def sha256(self) -> str:
-        """SHA-256 of the file, decompressed."""
+        """Return the SHA-256 of the decompressed file."""
         return hashlib.sha256(self._bytes).hexdigest()
 
     def first_half(self) -> "SourceFile | None":
-        """The first half of a file whose second half is a copy of it; None for others and bare numbers."""
+        """Return the first half of a file if the second half is a copy of it; None for other files and bare numbers."""
         half, odd = divmod(len(self.content), 2)
         begins = min(half, HEAD)
         if odd or not _WORD.search(self.content, 0, _TOP) or not self.content.startswith(self.content[:begins], half):
@@ -118,7 +118,7 @@ class SourceFile:
 
     @property
     def path(self) -> PurePosixPath:
-        """The last part of the name as a path, without ``.gz``."""
+        """Return the last part of the name as a path, without ``.gz``."""
         path = PurePosixPath(self.name.replace("\\", "/").rpartition("!")[2])
         return path.with_suffix("") if path.suffix.lower() == ".gz" and path.stem else path
 
@@ -128,7 +128,7 @@ def _plain_text(content: bytes, coding: str) -> bytes:
 
 
 def archive_kind(head: bytes) -> str:
-    """The kind of archive that the first bytes show, "a zip archive" and the like; empty where they show none."""
+    """Return the kind of archive from the first bytes, such as "a zip archive"; empty for other files."""
     length = int.from_bytes(head[_FIRST_NAME - 4 : _FIRST_NAME - 2], "little")
     first = head[_FIRST_NAME : _FIRST_NAME + length]
     if head.startswith(b"PK\x03\x04") and (first.startswith(_DOCUMENTS) or first.endswith(b".npy")):
@@ -148,7 +148,7 @@ def _refuse_archive(name: str, head: bytes, inside: str = "") -> None:
 
 
 def _unpack(name: str, packed: BinaryIO, size: int, count: int) -> bytes:
-    """The first `count` bytes of a gzip file of `size` bytes."""
+    """Return the first `count` bytes of the content of a gzip file of `size` bytes."""
     most = RATIO_LIMIT * max(size, 1)
     try:
         with gzip.open(packed, "rb") as stream:
@@ -169,13 +169,13 @@ def _check_size(name: str, content: bytes) -> bytes:
 
 
 def folder_station_files(folder: Path) -> list[tuple[str, bytes]]:
-    """Name and bytes of each XML or dataless SEED file in a folder, sorted by name."""
+    """Return name and bytes of each XML or dataless SEED file in a folder, sorted by name."""
     paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _STATION_FILES and path.is_file())
     return [(str(path), path.read_bytes()) for path in paths if path.stat().st_size <= FILE_LIMIT]
 
 
 def _folder_file(folder: Path) -> Neighbour:
-    """Gives the bytes of a file in a folder by its name; None where it is missing or larger than `FILE_LIMIT`."""
+    """Return the bytes of a file in a folder by its name; None if it is missing or larger than `FILE_LIMIT`."""
 
     def content(name: str) -> bytes | None:
         path = folder / name
@@ -185,14 +185,14 @@ def _folder_file(folder: Path) -> Neighbour:
 
 
 def check_link(path: Path) -> None:
-    """Raise FileNotFoundError with the missing target of a symbolic link; the system would only name the link."""
+    """Raise FileNotFoundError with the missing target of a symbolic link, as the system only names the link."""
     if path.is_symlink() and not path.exists():
         found = f"the symbolic link points nowhere, {path.readlink()} does not exist"
         raise FileNotFoundError(f"{path}: {found}; mend the link or remove it")
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
-    """Open a file on disk, plain or compressed with gzip; by default its folder is searched for `station_files`."""
+    """Open a file on disk, plain or compressed with gzip; by default `station_files` are those of its folder."""
     name = str(path)
     check_link(path)
     if path.is_dir():
@@ -215,7 +215,7 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
 
 
 def open_stream(stream: BinaryIO) -> SourceFile:
-    """An open binary file, or bytes in memory, plain or compressed with gzip, read from the current position."""
+    """Open a binary file object or bytes, plain or compressed with gzip, from the current position."""
     if not hasattr(stream, "read"):
         raise TypeError(f"expected a path or an open binary file, found {type(stream).__name__}")
     name = getattr(stream, "name", None)

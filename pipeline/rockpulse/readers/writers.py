@@ -1,4 +1,4 @@
-"""Records as the bytes of common files: PEER AT2, two columns as CSV, miniSEED with a StationXML beside it."""
+"""Converts records to the bytes of common files: PEER AT2, CSV of two columns, miniSEED with a StationXML."""
 
 import io
 import re
@@ -15,31 +15,31 @@ from rockpulse.readers.kit.obspy_bridge import PROCESSED, told_otherwise
 from rockpulse.record.record import STANDARD_GRAVITY, Orientation, Record
 from rockpulse.version import __version__
 
-#: Words by which a reader of AT2 tells the lines of a header; text of a record that holds one is left out.
+#: Pattern of words by which readers of AT2 recognise header lines; text of a record with such a word is omitted.
 _TELLING = re.compile(
     r"NPTS|UNITS?\s*(?:OF|ARE|IN|IS|[:=])|\b(?:ACC(?:EL(?:ERATION)?)?|VEL(?:OCITY)?|DISPL?(?:ACEMENT)?)\b",
     re.IGNORECASE,
 )
 _DATED = re.compile(r"[^,]*,\s*\d+[/-]\d+[/-]\d+[^,]*")
 _STATE = {True: "CORRECTED", False: "UNCORRECTED", None: "ACCELERATION"}
-#: Smaller values [g] have an exponent of three digits, which no field of 15 characters has room for.
+#: Smallest value written [g]; smaller ones have exponents of three digits, which exceed a field of 15 characters.
 _SMALLEST = 1e-99
 _SEED_CHANNEL = re.compile(r"[A-Z][HLGMN][A-Z0-9]", re.ASCII)
 _SEED_OFF = 5.0  # degrees by which a sensor called N or E may be off, by the rules of SEED
 
 
 def _text(words: str) -> str:
-    """Free text on one line; empty where a reader would take it for another statement."""
+    """Return free text on one line; empty if a reader would interpret it as another statement."""
     return "" if _TELLING.search(words) else " ".join(_printable(words).split())
 
 
 def azimuth_of(record: Record) -> float:
-    """Azimuth in [0, 360) degrees, as the readers give it; NaN where it is unknown."""
+    """Return the azimuth in [0, 360) degrees, as readers do; NaN if it is unknown."""
     return record.azimuth % 360.0 % 360.0  # the rest of a tiny negative one is 360
 
 
 def orientation_of(record: Record) -> Orientation:
-    """The orientation that a format without a word for structures can tell."""
+    """Return the orientation that a format without a word for structures can state."""
     if record.orientation == "vertical":
         return "vertical"
     if np.isfinite(record.azimuth):
@@ -50,7 +50,7 @@ def orientation_of(record: Record) -> Orientation:
 
 
 def _facing(record: Record) -> str:
-    """The direction in a word: ``UP``, ``005``, ``092.5``, or the file's own where it is read as that direction."""
+    """Return the direction as a word: ``UP``, ``005``, ``092.5``, or that of the file if it has the same meaning."""
     if orientation_of(record) == "vertical":
         return "UP"
     if np.isfinite(record.azimuth):
@@ -62,7 +62,7 @@ def _facing(record: Record) -> str:
 
 
 def at2_bytes(record: Record) -> bytes:
-    """One record as PEER AT2, in g, five numbers of eight digits a row, under ``event, date, station, component``."""
+    """Return a record as PEER AT2 in g, with five numbers per row below ``event, date, station, component``."""
     # The date is that of the event, by its name or its origin time, or else of the first sample.
     event = _text(record.event)
     if not _DATED.fullmatch(event):
@@ -85,7 +85,7 @@ def at2_bytes(record: Record) -> bytes:
 
 
 def csv_bytes(record: Record) -> bytes:
-    """One record as two columns, time [s] and acceleration [m/s2] with all its digits, under one line of headings."""
+    """Return a record as columns of time [s] and acceleration [m/s2] with all digits, below a line of headings."""
     facing = ""
     if orientation_of(record) == "vertical":
         facing = "up"
@@ -100,7 +100,7 @@ def csv_bytes(record: Record) -> bytes:
 def miniseed_bytes(
     records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()
 ) -> tuple[bytes, bytes, list[str]]:
-    """Records as one miniSEED file of float64 in m/s2, its StationXML with a sensitivity of 1, and their ids."""
+    """Return records as miniSEED of float64 in m/s2, their StationXML with a sensitivity of 1, and their ids."""
     import obspy
 
     codes = seed_codes(records, beside)
@@ -116,7 +116,7 @@ def miniseed_bytes(
 
 
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
-    """Network, station, location and channel codes for SEED, each set once: the location counts up where codes meet."""
+    """Return distinct SEED codes (network, station, location, channel); equal ones get increasing locations."""
     taken: set[tuple[str, str, str, str]] = set()
     result = []
     for record in records:
@@ -141,7 +141,7 @@ def _code(text: str) -> str:
 
 
 def _channel_codes(record: Record) -> list[str]:
-    """SEED codes for the channel, the best first."""
+    """Return possible SEED codes of the channel, the best first."""
     lies, azimuth = orientation_of(record), azimuth_of(record)
     if _SEED_CHANNEL.fullmatch(record.channel):
         named = direction(record.channel)
@@ -162,7 +162,7 @@ def _channel_codes(record: Record) -> list[str]:
 
 
 def _station_channel(record: Record, location: str, channel: str) -> Any:
-    """Station metadata of one channel: sensitivity 1, direction, raw or corrected."""
+    """Return the station metadata of a channel: sensitivity 1, direction, and whether it is raw or corrected."""
     from obspy import UTCDateTime
     from obspy.core.inventory import Channel
     from obspy.core.inventory.response import InstrumentSensitivity, Response
@@ -187,7 +187,7 @@ def _station_channel(record: Record, location: str, channel: str) -> Any:
 
 
 def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, str]]) -> Any:
-    """Station metadata of all records; coordinates that are not known, and elevations, are written as 0."""
+    """Return the station metadata of all records; unknown coordinates, and elevations, are written as 0."""
     from obspy.core.inventory import Inventory, Network, Site, Station
 
     networks: dict[str, dict[str, Any]] = {}
@@ -203,12 +203,12 @@ def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, s
 
 
 def _place(record: Record) -> dict[str, float]:
-    """The coordinates of the station, which StationXML cannot leave out: 0 where they are not known, as elsewhere."""
+    """Return the coordinates of the station, which StationXML requires; 0 if they are unknown."""
     known = np.isfinite(record.station_latitude) and np.isfinite(record.station_longitude)
     latitude, longitude = (record.station_latitude, record.station_longitude) if known else (0.0, 0.0)
     return {"latitude": latitude, "longitude": longitude, "elevation": 0.0}
 
 
 def _printable(text: str) -> str:
-    """Text with blanks for control characters, which XML has no way to write and readers take for binary files."""
+    """Replace control characters by blanks, as XML cannot contain them and readers would assume binary data."""
     return "".join(letter if letter.isprintable() else " " for letter in text)

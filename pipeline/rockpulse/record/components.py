@@ -1,4 +1,4 @@
-"""The choice of channels that are assessed, of horizontal pairs, and of the vertical channel beside them."""
+"""Selects the channels that are assessed, horizontal pairs, and the vertical channel of each."""
 
 import re
 from bisect import bisect_left
@@ -22,21 +22,22 @@ _TAKEN = " ([records] structural = true does that)"
 _UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
 _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
-#: SEED codes of one sensor differ in the last letter only; the second letter is the kind of instrument.
+#: Pattern of a SEED channel code; codes of one sensor differ only in the last letter, and the second is the kind of
+#: instrument.
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
-#: KiK-net records at the bottom of a borehole (1) and at the surface (2).
+#: Pattern of a KiK-net channel at the bottom of a borehole (1); channels at the surface end with 2.
 _BOTTOM = re.compile(r"(?:EW|NS|UD)1")
-#: A sensor above this depth [m] counts as one at the surface: a vault or a cellar, not a borehole.
+#: Largest depth of a sensor that is treated as one at the surface [m]: in a vault or a cellar, not a borehole.
 SHALLOW = 3.0
-#: Place of a channel on a structure, which the readers write behind its direction.
+#: Pattern of the location of a channel on a structure, which readers write after its direction.
 _PLACE = re.compile(r"\((.*)\)")
-#: A pair shares at least this part of the shorter of its channels; triggers that follow each other may touch.
+#: Smallest part of the shorter channel that both channels of a pair have in common; consecutive triggers may touch.
 OVERLAP_SHARE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two horizontal channels of one instrument, their azimuths known."""
+    """Two horizontal channels of one instrument with known azimuths."""
 
     __repr__ = one_line
 
@@ -45,12 +46,12 @@ class Pair:
 
     @property
     def channels(self) -> tuple[Record, Record]:
-        """Both channels, the first and the second."""
+        """Return the first and the second channel."""
         return self.first, self.second
 
 
 class Neighbours:
-    """Channels, perhaps thousands, indexed so that those recorded together are found without trying all."""
+    """An index of channels, perhaps thousands, to find those recorded together without comparing all."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._records = records
@@ -65,7 +66,7 @@ class Neighbours:
                 self._of_event[_occasion(record)].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Channels of one file or time, or, if no times are known, of one event and folder, in the order given."""
+        """Return channels of the same file or time (without times, of the same event and folder) in the given order."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -81,7 +82,7 @@ class Neighbours:
 def select_horizontal(
     records: Iterable[Record], structural: bool = False, configured: bool = True
 ) -> tuple[list[Record], list[Failure]]:
-    """Keep the channels of horizontal ground motion, in order, `structural` ones too; a row for each other channel."""
+    """Return the channels of horizontal ground motion (also `structural` ones), and a row for each other channel."""
     horizontal, failures = [], []
     for record in records:
         kind = record.orientation
@@ -100,19 +101,18 @@ def select_horizontal(
 
 
 def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]:
-    """The pairs of channels that were recorded together, in two known directions.
+    """Return the pairs of channels that were recorded together in two known directions.
 
     Two channels are partners if they have the same format, state of processing, network, station, location and SEED
     sensor (the first two letters of a SEED channel; the depth of KiK-net), are both on the ground or at one place of a
-    structure, have at least half of the shorter one in common in time, and come
+    structure, overlap in time by at least half of the shorter one, and come
 
     - from one file, or
     - from files with station codes and start times, or
-    - from files in one folder that know no start time, but the same event, name of the station and sampling interval
+    - from files in one folder without start times, but with the same event, station name and sampling interval
       (PEER AT2, CSMNC).
 
-    Partners in the same file come before others. Only two channels that have no other partner than each other are a
-    pair.
+    Partners in the same file have priority. Two channels are a pair only if neither has another partner.
 
     Parameters
     ----------
@@ -151,10 +151,10 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
 
 def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
-    """The vertical channel recorded together with a horizontal one as :func:`find_pairs` has it; None without.
+    """Return the vertical channel recorded with a horizontal one, in the sense of :func:`find_pairs`, or None.
 
-    It may differ in format and length. The same state of processing comes first, then the same SEED band, the same
-    file, the longest overlap. None for a channel on a structure: the vertical one may be on another floor.
+    It may differ in format and length. Preferred are the same state of processing, then the same SEED band, the same
+    file, and the longest overlap. None for a channel on a structure: the vertical one may be on another floor.
     """
     if record.orientation == "structural":
         return None
@@ -168,43 +168,43 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Vertical acceleration (n,) [m/s2], positive up, at the samples of a horizontal channel; else zero."""
+    """Return the vertical acceleration (n,) [m/s2], positive up, at the samples of a horizontal channel; 0 outside."""
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 
 
 def uncovered(vertical: Record, record: Record) -> float:
-    """Length of the part of a record that its vertical channel does not reach [s]."""
+    """Return the length of the part of a record that its vertical channel does not cover [s]."""
     return record.duration - max(0.0, _overlap(record, vertical))
 
 
 def offset(record: Record, other: Record) -> float:
-    """Start of another record after that of a record [s]; 0 where one of them is not known."""
+    """Return the time from the start of a record to the start of another [s]; 0 if one of them is unknown."""
     if record.start_time is None or other.start_time is None:
         return 0.0
     return (other.start_time - record.start_time).total_seconds()
 
 
 def concurrent(record: Record, other: Record) -> bool:
-    """Whether two channels have at least half of the shorter one in common in time."""
+    """Return whether two channels overlap in time by at least half of the shorter one."""
     return _overlap(record, other) >= OVERLAP_SHARE * min(record.duration, other.duration)
 
 
 def sensor_level(record: Record) -> float:
-    """Depth of the sensor [m]: 0 down to :data:`SHALLOW` and where none is known, inf at the bottom of a borehole."""
+    """Return the depth of the sensor [m]: 0 up to :data:`SHALLOW` or if unknown, inf at the bottom of a borehole."""
     if np.isfinite(record.sensor_depth):
         return 0.0 if record.sensor_depth <= SHALLOW else record.sensor_depth
     return float("inf") if _BOTTOM.fullmatch(record.channel) else 0.0
 
 
 def place_on_structure(record: Record) -> str:
-    """The place of a channel on a structure, in capitals; empty where it is not told."""
+    """Return the location of a channel on a structure, in capitals; empty if it is not stated."""
     told = _PLACE.search(record.component)
     return told[1].strip().upper() if told else ""
 
 
 def instrument(record: Record) -> tuple[object, ...]:
-    """The properties that the channels of one instrument have in common."""
+    """Return the properties that the channels of one instrument have in common."""
     codes = (record.network, record.station, record.location, record.format, record.processed)
     place = "" if record.station else record.station_name or record.source
     on_structure = record.orientation == "structural"
@@ -214,7 +214,7 @@ def instrument(record: Record) -> tuple[object, ...]:
 
 
 def _seed(record: Record) -> tuple[str, str]:
-    """Band and instrument of a SEED channel; empty for others."""
+    """Return band and instrument of a SEED channel; empty for other channels."""
     seed = _SEED.fullmatch(record.channel)
     return (seed[1], seed[2]) if seed else ("", "")
 
@@ -247,7 +247,7 @@ def _together(record: Record, other: Record) -> bool:
 
 
 def _occasion(record: Record) -> tuple[object, ...]:
-    """The properties that the files of one recording have in common, where they know no time."""
+    """Return the properties that the files of one recording without times have in common."""
     return record.event, record.station_name, record.dt, PurePath(record.source).parent
 
 

@@ -1,4 +1,4 @@
-"""Conditioning of a record: baseline, zero-phase filter, sampling interval; every step asked for and written down."""
+"""Conditions a record: baseline, zero-phase filter, sampling interval; every step is optional and documented."""
 
 import logging
 import math
@@ -16,20 +16,20 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText, code_of, find
 
-#: The pre-event window ends where the energy about its own mean reaches this share of the whole record's.
+#: Share of the energy of the record at which the pre-event window, with energy about its own mean, ends.
 QUIET_SHARE = 1e-6
-#: Shortest pre-event window that is found without being given [s].
+#: Shortest pre-event window that is found automatically [s].
 QUIET_LENGTH = 1.0
-#: A record whose velocity ends at more than this share of the PGV is warned of.
+#: Share of the PGV above which the final velocity of a record gives a warning.
 DRIFT_SHARE = 0.1
-#: The default taper is at most this share of the record at each end.
+#: Largest length of the default taper at each end, as a share of the record.
 TAPER_SHARE = 0.05
-#: Length of each pad: this times the order of a pass, in periods of the lowest corner (Boore 2005).
+#: Length of each pad, divided by the order of a pass, in periods of the lowest corner (Boore 2005).
 PAD_PERIODS = 1.5
-#: Longest pad [samples]: a corner that asks for more is no filter of a record.
+#: Longest pad [samples]; a corner that needs a longer one is rejected.
 LONGEST_PAD = 10_000_000
-#: Anti-alias filter of the resampling: ripple and stop band [dB], transition up to the lower Nyquist frequency as a
-#: share of it.
+#: Anti-alias filter of resampling: ripple and stop band [dB]; width of the transition below the lower Nyquist
+#: frequency, as a share of it.
 RESAMPLING_ATTENUATION = 100.0
 RESAMPLING_TRANSITION = 0.2
 #: Largest numerator and denominator of a resampling ratio.
@@ -47,24 +47,24 @@ def condition(
     resample_s: float | None = None,
     pre_event_s: float | None = None,
 ) -> Record:
-    """A conditioned copy of a record: baseline removed, then tapered and filtered, then resampled.
+    """Return a conditioned copy of a record: baseline removed, then tapered and filtered, then resampled.
 
     Parameters
     ----------
     record : Record
         Ground acceleration, (n,) [m/s2].
     baseline : {"auto", "none", "mean", "pre-event", "linear", "quadratic"}
-        The part that is subtracted. "mean", "linear", "quadratic": the least-squares polynomial through all samples.
-        "pre-event": the mean of the pre-event window, or that of all samples where no window is found. "auto": nothing
-        from a processed volume, "pre-event" from a raw one, "mean" with a warning where the format does not say.
+        What is subtracted. "mean", "linear", "quadratic": the least-squares polynomial through all samples.
+        "pre-event": the mean of the pre-event window, or of all samples if no window is found. "auto": nothing for a
+        processed record, "pre-event" for a raw one, "mean" with a warning if the format does not state which it is.
     highpass_hz, lowpass_hz : float, optional
-        Corners of the Butterworth filters [Hz]; none is applied unless given.
+        Corners of the Butterworth filters [Hz]; by default no filter is applied.
     order : int
         Order of one pass of each filter, 1 to 10. The filter runs forwards and backwards, so that the effective order
         is twice this, the phase zero, and the gain 1/(1 + (fc/f)^(2 order)), which is 1/2 at the corner.
     taper_s : float, optional
-        Length of the cosine taper at each end [s]. By default none without a filter, else one period of the lowest
-        corner but no more than 5 % of the record. 0 switches it off.
+        Length of the cosine taper at each end [s]; 0 for none. By default there is none without a filter; with a filter
+        it is one period of the lowest corner, but at most 5 % of the record.
     resample_s : float, optional
         New sampling interval [s].
     pre_event_s : float, optional
@@ -73,27 +73,28 @@ def condition(
     Returns
     -------
     Record
-        With the steps, in words and numbers, added to ``processing``, and a warning where the baseline is a guess or
-        the ground velocity ends at more than 10 % of the PGV.
+        The conditioned record, with the steps added to ``processing`` in words and numbers, and a warning if the
+        baseline is assumed or the ground velocity ends at more than 10 % of the PGV.
 
     Raises
     ------
     ConfigError
         For an unknown baseline, corners that are negative, in the wrong order or not below the Nyquist frequency,
-        tapers that overlap, a pre-event window outside the record, or a new interval that is in no ratio of integers up
-        to 1000 to the old one.
+        tapers that overlap, a pre-event window outside the record, or a new interval whose ratio to the old one is not
+        a fraction of integers up to 1000.
 
     Notes
     -----
-    *Pre-event window.* S(T) is the energy of the first T seconds about their own mean, which never falls with T. The
-    window ends where S reaches 1e-6 of its value for the whole record, and is refused below 1 s.
+    *Pre-event window.* S(T) is the energy of the first T seconds about their own mean, which never decreases with T.
+    The window ends where S reaches 1e-6 of its value for the whole record, and is not used if shorter than 1 s.
 
-    *Filter.* The record is tapered, padded with 1.5 n/f of zeros at both ends (Boore 2005; n the order of a pass, f the
-    lowest corner) and cut to its old length afterwards: the cut record starts from zero velocity, while the padded one
-    has by then the velocity that the note states.
+    *Filter.* The record is tapered, padded with zeros of length 1.5 n/f at both ends (Boore 2005; n is the order of a
+    pass, f the lowest corner), and cut to its old length after filtering: the cut record starts from zero velocity,
+    while the padded one has at that time the velocity that the processing step states.
 
-    *Resampling.* Polyphase, with a Kaiser low-pass of 100 dB that passes up to 0.8 of the lower one of the two Nyquist
-    frequencies and stops from it on, so that a coarser record has no aliases. The first sample keeps its time.
+    *Resampling.* A polyphase filter with a Kaiser low-pass of 100 dB passes frequencies up to 0.8 of the lower of the
+    two Nyquist frequencies and stops all above it, so that a coarser record has no aliases. The first sample keeps its
+    time.
 
     References
     ----------
@@ -166,7 +167,7 @@ def _check(
 
 
 def _watched(record: Record) -> Record:
-    """The record with a warning where its velocity does not come back to zero, in place of an earlier one."""
+    """Return the record with a warning, which replaces an earlier one, if its velocity does not return to zero."""
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
@@ -205,13 +206,13 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
         )
         return _polynomial(record.with_note(note), 0, "mean")
     mean = float(np.mean(record.acceleration[:count]))
-    found = "found" if pre_event is None else "given"
+    found = "detected" if pre_event is None else "given"
     note = f"baseline: mean of the pre-event window 0 to {length:.4g} s ({found}), {mean:.4g} m/s2, subtracted"
     return _noted(record, record.acceleration - mean, note)
 
 
 def quiet_samples(record: Record) -> int:
-    """Number of samples of the pre-event window that is found in a record; the first is always one."""
+    """Return the number of samples of the pre-event window found in a record, at least 1."""
     # From the first sample, not from zero: an offset would drown the energy of the noise.
     shifted = record.acceleration - record.acceleration[0]
     number = np.arange(1, record.npts + 1)

@@ -1,6 +1,6 @@
-"""Defects of a channel, judged on its samples as they came: gaps, spikes, drift, noise, cut and coarse records.
+"""Detects defects of a channel from its samples as read: gaps, spikes, drift, noise, truncated and coarse records.
 
-The bounds were chosen on real records, see docs/decisions/021-defects.md.
+The bounds were chosen on real records, see docs/decisions/022-defects.md.
 """
 
 from dataclasses import replace
@@ -28,40 +28,42 @@ DEFECTS = (
     "same_samples",
     "same_direction",
 )
-#: Shorter records are judged by nothing but that they are dead [samples].
+#: Shortest record that is checked for all defects [samples]; shorter ones are only checked for being dead.
 FEWEST = 100
-#: A straight line is reported from this length on [s] and this many samples; digitised film has shorter ones.
+#: Shortest straight line that is reported [s] and [samples]; digitised film has shorter ones.
 LINE_LENGTH, LINE_SAMPLES = 0.12, 8
-#: On both sides of it the second differences are this many times those of a line.
+#: Smallest ratio of the second differences on both sides of a straight line to those within it.
 LINE_CONTRAST = 20.0
-#: Share of equal neighbours in the strong part that is reported, where a step is this many times the resolution.
+#: Share of equal neighbours in the strong part that is reported, if a step is this many times the resolution.
 REPEATED_SHARE, STEP_CONTRAST = 0.3, 10.0
-#: A block of samples that comes twice is reported from this length on [samples].
+#: Shortest repeated block of samples that is reported [samples].
 BLOCK_SAMPLES = 32
-#: Half the width of the median that a spike is compared with, and of the surroundings [samples].
+#: Half the width of the running median with which a spike is compared, and of its surroundings [samples].
 SPIKE_HALF, SPIKE_AROUND = 3, 50
-#: A spike is this many times the largest deviation from the median near it, from a share of the peak on; or the spikes
-#: are this many times all other deviations, from a larger share on.
+#: A spike exceeds the largest deviation from the median near it by this ratio, and this share of the peak; or it
+#: exceeds all other deviations by another ratio, and a larger share of the peak.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
-#: Length of the two ends of a record [s], and their root mean square over the peak from which one is in strong motion;
-#: over that of the quietest such stretch, or a weak motion in noise would begin and end in strong motion.
+#: Length of the two ends of a record [s], and ratio of their root mean square to the peak above which one is in strong
+#: motion; it must also exceed that of the quietest such window by a ratio, or weak motion in noise would be included.
 END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
-#: Noise: the strongest second is below this many times the median one; white (energy of the differences over that of
-#: the samples), or weak [m/s2]; over this many windows at least. Steps of the resolution that a dead channel spans.
+#: Limits of noise: ratio of the strongest second to the median one, for white noise (energy of the differences divided
+#: by that of the samples) and for weak noise [m/s2]; smallest number of windows; range of a dead channel in steps of
+#: its resolution.
 NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
 WHITE, WEAK, NOISE_WINDOWS, DEAD_STEPS = 0.8, 0.02, 10, 8.0
-#: Longest interval that is not coarse [s]; it decides where the energy of the differences is this share of that of the
-#: samples, so that the frequencies go on beyond those that are in the record.
+#: Longest interval that is not coarse [s]; a coarse one must be confirmed if the energy of the differences is this
+#: share of that of the samples, so that frequencies above the Nyquist frequency are missing.
 COARSE, UNDERSAMPLED = 0.0999, 1.0
-#: Window of the mean that parts the slow velocity from the rest [s], at most this share of the record.
+#: Window of the moving mean that separates the slow velocity from the rest [s], at most this share of the record.
 SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
-#: The slow velocity is reported from this many times the largest of the rest on; from the second on it decides.
+#: Ratios of the slow velocity to the largest of the rest above which it is reported, and above which it must be
+#: confirmed.
 DRIFT, DECIDING_DRIFT = 1.25, 1.5
 
 
 def checked(record: Record) -> Record:
-    """The record with a warning for each defect of its samples; as it is where that was done before."""
+    """Return the record with a warning for each defect of its samples; unchanged if it was checked before."""
     if record.stage != "read":
         return record
     known = {code_of(warning) for warning in record.warnings}
@@ -70,7 +72,7 @@ def checked(record: Record) -> Record:
 
 
 def deciding(record: Record) -> list[WarningText]:
-    """The defects of a conditioned record that make its verdict: it does not count before they are confirmed."""
+    """Return the defects of a conditioned record that may change its results: it is used only if confirmed."""
     found = [one for one in record.warnings if isinstance(one, WarningText) and one.values.get("decides")]
     if find(record.warnings, "dead_channel"):
         found += [WarningText("dead_channel")]
@@ -81,12 +83,12 @@ def deciding(record: Record) -> list[WarningText]:
 
 
 def drifts(record: Record) -> bool:
-    """Whether the ground velocity of a record drifts, or did so before its baseline was subtracted."""
+    """Return whether the ground velocity of a record drifts, or drifted before the baseline was subtracted."""
     return any(has_warning(code_of(one), "baseline_drift", "velocity_drift") for one in record.warnings)
 
 
 def defects(record: Record) -> list[WarningText]:
-    """The defects of the samples of a record as read, in the order of `DEFECTS`."""
+    """Return the defects of the samples of a record as read, in the order of `DEFECTS`."""
     samples, dt = record.acceleration, record.dt
     steps = np.diff(np.unique(samples))
     steps = steps[steps > 1e-9 * np.ptp(samples)]
@@ -119,7 +121,7 @@ def defects(record: Record) -> list[WarningText]:
 
 
 def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
-    """Largest slow velocity, the mean over a window of 10 s or a quarter of the record, and largest rest [m/s]."""
+    """Return the largest slow velocity (mean over 10 s or a quarter of the record), and the largest rest [m/s]."""
     velocity = np.concatenate(([0.0], np.cumsum(0.5 * dt * (acceleration[1:] + acceleration[:-1]))))
     size = velocity.size
     half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
@@ -131,7 +133,7 @@ def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
 
 
 def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | None:
-    """The warning on a channel that spans a few steps of its resolution only, or never rises above its noise."""
+    """Return a warning on a channel that spans only a few steps of its resolution, or never exceeds its noise."""
     span = float(np.ptp(samples))
     if span <= DEAD_STEPS * resolution:
         return WarningText("noise_only", reason=f"the samples span {span / resolution:.0f} steps only", decides=True)
@@ -151,12 +153,12 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
 
 
 def _runs(mask: np.ndarray) -> np.ndarray:
-    """(k, 2) first index of each run of True, and the index behind it."""
+    """Return the first index of each run of True and the index after its last, as (k, 2)."""
     return np.flatnonzero(np.diff(np.concatenate(([0], mask.view(np.int8), [0])))).reshape(-1, 2)
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Warnings on the longest constant stretch and the longest straight line amid samples that curve."""
+    """Return warnings on the longest constant part and the longest straight line between curved parts."""
     bend = np.abs(np.diff(centred, 2))
     straight = max(2.1 * resolution, 1e-6 * float(np.max(np.abs(centred))))
     clipped = find(record.warnings, "clipped") is not None
@@ -188,7 +190,7 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
 
 
 def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Warnings on samples that repeat the one before throughout the strong part, and on a block that comes twice."""
+    """Return warnings on samples that repeat the previous one throughout the strong part, and on a repeated block."""
     change = np.abs(np.diff(samples[strong[0] : strong[1] + 1]))
     moved = change[change > 0.0]
     if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:
@@ -204,7 +206,7 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
 
 
 def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningText]:
-    """The warning on a block of samples that comes twice, not more often as in a periodic signal."""
+    """Return a warning on a block of samples that occurs exactly twice, unlike in a periodic signal."""
     width = 8
     bits = samples.view(np.uint64)
     if samples.size < 4 * BLOCK_SAMPLES:
@@ -234,7 +236,7 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningTex
 
 
 def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
-    """The warning on samples far beyond those beside them."""
+    """Return a warning on samples far larger than their neighbours."""
     windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
     beyond = np.zeros(centred.size)
     beyond[SPIKE_HALF:-SPIKE_HALF] = np.abs(
@@ -262,7 +264,7 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
 
 
 def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
-    """Places of the few largest deviations that are far above all others; empty if there are none."""
+    """Return the indices of the few largest deviations that far exceed all others; empty if there are none."""
     left, places, heights = beyond.copy(), [], []
     for _ in range(SPIKE_COUNT + 1):
         place = int(np.argmax(left))
@@ -276,7 +278,7 @@ def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
 
 
 def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Warnings on a record that begins or ends in strong motion; a first or last sample of zero is a rest."""
+    """Return warnings on a record that begins or ends in strong motion, unless its first or last sample is zero."""
     peak, length = float(np.max(np.abs(centred))), min(max(round(END_LENGTH / dt), 3), centred.size)
     whole = centred[: centred.size // length * length].reshape(-1, length)
     quietest = float(np.sqrt(np.min(np.mean(whole**2, axis=1))))

@@ -1,4 +1,4 @@
-"""Half-waves: the impulses between the zero crossings of a record, linear between its samples (VALIDATION F10)."""
+"""Half-waves: impulses between the zero crossings of a record that is linear between samples (VALIDATION F10)."""
 
 import heapq
 import math
@@ -10,11 +10,11 @@ from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import Record
 
-#: What half-waves have a value of each for.
+#: Arrays of half-waves, with a value for each wave.
 COLUMNS = ("impulse", "centroid", "start", "end", "peak", "lobes")
-#: A merged wave keeps at least this share of the absolute impulses of its lobes.
+#: Smallest impulse of a merged wave, as a share of the sum of the absolute impulses of its lobes.
 KEPT_SHARE = 0.5
-#: Impulses of a picture from this share of the largest on are strong, and below the other one not drawn.
+#: Shares of the largest impulse above which an impulse in a picture is strong, and below which it is not drawn.
 STRONG, VISIBLE = 0.5, 0.01
 
 
@@ -33,7 +33,7 @@ class HalfWaves(Shown):
     peak : (k,) ndarray
         Largest acceleration with the sign of the impulse [m/s2].
     lobes : (k,) ndarray of int
-        How many stretches of one sign the wave was merged from; 1 where nothing was merged, else odd.
+        Number of lobes of one sign that were merged into the wave: 1 without merging, otherwise odd.
     dt : float
         Sampling interval of the record [s].
     record_id : str
@@ -60,11 +60,11 @@ class HalfWaves(Shown):
 
     @property
     def largest(self) -> float:
-        """Largest absolute impulse [m/s]; 0 without a wave."""
+        """Largest absolute impulse [m/s]; 0 without waves."""
         return float(np.max(np.abs(self.impulse), initial=0.0))
 
     def between(self, start: float, end: float) -> "HalfWaves":
-        """The waves whose centroid lies from a start to an end [s] from the first sample, both included."""
+        """Return the waves whose centroid is between two times [s] from the first sample, both included."""
         inside = (self.centroid >= start) & (self.centroid <= end)
         return replace(self, **{name: getattr(self, name)[inside] for name in COLUMNS})
 
@@ -77,7 +77,7 @@ class HalfWaves(Shown):
         return facts
 
     def _picture(self) -> Picture | None:
-        """The impulses at their centroids, those above half the largest in another colour."""
+        """Draw the impulses at their centroids; impulses above half the largest have another colour."""
         if not len(self):
             return None
         reach = self.largest or 1.0
@@ -94,10 +94,10 @@ class HalfWaves(Shown):
 
 
 def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0.0, merge: bool = True) -> HalfWaves:
-    """Half-waves of a record, with noise lobes merged into the wave that they interrupt.
+    """Return the half-waves of a record, with noise lobes merged into the wave that they interrupt.
 
-    A lobe is a stretch of one sign. It ends where the acceleration changes sign, or where it stays at zero for a whole
-    sampling interval. Stretches at zero belong to no lobe, and the partial lobes at both ends of the record count.
+    A lobe is a part of the record with one sign. It ends where the acceleration changes sign, or remains zero for a
+    whole sampling interval. Parts at zero belong to no lobe; the partial lobes at both ends of the record are included.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
     min_duration_s : float
         Lobes shorter than this are noise [s].
     merge : bool
-        False: every lobe is a wave of its own, and the two limits above are not looked at.
+        Whether noise is merged; if False, every lobe is a wave, and the two limits above are ignored.
 
     Returns
     -------
@@ -122,11 +122,11 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
 
     Notes
     -----
-    A noise lobe goes only together with both its neighbours: the three become one wave with the neighbours' sign. It
-    stays as it is where the centroid would leave the wave, where the impulse in the neighbours' direction would be less
-    than half the sum of the absolute impulses of all the lobes in it, or where a neighbour is missing or has the same
-    sign. The noise lobe with the smallest absolute impulse comes first, the earlier of two equal ones; a merged wave
-    that is still noise takes part again. Nothing is ever dropped, so that the sums of F10 hold.
+    A noise lobe is merged only with both its neighbours: the three become one wave with the neighbours' sign. It is not
+    merged if the centroid would be outside the wave, if the impulse in the neighbours' direction would be less than
+    half the sum of the absolute impulses of all lobes in it, or if a neighbour is missing or has the same sign. The
+    noise lobe with the smallest absolute impulse is merged first (the earlier of two equal ones); a merged wave that is
+    still noise may be merged again. Nothing is dropped, so that the sums of F10 remain valid.
 
     Examples
     --------

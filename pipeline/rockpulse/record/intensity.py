@@ -1,4 +1,4 @@
-"""Measures of a record that is linear between its samples, and its intense phase; velocities start from zero."""
+"""Measures of a record that is linear between its samples, and its intense phase; velocities start at zero."""
 
 import math
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 WINDOW_LENGTH = 20.0
 #: Damping of oscillators [-], and the periods of Housner's intensity [s].
 DAMPING, PERIODS = 0.05, np.linspace(0.1, 2.5, 49)
-#: Points of a period at which the response of an oscillator is at least looked at.
+#: Smallest number of points per period at which the response of an oscillator is computed.
 POINTS = 16
 #: Default level of the bracketed duration [m/s2] (Bolt 1973).
 BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
@@ -21,7 +21,7 @@ BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
 
 @dataclass(frozen=True)
 class IntensePhase:
-    """The stretch of a record that a calibration looks at, in seconds from the first sample."""
+    """The part of a record that a calibration uses, in seconds from the first sample."""
 
     start: float
     end: float
@@ -33,12 +33,12 @@ class IntensePhase:
 
 
 def arias_intensity(record: Record) -> float:
-    """Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s]; g is standard gravity."""
+    """Return the Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s], standard gravity g."""
     return float(math.pi / (2.0 * STANDARD_GRAVITY) * _energy(record)[-1])
 
 
 def pgv(record: Record) -> float:
-    """Largest absolute ground velocity [m/s], at a sample or at a zero crossing of the acceleration between two."""
+    """Return the largest absolute ground velocity [m/s], at a sample or a zero crossing of the acceleration."""
     left, right = record.acceleration[:-1], record.acceleration[1:]
     velocity = np.concatenate(([0.0], np.cumsum(0.5 * record.dt * (left + right))))
     crossing = np.flatnonzero(np.sign(left) * np.sign(right) < 0.0)
@@ -48,7 +48,7 @@ def pgv(record: Record) -> float:
 
 
 def spectral_acceleration(record: Record, period: float) -> float:
-    """Pseudo-spectral acceleration of 5 % damping at T [s], (2 pi/T)^2 times the largest displacement [m/s2]."""
+    """Return the 5 % damped pseudo-acceleration at T [s]: (2 pi/T)^2 times the largest displacement [m/s2]."""
     from scipy import signal  # takes as long to import as all else
 
     # At enough instants, and exact there for a ground acceleration that is linear between samples.
@@ -62,20 +62,20 @@ def spectral_acceleration(record: Record, period: float) -> float:
 
 
 def spectrum_intensity(record: Record) -> float:
-    """Housner's intensity as the mean pseudo-velocity of 5 % damping over 0.1 to 2.5 s; times 2.4 s his integral."""
+    """Return Housner's intensity as mean 5 % damped pseudo-velocity over 0.1 to 2.5 s (his integral over 2.4 s)."""
     velocities = [period / (2.0 * math.pi) * spectral_acceleration(record, period) for period in PERIODS]
     return float(np.trapezoid(velocities, PERIODS) / (PERIODS[-1] - PERIODS[0]))
 
 
 def largest_change(record: Record, within: float) -> float:
-    """Largest change of the ground velocity over a time [s], to the nearest sample [m/s]."""
+    """Return the largest change of the ground velocity [m/s] over a time [s], rounded to whole samples."""
     velocity = np.append(0.0, np.cumsum(0.5 * (record.acceleration[1:] + record.acceleration[:-1]))) * record.dt
     steps = min(max(round(within / record.dt), 1), velocity.size - 1)
     return float(np.max(np.abs(velocity[steps:] - velocity[:-steps])))
 
 
 def fajfar_index(record: Record) -> float:
-    """PGV t_D^(1/4), t_D the duration D5-95 (Fajfar, Vidic & Fischinger 1990) [m s^-0.75]."""
+    """Return PGV t_D^(1/4) [m s^-0.75], where t_D is the duration D5-95 (Fajfar, Vidic & Fischinger 1990)."""
     return pgv(record) * intense_phase(record).duration ** 0.25
 
 
@@ -86,7 +86,7 @@ def intense_phase(
     end_s: float | None = None,
     level: float | None = None,
 ) -> IntensePhase:
-    """The intense phase of a record.
+    """Return the intense phase of a record.
 
     Parameters
     ----------
@@ -95,25 +95,24 @@ def intense_phase(
     method : {"D5-95", "D5-75", "bracketed", "window"}
         "D5-95", "D5-75": between these percentages of the Arias intensity. "bracketed": from the first to the last time
         the absolute acceleration exceeds `level`. "window": from `start_s` to `end_s`; 20 s (the paper's limit) from
-        `start_s` where that alone is given; with neither, the 20 s with the largest Arias intensity among those that
-        begin at a sample, the first of equal ones. A window ends with the record at the latest.
+        `start_s` if only this is given; without both, the first 20 s with the largest Arias intensity among those that
+        begin at a sample. A window ends with the record at the latest.
     start_s, end_s : float, optional
         Limits of the window [s] from the first sample.
     level : float, optional
-        Bracket [m/s2], by default 0.05 g.
+        Level of the bracketed duration [m/s2], by default 0.05 g.
 
     Returns
     -------
     IntensePhase
-        Limits interpolated inside the sampling interval, by the inverse of the cubic that the Arias intensity follows
-        there.
+        Its limits are interpolated within the sampling interval, in which the Arias intensity is a cubic of time.
 
     Raises
     ------
     ConfigError
-        For an unknown method, or an argument that does not belong to it or makes no sense.
+        For an unknown method, or an argument that is invalid or does not belong to the method.
     RecordRefused
-        Where the record is zero throughout, never exceeds the bracket, or ends before the window begins.
+        If the record is zero throughout, never exceeds the level, or ends before the window begins.
 
     References
     ----------
@@ -140,7 +139,7 @@ def intense_phase(
 
 
 def _energy(record: Record) -> np.ndarray:
-    """Integral of the squared acceleration from the first sample to each sample, (n,) [m2/s3]."""
+    """Return the integral of the squared acceleration from the first sample to each sample, (n,) [m2/s3]."""
     left, right = record.acceleration[:-1], record.acceleration[1:]
     return np.concatenate(([0.0], np.cumsum(record.dt / 3.0 * (left * left + left * right + right * right))))
 
@@ -155,7 +154,7 @@ def _nonzero_energy(record: Record) -> np.ndarray:
 
 
 def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
-    """First time at which the integral reaches a level between 0 and its last value [s]."""
+    """Return the first time at which the integral reaches a level between 0 and its last value [s]."""
     after = max(int(np.searchsorted(energy, level)), 1)
     before = after - 1
     left, right = record.acceleration[before : after + 1].tolist()
@@ -238,7 +237,7 @@ def _strongest_window(record: Record) -> IntensePhase:
     return IntensePhase(start, min(start + WINDOW_LENGTH, record.duration))
 
 
-#: Methods that find an intense phase, by name.
+#: Functions that find the intense phase, by the name of the method.
 INTENSE_PHASES: dict[str, Callable[..., IntensePhase]] = {
     "D5-95": lambda record, *_: _significant(record, 0.95),
     "D5-75": lambda record, *_: _significant(record, 0.75),

@@ -1,4 +1,4 @@
-"""The intensity measures of a ground motion: a measure is added as a row here and nowhere else."""
+"""The intensity measures of a ground motion; a new measure is added only here, as a row of the table."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
     from rocking.march.demand import Demand
     from rockpulse.record.half_wave import HalfWaves
 
-#: Units in which levels of a measure are given, by its unit in SI: factors to SI, the unit that is shown first.
+#: Units in which levels of a measure may be given (the shown one first) with factors to SI, by its SI unit.
 UNITS = {
     "m s-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
     "m s-1": {"m/s": 1.0, "cm/s": 0.01},
     "1": {"": 1.0},
 }
-#: Measures that are asked for by name: the PGA alone tells whether a body on the ground lifts, a drifting baseline puts
-#: the PGV in doubt, and the reference puts bodies of all sizes on one scale.
+#: Measures that the code uses by name: the PGA alone determines whether a body on the ground lifts, a drifting baseline
+#: makes the PGV doubtful, and the reference makes bodies of all sizes comparable.
 PGA, PGV, IMPULSE, REFERENCE = "pga", "pgv", "impulse", "velocity_ratio"
-#: Lobes of E whose root mean square is a measure.
+#: Number of the largest lobes of E whose root mean square is a measure.
 LARGEST_LOBES = 6
 
 
 @dataclass(frozen=True)
 class RecordOnBodies:
-    """What a measure is taken of: a conditioned record, its half-waves, and (m,) bodies where it depends on them."""
+    """The input of a measure: a conditioned record, its half-waves, and (m,) bodies if it depends on them."""
 
     record: Record
     waves: Callable[[], HalfWaves]
@@ -41,12 +41,12 @@ class RecordOnBodies:
 
     @classmethod
     def slender(cls, record: Record, waves: Callable[[], HalfWaves], block: Block) -> RecordOnBodies:
-        """A record on bodies that g tan(alpha_c) lifts."""
+        """Return a record on slender bodies, which lift at g tan(alpha_c)."""
         return cls(record, waves, block, np.asarray(block.gravity * np.tan(block.alpha_c)))
 
     @property
     def demand(self) -> Demand:
-        """The lobes of E, over what overturns each body."""
+        """Return the lobes of E divided by the value that overturns each body."""
         from rocking.march.demand import ground_demand  # compiled
 
         return ground_demand(self.block, self.record.acceleration, self.record.dt)
@@ -54,12 +54,12 @@ class RecordOnBodies:
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure."""
+    """An intensity measure, or a family of measures over the period."""
 
     name: str
     unit: str  # in SI, as in the files of results
     title: str
-    #: Takes a RecordOnBodies, and of a family the period [s]; returns a number or, of bodies, (m,) numbers.
+    #: Function of a RecordOnBodies and, for a family, of the period [s]; returns a number or, for bodies, (m,) numbers.
     value: Callable[..., Any]
     detail: str = ""  # what the long name adds to the title
     uses: str = ""  # what it serves beside fragility: any of "demand hazard scaling"
@@ -75,27 +75,27 @@ class Measure:
 
     @property
     def long_name(self) -> str:
-        """The title with what it leaves out."""
+        """The title with its explanation."""
         return f"{self.title}{self.detail}"
 
     @property
     def known_units(self) -> dict[str, float]:
-        """The units in which levels of the measure are given, as factors to SI."""
+        """The units in which levels of the measure may be given, with factors to SI."""
         return UNITS.get(self.unit, {self.unit: 1.0})
 
     @property
     def shown_unit(self) -> str:
-        """The unit in SI as it is shown."""
+        """The SI unit as it is shown."""
         return next(iter(self.known_units))
 
     @property
     def column(self) -> tuple[str, str, float]:
-        """Heading, unit and its factor to SI in a table that a person reads: accelerations are in g."""
+        """Return heading, unit and factor to SI for a printed table, in which accelerations are in g."""
         unit = "g" if "g" in self.known_units else self.shown_unit
         return self.heading or self.title, unit, self.known_units[unit]
 
     def at(self, period: float | None) -> Measure:
-        """The member of a family at a period [s]; the measure itself where there is none."""
+        """Return the measure at a period [s], such as Sa(1 s); if `period` is None, the measure itself."""
         if period is None:
             return self
         name, title = f"{self.name}_{period:g}", f"{self.title}({period:g} s)"
@@ -203,30 +203,30 @@ _TABLE = (
         lambda on: on.demand.build_up,
     ),
 )
-#: Every row by its name, and every measure with the members of families in place of these.
+#: All rows by name, and all measures by name, with the members of each family in place of the family.
 ROWS = {row.name: row for row in _TABLE}
 MEASURES = {one.name: one for row in _TABLE for one in (map(row.at, row.periods) if row.periods else [row])}
-#: The names that each part takes. A demand names the period of a member of a family beside the family.
+#: Names of measures for each use. A demand gives the name of a family and the period.
 FRAGILITY = tuple(name for name, one in MEASURES.items() if one.proportional)
 HAZARD, SCALING = (tuple(name for name, one in MEASURES.items() if use in one.uses) for use in ("hazard", "scaling"))
 DEMAND = tuple(name for name, row in ROWS.items() if "demand" in row.uses)
 PERIODIC = tuple(name for name in DEMAND if ROWS[name].periods)
-#: The rows that results have of every record, those of them whose values a factor multiplies, and the rows that results
-#: have of every record and body.
+#: Measures stored for every record, those proportional to the scale factor, and measures stored for every record and
+#: body.
 STORED = tuple(row for row in _TABLE if row.stored is not None and not row.of_bodies)
 STORED_LEVELS = tuple(row for row in STORED if row.proportional)
 STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row.of_bodies)
 
 
 def units_in_words(names: tuple[str, ...]) -> str:
-    """The units of some rows, and which of these have each: "m/s2 (pga) or m/s (pgv, impulse)"."""
+    """Return the units of measures, with the measures of each: "m/s2 (pga) or m/s (pgv, impulse)"."""
     units = dict.fromkeys(ROWS[name].shown_unit for name in names)
     told = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
     return _either(told)
 
 
 def quoted(names: tuple[str, ...]) -> str:
-    """The names between quotation marks, the last after an "or"."""
+    """Return the names in quotation marks, with "or" before the last."""
     return _either([f'"{name}"' for name in names])
 
 

@@ -16,13 +16,13 @@ import numpy as np
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, thinned
 from rockpulse.errors import RecordFormatError
 
-#: The file unit "g", always this value [m/s2].
+#: Value of the unit "g" in files [m/s2].
 STANDARD_GRAVITY = 9.80665
-#: Between the files of a record that was made of several, and between their checksums.
+#: Separator between the files of a record that consists of several, and between their checksums.
 BETWEEN = "; "
-#: Largest sample that is taken for an acceleration [m/s2]; the squares of larger ones may overflow.
+#: Largest sample that is accepted as an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
-#: Fields whose texts many records of a batch have in common.
+#: Fields whose strings many records of a batch have in common.
 SHARED = frozenset(
     (
         "network",
@@ -49,54 +49,54 @@ class Record(Shown):
     Attributes
     ----------
     acceleration : (n,) ndarray
-        Ground acceleration [m/s2], n >= 2, finite, read-only, linear between samples. A constant that
-        ``np.broadcast_to`` spreads over n samples stays that, and takes no memory.
+        Ground acceleration [m/s2], n >= 2, finite, read-only, linear between samples. A constant made by
+        ``np.broadcast_to`` is kept as it is, and needs no memory for n samples.
     dt : float
         Sampling interval [s].
     id : str
-        ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` where known, else ``<file stem>.<channel>``.
+        ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` if known, else ``<file stem>.<channel>``.
     network, station, location, channel, station_name : str
-        Codes as the file gives them, and the name of the station; empty where unknown.
+        Codes as in the file, and name of the station; empty if unknown.
     component : str
-        The channel's direction as the file words it ("90 Deg", "UP").
+        The channel's direction as worded in the file ("90 Deg", "UP").
     orientation : {"horizontal", "vertical", "structural", "unknown"}
         What the direction means; "structural" is a channel on a building.
     azimuth : float
-        Clockwise from north [degrees]; NaN where unknown or not horizontal.
+        Clockwise from north [degrees]; NaN if unknown or not horizontal.
     start_time, origin_time : datetime or None
         UTC times of the first sample and of the earthquake, with ``tzinfo=UTC``.
     source, source_sha256 : str
-        File the record came from (``archive.zip!member`` for a member of an archive), and its SHA-256; empty without.
+        File of the record (``archive.zip!member`` for a member of an archive), and its SHA-256; empty without a file.
     format, source_unit : str
         Name of the reader (see ``rockpulse formats``), and unit in the file.
     unit_factor : float
         Acceleration in m/s2 = value in the file x unit_factor.
     processed : bool or None
-        True for a corrected volume, False for a raw one, None where the format does not say.
+        True for a corrected record, False for a raw one, None if the format does not state it.
     header_peak : float
-        Peak acceleration that the header states [m/s2]; NaN where it does not.
+        Peak acceleration stated in the header [m/s2]; NaN if not stated.
     event, event_id : str
-        Name of the earthquake as in the file, and its identifier at the agency; empty where unknown.
+        Name of the earthquake as in the file, and the agency's identifier; empty if unknown.
     warnings : tuple of str
-        Warnings for the user; those that have a code are of :class:`rockpulse.warning_text.WarningText`.
+        Warnings for the user; warnings with a code are :class:`rockpulse.warning_text.WarningText`.
     processing : tuple of str
         Conditioning steps applied so far, in order.
     magnitude, magnitude_type : float, str
-        Magnitude of the earthquake, NaN where unknown, and its scale as the file has it ("Mw", "ML").
+        Magnitude of the earthquake, NaN if unknown, and its scale as in the file ("Mw", "ML").
     hypocentre_latitude, hypocentre_longitude, hypocentre_depth : float
-        Place of the hypocentre [degrees north, degrees east, m]; NaN where unknown.
+        Coordinates of the hypocentre [degrees north, degrees east, m]; NaN if unknown.
     epicentral_distance : float
-        Distance of the station from the epicentre as the file states it [m]; NaN where it does not.
+        Distance of the station from the epicentre as stated in the file [m]; NaN if not stated.
     station_latitude, station_longitude : float
-        Place of the station [degrees north, degrees east]; NaN where unknown.
+        Coordinates of the station [degrees north, degrees east]; NaN if unknown.
     vs30, site_class : float, str
-        Time-averaged velocity of shear waves in the upper 30 m [m/s], NaN where unknown, and class of the ground.
+        Time-averaged shear-wave velocity in the upper 30 m [m/s], NaN if unknown, and site class.
     sensor_depth : float
-        Depth of the sensor below the ground [m]; NaN where the file does not state it.
+        Depth of the sensor below the ground [m]; NaN if not stated.
     stage : {"read", "checked", "conditioned"}
-        How far it has come: its samples are checked for defects once, and it is conditioned for a verdict once.
+        State of the record: its samples are checked for defects once, and it is conditioned for assessment once.
     outline : tuple of float
-        What :func:`outline_of` returns, of a record that has its samples no more; else empty.
+        Result of :func:`outline_of` for a record without its samples; empty for other records.
     """
 
     acceleration: np.ndarray
@@ -170,15 +170,15 @@ class Record(Shown):
         return _restored, (type(self), values)
 
     def without_samples(self) -> "Record":
-        """The same record with zeros that take no memory in place of its samples."""
+        """Return the same record with zeros, which need no memory, in place of its samples."""
         return replace(self, acceleration=np.broadcast_to(0.0, self.npts), outline=outline_of(self))
 
     def with_warning(self, warning: str) -> "Record":
-        """The same record with one more warning."""
+        """Return the same record with one more warning."""
         return replace(self, warnings=(*self.warnings, warning))
 
     def with_note(self, step: str) -> "Record":
-        """The same record with one more processing step written down."""
+        """Return the same record with one more processing step."""
         return replace(self, processing=(*self.processing, step))
 
     @property
@@ -188,7 +188,7 @@ class Record(Shown):
 
     @property
     def duration(self) -> float:
-        """Time from the first sample to the last [s]."""
+        """Time from the first to the last sample [s]."""
         return (self.npts - 1) * self.dt
 
     @property
@@ -227,7 +227,7 @@ class Record(Shown):
 
 
 def outline_of(record: Record) -> tuple[float, ...]:
-    """Number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % of the energy [s]; empty if flat."""
+    """Return number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % energy [s]; empty if flat."""
     if _spread(record.acceleration):
         return record.outline if record.outline[:1] == (record.npts,) else ()
     if not np.ptp(record.acceleration):
@@ -240,7 +240,7 @@ def outline_of(record: Record) -> tuple[float, ...]:
 
 
 def _restored(kind: type[Record], values: list[Any]) -> Record:
-    """A record as it was pickled; thousands of them share their codes, units and unknown numbers."""
+    """Restore a pickled record; thousands of records share their codes, units and unknown numbers."""
     if isinstance(values[0], tuple):
         values[0] = np.broadcast_to(*values[0])
     values[0].setflags(write=False)
@@ -255,7 +255,7 @@ def _restored(kind: type[Record], values: list[Any]) -> Record:
 
 
 def _spread(acceleration: np.ndarray) -> bool:
-    """Whether the array is one number in memory, spread over n samples."""
+    """Return whether the array is a single number in memory, broadcast to n samples."""
     return (
         isinstance(acceleration, np.ndarray)
         and acceleration.dtype == float
@@ -267,7 +267,7 @@ def _spread(acceleration: np.ndarray) -> bool:
 def record_id(
     network: str, station: str, location: str, channel: str, start_time: datetime | None, stem: str, number: int
 ) -> str:
-    """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` or ``<stem>.<channel or number>``, of word characters and ``.@~-``."""
+    """Return ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` or ``<stem>.<channel or number>``, in word characters and ``.@~-``."""
     text = f"{stem}.{channel or number}"
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"
@@ -275,12 +275,12 @@ def record_id(
 
 
 def id_matches(name: str, patterns: Iterable[str]) -> bool:
-    """Whether the id of a record is that of one of some patterns, in which * and ? stand for any letters."""
+    """Return whether the id of a record matches one of several patterns, in which * and ? match any characters."""
     return any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
 def distinct_ids(records: Sequence[Record]) -> list[Record]:
-    """The records in the same order, those whose id was taken already renamed to ``id~2``, ``id~3``..."""
+    """Return the records in the same order, with repeated ids renamed to ``id~2``, ``id~3``..."""
     taken: set[str] = set()
     result = []
     for record in records:

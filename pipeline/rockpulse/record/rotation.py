@@ -1,12 +1,12 @@
-"""A pair of horizontal channels on the same samples, its motion in any direction, and its strongest direction.
+"""Brings a pair of horizontal channels to the same samples, rotates it to any direction, and finds the strongest one.
 
-.. note:: Azimuths are in degrees, clockwise from north. A channel that faces the azimuth z records x . u(z), u = (cos
-   z, sin z) to the north and east. Two channels that are not parallel give the vector x, and the motion in direction
-   psi
+.. note:: Azimuths are in degrees, clockwise from north. A channel with the azimuth z records x . u(z), where u = (cos
+z, sin z) has a north and an east component. Two channels that are not parallel give the vector x, and the motion in
+direction psi
 
        a(psi) = [a_1 sin(z_2 - psi) + a_2 sin(psi - z_1)]/sin(z_2 - z_1)
 
-   which is exact for any angle between them. a(psi + 180) = -a(psi): a half circle has all directions.
+   which is exact for any angle between them. As a(psi + 180) = -a(psi), a half circle contains all directions.
 """
 
 import math
@@ -25,35 +25,37 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.warning_text import WarningText, code_of, has_warning
 
-#: Two channels need at least this sine between them: below it (10 degrees) their noise is multiplied by more than 6.
+#: Smallest sine of the angle between two channels; below it (10 degrees) rotation multiplies their noise by more than
+#: 6.
 SMALLEST_SINE = 0.17
-#: The search for the strongest direction: steps one after the other [degrees]; how many maxima of the first are looked
-#: into, and from which share of the highest on.
+#: Search for the strongest direction: successive steps [degrees]; number of maxima of the first step that are refined;
+#: smallest share of the highest maximum for this.
 STEPS = (1.0, 0.1, 0.01)
 MAXIMA = 5
 MAXIMA_SHARE = 0.9
 
 
 def rotate(pair: Pair, azimuth: float) -> Record:
-    """The motion of a pair in one direction.
+    """Return the motion of a pair in one direction.
 
     Parameters
     ----------
     pair : Pair
-        Two channels with the same samples in time, as ``condition_pair`` returns them.
+        Two channels with the same sample times, as ``condition_pair`` returns them.
     azimuth : float
         Direction, clockwise from north [degrees].
 
     Returns
     -------
     Record
-        With the direction in the channel code of its id (``H045``), the sources, notes and warnings of both channels,
-        and the formula. In the direction of a channel its samples are those of that channel.
+        The rotated record, with the direction in the channel code of its id (``H045``), the sources, processing steps
+        and warnings of both channels, and the formula. In the direction of a channel, its samples equal those of the
+        channel.
 
     Raises
     ------
     RecordRefused
-        For channels that face almost the same way or do not have the same samples.
+        For channels in almost the same direction, or with different sample times.
 
     Examples
     --------
@@ -99,39 +101,39 @@ def rotate(pair: Pair, azimuth: float) -> Record:
 
 
 def pair_id(pair: Pair) -> str:
-    """Name of a pair: the id of a record with both channel codes in it."""
+    """Return the name of a pair: the id of a record with both channel codes."""
     return _name(pair.first, f"{pair.first.channel}-{pair.second.channel}")
 
 
 def rotated_id(record: Record, azimuth: float) -> str:
-    """Id of the motion of a pair in one direction, clockwise from north [degrees], from its first channel."""
+    """Return the id of the motion of a pair in a direction, clockwise from north [degrees], from its first channel."""
     return _name(record, f"H{math.floor(azimuth + 0.5):03d}")
 
 
 def strongest_azimuth(
     pair: Pair, threshold: float = 0.0, min_duration_s: float = 0.0, merge: bool = True
 ) -> tuple[float, float]:
-    """The direction in which the largest half-wave impulse of a pair is largest.
+    """Find the direction in which the largest half-wave impulse of a pair is largest.
 
     Parameters
     ----------
     pair : Pair
-        Two channels with the same samples in time.
+        Two channels with the same sample times.
     threshold, min_duration_s, merge
         Options of :func:`rockpulse.half_waves`.
 
     Returns
     -------
     azimuth : float
-        Direction [degrees], 0 to below 180, to 0.01; the first of equal ones.
+        Direction [degrees] from 0 to below 180, in steps of 0.01; the first of equal ones.
     impulse : float
         The largest absolute half-wave impulse in that direction [m/s].
 
     Notes
     -----
-    The impulse jumps where a lobe touches zero and breaks in two, or noise is merged: there is no formula for its
-    maximum. Every degree is tried, then the surroundings of the five highest local maxima, as far as they are above
-    0.9 of the highest, in steps of 0.1 and 0.01: some 250 extractions.
+    The impulse is discontinuous in the direction, as lobes split at zero and noise is merged, so that no formula gives
+    its maximum. Every degree is tried, then the surroundings of the five highest local maxima, if above 0.9 of the
+    highest, in steps of 0.1 and 0.01 degrees: about 250 extractions.
     """
     first, second = pair.channels
     check_angle(pair)
@@ -160,7 +162,7 @@ def strongest_azimuth(
 
 
 def rotated_component(azimuth: float) -> str:
-    """The component of a record that was turned to an azimuth [degrees]: "45 degrees, rotated"."""
+    """Return the component of a record rotated to an azimuth [degrees]: "45 degrees, rotated"."""
     return f"{azimuth:g} degrees, rotated"
 
 
@@ -170,14 +172,14 @@ def _weights(first: float, second: float, azimuth: float) -> tuple[float, float]
 
 
 def _sine(degrees: float) -> float:
-    """Sine that is exact at multiples of 90 degrees and odd about 0 and 180."""
+    """Return the sine, exact at multiples of 90 degrees and odd about 0 and 180."""
     turn = math.remainder(degrees, 360.0)
     folded = math.copysign(180.0, turn) - turn if abs(turn) > 90.0 else turn
     return math.sin(math.radians(folded))
 
 
 def check_angle(pair: Pair) -> None:
-    """Raise RecordRefused for channels that face almost the same way, or whose azimuth is not known."""
+    """Raise RecordRefused for channels in almost the same direction, or with unknown azimuth."""
     first, second = pair.channels
     if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
         raise RecordRefused(
@@ -193,7 +195,7 @@ def _name(record: Record, code: str) -> str:
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
-    """Texts of both channels: once where both have it, else with the name of the channel in front."""
+    """Return the texts of both channels: common ones once, others after the name of the channel."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
         text if text in mine and text in others else WarningText("of_channel", channel=record.channel, warning=text)
@@ -203,38 +205,38 @@ def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
     )
 
 
-#: Starts that differ from whole sampling intervals by less than this share of one are taken as whole.
+#: Largest deviation of a start from a whole number of sampling intervals, as a share of one, that is ignored.
 CLOCK_SHARE = 1e-3
 
 
 def condition_pair(pair: Pair, **options: Any) -> Pair:
-    """Both channels conditioned alike on the time that they have in common, with the same samples.
+    """Condition both channels in the same way over their common time, with the same sample times.
 
     Parameters
     ----------
     pair : Pair
         As read.
     **options
-        Those of :func:`rockpulse.condition`.
+        Options of :func:`rockpulse.condition`.
 
     Returns
     -------
     Pair
-        Each channel cut to the common time, conditioned, and brought to the samples of the first: as they are where
-        those of the second fall on them, else linear between them. What was cut is a warning.
+        Each channel cut to the common time, conditioned, and sampled at the times of the first: the second is unchanged
+        if its samples are at these times, and linearly interpolated otherwise. A warning states what was cut.
 
     Raises
     ------
     RecordRefused
-        For channels that face almost the same way, share fewer than two samples, or differ in their interval after the
+        For channels in almost the same direction, with fewer than two common samples, or with different intervals after
         conditioning.
     ConfigError
-        For options that :func:`rockpulse.condition` refuses.
+        For options that :func:`rockpulse.condition` rejects.
 
     Notes
     -----
-    Both channels get the shorter one of the two pre-event windows that are found, or the mean where that is below 1 s:
-    so every step is linear in the samples, and channels may be conditioned before or after they are rotated.
+    For both channels the shorter of the two pre-event windows is used, or the mean if it is below 1 s: every step is
+    therefore linear in the samples, and conditioning may precede or follow rotation.
     """
     check_angle(pair)
     if pair.first.processed != pair.second.processed:
@@ -268,7 +270,7 @@ def _check_overlap(channel: Record, other: Record, samples: int) -> None:
 
 
 def _cut(channel: Record, other: Record) -> Record:
-    """The channel within the time of the other one, widened to whole samples; a warning names the part left out."""
+    """Return the channel cut to the time of the other, widened to whole samples, with a warning on what was cut."""
     start = offset(channel, other)
     share = CLOCK_SHARE
     begin = max(0, math.floor(start / channel.dt + share))
@@ -286,7 +288,7 @@ def _cut(channel: Record, other: Record) -> Record:
 
 
 def _with_common_window(pair: Pair, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """The conditioning options for both channels, and the note on their pre-event window."""
+    """Return the conditioning options for both channels, and the processing step on their pre-event window."""
     baseline = options.get("baseline", "auto")
     searched = baseline == "pre-event" or (baseline == "auto" and pair.first.processed is False)
     if not searched or options.get("pre_event_s") is not None:

@@ -33,7 +33,7 @@ RUN_DIGEST = "run_digest"
 CHUNK = 32 * 1024**2
 #: Overhead per array in memory, and per string in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
-#: Variables of /summary from which /directions is computed: of the record, of its responses, and of a probability.
+#: Variables of /summary from which /directions is computed: of the record, of its responses, and of the probability.
 SWEPT_RECORD = ("record", PGA, "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
 SWEPT_PROBABILITY = ("overturning_probability",)

@@ -166,7 +166,7 @@ class _Batch:
         if before:  # the run that wrote the file has removed its journal
             check_target(output, before == asked, analysis.kind)
             journal.remove()
-            options.tell(f"{output}: the run had ended before, nothing was left to do")
+            options.tell(f"{output}: the run was already complete; nothing was left to do")
             self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(plan.failures))
             return True
         missing = self.missing()
@@ -232,7 +232,7 @@ class _Batch:
         damaged = journal.drop_damaged(is_result) if options.resume else []
         if damaged or journal.gaps:
             results = f"the results of {some(damaged, 5)}" if damaged else ""
-            places = f"what stood in {journal.gaps} place{'s' * (journal.gaps != 1)}" if journal.gaps else ""
+            places = f"{journal.gaps} damaged part{'s' * (journal.gaps != 1)}" if journal.gaps else ""
             lost = " and ".join(filter(None, (results, places)))
             self.log_and_tell(f"{journal.path} is damaged: {lost} cannot be used; what is missing is done again")
         before = journal.finished()
@@ -243,7 +243,7 @@ class _Batch:
             "%s %d records; finished before: %d, of another state: %d", analysis.doing, len(missing), resumed, stale
         )
         if options.resume:
-            again = f"; {stale} are done again, for they, the options or the version of rockpulse have changed"
+            again = f"; {stale} are done again, because they, the options or the version of rockpulse have changed"
             options.tell(f"{resumed} of {len(self.tasks)} records were finished before{again if stale else ''}")
         rows = journal.failures()
         for key in self.finished():
@@ -282,7 +282,7 @@ class _Batch:
         """Return the message of a stopped run on what is kept; remove a journal without finished records."""
         journal, every = self.journal, self.journal.complete
         if not journal.is_current:
-            return f"nothing is kept, for {journal.path} was removed while the run was at work"
+            return f"nothing is kept, because {journal.path} was removed during the run"
         if not every:
             journal.remove()
             return "nothing was finished yet"

@@ -133,7 +133,7 @@ class Journal:
                 )
             if _identity_of(path) != _identity(os.fstat(file.fileno())):
                 empty = False  # another run has replaced it
-                raise JournalError(f"{path}: another run on this output has just ended; give the command again")
+                raise JournalError(f"{path}: another run on this output has just ended; run the command again")
             empty = os.fstat(file.fileno()).st_size == 0
             journal = cls(path, file)
             journal._take_up(resume, overwrite)
@@ -144,8 +144,8 @@ class Journal:
                 file.close()
             if isinstance(error, OSError):
                 raise JournalError(
-                    f"{path}: cannot keep the journal of the run beside the output: {error.strerror or error}; choose "
-                    "another output"
+                    f"{path}: cannot write the journal of the run next to the output: {error.strerror or error}; "
+                    "choose another output"
                 ) from error
             raise
         return journal
@@ -188,8 +188,7 @@ class Journal:
         """Store the result of a task durably, replacing an earlier one; JournalError if it cannot be written."""
         if not self.is_current:
             raise JournalError(
-                f"{self.path}: the journal was removed while the run was at work, and what was finished with it; begin "
-                "anew"
+                f"{self.path}: the journal was removed during the run, and the finished records with it; start again"
             )
         rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind))] for row in done.failures]
         outcome = {"key": done.key, "fingerprint": done.fingerprint, "failures": rows}
@@ -197,9 +196,9 @@ class Journal:
             self._kept[done.key] = self._append(outcome, done.parts)
         except OSError as error:
             raise JournalError(
-                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the "
-                f"{len(self.complete)} finished before are kept: make room on the disk, then give the same command "
-                "with --resume"
+                f"{self.path}: cannot store the result of {done.key}: {error.strerror or error}; the "
+                f"{len(self.complete)} finished before are kept: free some disk space, then run the same command with "
+                "--resume"
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
@@ -207,7 +206,7 @@ class Journal:
         found = self._parts(key) if key in self._kept else ()
         if found is None:
             raise JournalError(
-                f"{self.path}: the result of {key} is not as it was written; the same command with --resume does this "
+                f"{self.path}: the stored result of {key} is damaged; the same command with --resume assesses this "
                 "record again"
             )
         return found
@@ -230,7 +229,7 @@ class Journal:
                     "version, or remove the file"
                 )
             raise JournalError(
-                f"{self.path}: expected the journal of a run of rockpulse, found another file, which is left alone; "
+                f"{self.path}: expected the journal of a run of rockpulse, found another file, which is not changed; "
                 "choose another output, or remove the file by hand"
             )
         if self.run_id and resume:
@@ -240,7 +239,7 @@ class Journal:
         if count and not overwrite:
             raise JournalError(
                 f"{self.path}: a run that began {self._started} was stopped with {count} record{'s' * (count != 1)} "
-                "done; go on with --resume, or begin anew with --overwrite"
+                "done; continue with --resume, or start again with --overwrite"
             )
         self._file.truncate(0)
         self._end, self._kept = 0, {}

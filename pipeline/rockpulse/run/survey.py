@@ -60,8 +60,8 @@ def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.nda
     if found is None or found.source_sha256 != part.source_sha256 or sample_digest(found) != part.digest:
         which = source if source == part.path else f"{source}: {part.path}"
         raise RecordRefused(
-            f"{which} has changed since the beginning of this run; leave the records as they are while they are worked "
-            "on, and run again with --resume"
+            f"{which} has changed since the beginning of this run; do not change the records during a run; run again "
+            "with --resume"
         )
     return found.acceleration
 

@@ -1,1 +1,1 @@
-"""The motions that a set of records gives, the earthquakes that they belong to, and those of the same shaking."""
+"""Selects the motions of a set of records, groups them by earthquake, and finds duplicates."""

@@ -1,4 +1,4 @@
-"""The motions that are assessed, planned without their samples: channels as recorded, or pairs of them rotated."""
+"""Plans the motions that are assessed, without their samples: channels as recorded, or rotated pairs of channels."""
 
 import logging
 import math
@@ -27,15 +27,15 @@ from rockpulse.selection.votes import Twin
 from rockpulse.warning_text import WarningText
 
 logger = logging.getLogger("rockpulse")
-#: No larger peak counts before it is confirmed [m/s2].
+#: Largest peak that is used without confirmation [m/s2].
 LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
-#: A channel that faces the direction asked for within this stands for it without a partner [degrees].
+#: Largest angle to the requested direction at which a channel without a partner is used [degrees].
 FACING_WITHIN = 1.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PlannedMotion:
-    """A channel, or a pair of channels to be rotated, and the vertical channel that acts with it."""
+    """A channel, or a pair of channels to be rotated, and the vertical channel used with it."""
 
     name: str  # id of the channel, or name of the pair; no two are the same
     channels: tuple[Record, ...]  # one, or the two of a pair, as read
@@ -47,18 +47,18 @@ class PlannedMotion:
 
     @property
     def rotated(self) -> bool:
-        """Whether it is a pair."""
+        """Whether it is a pair to be rotated."""
         return len(self.channels) > 1
 
     def direction_id(self, azimuth: float) -> str:
-        """Id of the pair's motion in one direction [degrees]."""
+        """Return the id of the pair's motion in one direction [degrees]."""
         name = rotated_id(self.channels[0], azimuth)
         return name if self.copy == 1 else f"{name}~{self.copy}"
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A horizontal motion that is worked on."""
+    """A conditioned horizontal motion, with its vertical acceleration."""
 
     record: Record  # a channel or a rotated pair, conditioned
     vertical: Record | None = None  # the vertical channel that acts too, conditioned
@@ -67,20 +67,21 @@ class Motion:
 
     @property
     def pair(self) -> tuple[Record, ...]:
-        """The channels whose strengths are those of this shaking: the two of a pair, or the one that is known."""
+        """Return the channels from which the intensity is measured: both of a pair, or the only known one."""
         return self.channels if self.partner is None else (*self.channels, self.partner)
 
 
 class VerticalRefused(RecordRefused):
-    """The vertical channel that acts with a motion cannot be conditioned."""
+    """Error: the vertical channel used with a motion cannot be conditioned."""
 
 
 def plan_motions(
     records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
 ) -> tuple[list[PlannedMotion], list[Failure]]:
-    """The channels and pairs that section [records] asks for, in order, and a row for each other channel.
+    """Return the channels and pairs that section [records] requests, in order, and a row for each other channel.
 
-    A channel within :data:`FACING_WITHIN` of the azimuth asked for needs no partner; if there is a demand it gets it.
+    A channel within :data:`FACING_WITHIN` of the requested azimuth needs no partner; with a demand it gets one if
+    available.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -110,7 +111,7 @@ def plan_motions(
 
 
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
-    """The conditioned channel, or the pair in every direction asked for; RockpulseError if one is refused."""
+    """Return the conditioned channel, or the pair in every requested direction; RockpulseError if one is rejected."""
     up = _conditioned_vertical(planned, config)
     planned = replace(planned, channels=tuple(compared(planned.channels, planned.comparisons)), comparisons=())
     if not planned.rotated:  # with the warnings first: conditioning adds its own behind them
@@ -130,7 +131,7 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
 
 
 def conditioned(record: Record, config: Config) -> Record:
-    """The record conditioned as section [conditioning] says; as it is if it was conditioned before."""
+    """Condition the record with the options of section [conditioning]; unchanged if it was conditioned before."""
     return record if record.stage == "conditioned" else condition(record, **config.conditioning)
 
 
@@ -152,7 +153,7 @@ def _warned(record: Record, warnings: Iterable[str]) -> Record:
 
 
 def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
-    """Ids of the motions that come of a plan; none for the strongest direction, which only the samples tell."""
+    """Return the ids of the planned motions; empty for the strongest direction, which depends on the samples."""
     if not planned.rotated:
         return [planned.name]
     if config.records.components == "strongest":
@@ -161,7 +162,7 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
-    """Name of each pair of a sweep over direction, and the ids of its motions; None where there is no sweep."""
+    """Return the name of each pair of a sweep over direction with the ids of its motions; None without a sweep."""
     return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
@@ -185,7 +186,7 @@ def _with_comparisons(
 
 
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
-    """A channel without a partner that faces the direction asked for, or its opposite; else None."""
+    """Return a channel without a partner if it is in the requested direction, or its opposite; else None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
@@ -195,9 +196,9 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Channels with the other one of their pair, or with a remark that there is none; pairs as they are."""
+    """Return channels with the other one of their pair, or with a note that it is missing; pairs are unchanged."""
     partner = partners(horizontal)
-    alone = WarningText("scaled_alone", reason="no other horizontal channel is known to go with it")
+    alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
 
     def partnered(one: PlannedMotion) -> PlannedMotion:
         other = partner.get(id(one.channels[0]))
@@ -218,13 +219,13 @@ def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMoti
 
 
 def sweep_azimuths(step: float) -> list[float]:
-    """Directions from 0 up to 180 degrees, of which `step` is a whole part; against one is the mirror image of it."""
+    """Return directions from 0 to below 180 degrees, which `step` divides; opposite directions are mirror images."""
     count = round(180.0 / step)
     return [180.0 * number / count for number in range(count)]
 
 
-#: The directions in which a conditioned pair is assessed, by the word of ``[records] components``; only the strongest
-#: one cannot be told without the pair.
+#: Directions in which a conditioned pair is assessed, for each word of ``[records] components``; only the strongest
+#: depends on the pair.
 DIRECTIONS: dict[str, Callable[[Any, Config], list[Any]]] = {
     "azimuth": lambda pair, config: [config.records.azimuth],
     "strongest": lambda pair, config: [strongest_azimuth(pair, **config.half_waves)[0]],
@@ -233,13 +234,13 @@ DIRECTIONS: dict[str, Callable[[Any, Config], list[Any]]] = {
 
 
 def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
-    """Each name, and which of those that are the same it is, from 1."""
+    """Pair each name with the number, from 1, of its occurrence among equal names."""
     seen: dict[str, Iterator[int]] = defaultdict(lambda: count(1))
     return [(name, next(seen[name])) for name in names]
 
 
 def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
-    """Why a channel in doubt (a peak above 5 g, a defect that decides) does not count, what to do; empty for others."""
+    """Return why a doubtful channel (peak above 5 g, decisive defect) is not used, and what to do; empty for others."""
     if id_matches(conditioned.id, confirm):
         return ""
     if conditioned.pga > LARGEST:
@@ -247,7 +248,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
         return f"{conditioned.id}: {found}. {_advice([conditioned])}"
     if defects := deciding(conditioned):
         return (
-            f"{conditioned.id}: {'; '.join(defects)}. It does not count before it is confirmed: correct or leave out "
+            f"{conditioned.id}: {'; '.join(defects)}. It is not used until it is confirmed: correct or leave out "
             f"the file, or, if it is right, give {_options([conditioned])}"
         )
     return ""
@@ -256,7 +257,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
 def unconfirmed_channels(
     planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
 ) -> list[Failure]:
-    """A row for each channel left out with one in doubt: its own, one acting with it, or the pair's."""
+    """Return a row for each channel not used because of a doubtful one: itself, its partner or its vertical channel."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""
@@ -273,7 +274,10 @@ def unconfirmed_channels(
         peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g" if cause.pga > LARGEST else "whose defect"
         rows += [
             Failure(
-                one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak} nobody has confirmed", "failed"
+                one.source,
+                stage,
+                f"{of_pair}{one.id}: left out with {cause.id}, {peak} has not been confirmed",
+                "failed",
             )
             for one in channels
             if id(one) not in doubted

@@ -1,4 +1,4 @@
-"""The groups of records of one earthquake, which every statistic resamples together; in doubt records are joined."""
+"""Groups the records of one earthquake, which every statistic resamples together; doubtful records are joined."""
 
 import re
 from collections import Counter, defaultdict
@@ -11,14 +11,15 @@ from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.record import Record
 from rockpulse.selection.tables import given_table, read_event_table
 
-#: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
-#: are known to lie further apart.
+#: Largest time between starts of records of one earthquake [s]; records of one name are joined too, unless their times
+#: are known to differ by more.
 JOINED_WITHIN_S = 600.0
-#: Earthquakes whose stated origin times lie within this are one [s], if their stated magnitudes, of whatever scale, do
-#: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two, unless further records join them.
+#: Largest difference between two stated origin times of one earthquake [s], and between two stated magnitudes of any
+#: scale; if origin times differ by more than `JOINED_WITHIN_S`, the earthquakes are different, unless other records
+#: join them.
 SAME_ORIGIN_S = 60.0
 SAME_MAGNITUDE = 1.0
-#: A clock may be off by its time zone, never by more than this [s].
+#: Largest error of a clock, which may show another time zone [s].
 CLOCK_S = 86400.0
 _GENERIC = (
     "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL MAG MAGNITUDE "
@@ -26,21 +27,21 @@ _GENERIC = (
     "AUGUST SEPTEMBER OCTOBER NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST "
     "EDT HST AKST AKDT JST NZST NZDT AVOL CA"
 )
-#: Words of event titles that name no earthquake.
+#: Words of event titles that do not name an earthquake.
 GENERIC = frozenset(_GENERIC.split())
-#: Dates with their year at the end or the start: 10/15/1979, 01/16/95, 2010-02-27.
+#: Pattern of dates with the year at the end or the start: 10/15/1979, 01/16/95, 2010-02-27.
 _DATE = re.compile(
     r"\b\d{1,2}[/.-]\d{1,2}[/.-](\d{4})\b|\b\d{1,2}[/-]\d{1,2}[/-](\d\d)\b|\b(\d{4})[/.-]\d{1,2}[/.-]\d{1,2}\b"
 )
 _YEAR = re.compile(r"\b((?:19|20)\d\d)\b")
-#: Two-digit years from this on are of the twentieth century.
+#: Smallest two-digit year of the twentieth century.
 _CENTURY = 30
-#: The number of an earthquake in its sequence, as NGA writes it: Imperial Valley-06.
+#: Pattern of the number of an earthquake in its sequence, as in NGA: Imperial Valley-06.
 _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Pairs of records of one earthquake, enough of them to connect each group."""
+    """Return pairs of records of one earthquake, sufficient to connect each group."""
     for members in _grouped(free, lambda index: records[index].source or None):
         yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
@@ -60,7 +61,7 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
 
 
 def _grouped(members: Iterable[int], key: Callable[[int], Hashable]) -> list[list[int]]:
-    """The members in groups of one key; those whose key is None are left out."""
+    """Group the members by key, without those whose key is None."""
     groups: dict[Hashable, list[int]] = defaultdict(list)
     for index in members:
         if (found := key(index)) is not None:
@@ -74,7 +75,7 @@ def _near(
     within: float,
     agree: Callable[[Record, Record], bool],
 ) -> Iterator[tuple[int, int]]:
-    """Pairs of records that agree, whose moments lie within so many seconds, enough of them to connect each group."""
+    """Yield pairs of records that agree and whose times are within `seconds`, sufficient to connect each group."""
     # Records of one origin and magnitude agree with the same others: the latest one of each stands for them.
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
@@ -86,7 +87,7 @@ def _near(
 
 
 def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[tuple[int, int]]:
-    """Pairs of records of one name that agree, enough of them to connect each group."""
+    """Yield pairs of records of one name that agree, sufficient to connect each group."""
     groups = _by_day(records, members)
     yield from chain.from_iterable(map(pairwise, groups))
     for one, other in _that_may_agree(records, _ends(groups)):
@@ -95,12 +96,12 @@ def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[
 
 
 def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
-    """The first and the last record of each group, with which others agree if they do with any of the group."""
+    """Return the first and last record of each group: a record that agrees with any agrees with one of these."""
     return [index for same in groups for index in dict.fromkeys((same[0], same[-1]))]
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """All pairs of records of one name that `_agree` may join, and few others: a name may have thousands of shocks."""
+    """Yield all pairs of records of one name that `_agree` may join, but few others, as a name may have many shocks."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):
@@ -128,7 +129,7 @@ def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[
 
 
 def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
-    """Groups of one title and origin time, `CLOCK_S` long at most: `_agree` holds between their records."""
+    """Group records with the same title and origin time whose starts lie within `CLOCK_S`, so that they agree."""
     groups: dict[Hashable, list[tuple[datetime | None, int]]] = defaultdict(list)
     for index in members:
         record, moment = records[index], moment_of(records[index])
@@ -145,24 +146,24 @@ def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]
 
 
 def moment_of(record: Record) -> datetime | None:
-    """The time that tells the earthquake of a record: its start, else the origin time that its file states."""
+    """Return the time that identifies the earthquake of a record: its start or, if unknown, the stated origin time."""
     return record.start_time or record.origin_time
 
 
 def _may_be_one(one: Record, other: Record) -> bool:
-    """Whether the origin times that two files state, if they do, may be those of one earthquake."""
+    """Return whether the origin times of two files, if stated, may be those of one earthquake."""
     if one.origin_time is None or other.origin_time is None:
         return True
     return abs((one.origin_time - other.origin_time).total_seconds()) <= JOINED_WITHIN_S
 
 
 def _alike(one: Record, other: Record) -> bool:
-    """Whether the magnitudes that two files state, if they do, may be those of one earthquake."""
+    """Return whether the magnitudes of two files, if stated, may be those of one earthquake."""
     return not abs(one.magnitude - other.magnitude) > SAME_MAGNITUDE
 
 
 def _agree(one: Record, other: Record) -> bool:
-    """Whether nothing says that two records with the same name are of different earthquakes."""
+    """Return whether nothing indicates that two records with the same name are of different earthquakes."""
     if not _may_be_one(one, other):
         return False
     first, second = moment_of(one), moment_of(other)
@@ -174,7 +175,7 @@ def _agree(one: Record, other: Record) -> bool:
 
 
 def _years(record: Record) -> set[int]:
-    """The years that a title or, where it names none, the clock tells; near New Year a clock tells two."""
+    """Return the years in a title or, without any, that of the clock (two years near New Year)."""
     found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
     moment = moment_of(record)
     if not found and moment is not None:
@@ -184,38 +185,37 @@ def _years(record: Record) -> set[int]:
 
 
 def words_of(title: str) -> frozenset[str]:
-    """The words of a title that may name an earthquake, in capitals."""
+    """Return the words of a title that may name an earthquake, in capitals."""
     return frozenset(re.findall(r"[^\W\d_]{2,}", title.upper())) - GENERIC
 
 
 def name_of(title: str) -> frozenset[str] | str:
-    """The words that titles of one earthquake have in common or, without any, the title if it holds a number."""
+    """Return the words common to the titles of one earthquake or, without any, the title if it contains a number."""
     return words_of(title) or (title.strip() if any(character.isdigit() for character in title) else "")
 
 
-#: Label of all records together of which neither the files nor the user's table tell the earthquake.
+#: Label of all records whose earthquake neither the files nor the user's table states.
 UNKNOWN = "unknown: neither name nor time stated, counted as one"
 
 
 def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:
-    """The earthquake of every record, as a label that records of one earthquake share.
+    """Return the earthquake of every record, as a label that records of one earthquake share.
 
-    `named` are labels by record id in place of what the files say; ConfigError if it holds an id that no record has, or
-    an empty label. A label is the user's, else the title that most of the group have, else its earliest start time,
-    else :data:`UNKNOWN`. Of groups with the same title each has its time (or file) behind it. Two records are joined
-    when
+    `named` contains labels by record id, which replace the statements of the files; ConfigError if it contains an
+    unknown id or an empty label. A label is that of the user, or the most frequent title of the group, or its earliest
+    start time, or :data:`UNKNOWN`. Labels of groups with the same title end with their time (or file). Two records are
+    joined if
 
-    - they come from one file;
+    - they are from one file;
     - their files, of one format, state the same `event_id`;
     - their files state origin times within a minute of each other, and no magnitudes that differ by more than 1;
     - they start, or have their origin times, within :data:`JOINED_WITHIN_S` of each other;
-    - their titles have the same words once dates, numbers and general words are taken out, unless their times lie more
-      than a day apart, their titles name other years, or other numbers in a sequence ("Imperial Valley-02", "-06").
+    - their titles have the same words except dates, numbers and general words, unless their times are more than a day
+    apart, or their titles name different years or different numbers in a sequence ("Imperial Valley-02", "-06").
 
-    Only records of one file are joined where the stated origin times lie more than :data:`JOINED_WITHIN_S` apart:
-    shocks of one sequence share a name, and often an hour. Different ids keep nothing apart, since agencies number one
-    earthquake differently. Joining is transitive. Records that state neither a title nor a time count as one
-    earthquake.
+    If the stated origin times are more than :data:`JOINED_WITHIN_S` apart, only records of one file are joined: shocks
+    of one sequence share a name, and often an hour. Different ids do not separate records, since agencies number one
+    earthquake differently. Joining is transitive. Records that state neither a title nor a time are one earthquake.
     """
     named = dict(named or {})
     ids = [record.id for record in records]
@@ -248,7 +248,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
 
 
 def event_table(config: Config) -> dict[str, str]:
-    """The table of ``[records] events``, event by record id, or empty; ConfigError or OSError if it cannot be read."""
+    """Read the table of ``[records] events`` (event by record id), if given; ConfigError or OSError if unreadable."""
     where, given = "[records] events", config.records.events
     return {} if given is None else read_event_table(given_table(given, config, where, "record, event"))
 
@@ -256,7 +256,7 @@ def event_table(config: Config) -> dict[str, str]:
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
 ) -> tuple[dict[str, str], list[Failure]]:
-    """Earthquake by record id; a row if `named` has ids perhaps of unread files, else ConfigError for them."""
+    """Return earthquakes by record id, with a row for unknown ids if files are unread, else raising ConfigError."""
     ids = [record.id for record in records]
     unknown = sorted(set(named) - set(ids)) if unread(failures) else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
@@ -271,7 +271,7 @@ def events_by_id(
 
 
 def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
-    """A label for each group, no two the same."""
+    """Return a distinct label for each group."""
     labels = {top: _title(members) or _time_or_file(members) for top, members in groups.items()}
     often = {label for label, count in Counter(labels.values()).items() if count > 1}
     taken: set[str] = set()
@@ -288,7 +288,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """The title that most records have, the first in the alphabet of several; titles with words come first."""
+    """Return the most frequent title, preferring titles with words, and the alphabetically first of several."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

@@ -1,4 +1,4 @@
-"""The user's own tables of a site: which records are of one event, which were chosen, and what each weighs."""
+"""Reads the user's tables of a site: events of records, selected records, and weights."""
 
 import csv
 import io
@@ -15,25 +15,23 @@ from rockpulse.files import read_text
 
 
 def read_event_table(path: Path) -> dict[str, str]:
-    """Event of each channel from a CSV table with the columns record, event; ConfigError for any other table."""
+    """Read the event of each channel from a CSV table with the columns record, event; ConfigError for other tables."""
     return _read(path, "event", "[records] events")
 
 
 def read_weight_table(path: Path) -> dict[str, float]:
-    """Weight by record from a CSV table with the columns record, weight; ConfigError unless finite, from 0 up."""
+    """Read weights by record from a CSV table with the columns record, weight; ConfigError unless finite and >= 0."""
     weights = {}
     for record, text in _read(path, "weight", "[calibration] weights").items():
         weight = _number(text)
         if not weight >= 0.0:
-            raise ConfigError(
-                f"[calibration] weights: {path}: record {record}: expected a number from 0 up, found {text!r}"
-            )
+            raise ConfigError(f"[calibration] weights: {path}: record {record}: expected a number >= 0, found {text!r}")
         weights[record] = weight
     return weights
 
 
 def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
-    """Weight (n,) of every record, of mean one, by the rule "equal" or "event" or, by any other name, the table."""
+    """Return the weights (n,) of records, with mean 1, for "equal", "event" or else the name of a table."""
     if rule == "equal":
         weights = np.ones(len(ids))
     elif rule == "event":
@@ -54,19 +52,19 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
 
 @dataclass(frozen=True)
 class Selection:
-    """Records chosen elsewhere, each at one or several levels."""
+    """Records selected by other software, each at one or several levels."""
 
     by_factor: bool  # whether amounts are factors on the record, or levels of a measure
     rows: dict[str, tuple[tuple[float, float], ...]]  # by the id of the record its rows, each an amount and a weight
 
     @property
     def most(self) -> int:
-        """Rows of the record that has most of them."""
+        """Largest number of rows of a record."""
         return max(map(len, self.rows.values()))
 
 
 def read_selection_table(path: Path) -> Selection:
-    """Records chosen elsewhere, from a CSV table with the columns record, factor or level, and perhaps weight."""
+    """Read selected records from a CSV table with the columns record, factor or level, and optionally weight."""
     where = "[fragility] selection"
     header, lines = _rows(path, ("record",), where)
     kinds = [name for name in ("factor", "level") if name in header]
@@ -97,13 +95,13 @@ def read_selection_table(path: Path) -> Selection:
 
 
 def selection_of(config: Config) -> Selection | None:
-    """The records of ``[fragility] selection``, or None; ConfigError or OSError if it cannot be read."""
+    """Return the records of ``[fragility] selection``, or None; ConfigError or OSError if it cannot be read."""
     given, columns = config.fragility.selection, "record, factor or level, and perhaps weight"
     return None if given is None else read_selection_table(given_table(given, config, "[fragility] selection", columns))
 
 
 def given_table(given: str, config: Config, where: str, columns: str) -> Path:
-    """The file of a table that the configuration names; a ConfigError where there is none."""
+    """Return the file of a table named in the configuration; ConfigError if it does not exist."""
     path = located(given, config.folder)
     if not path.exists():
         raise ConfigError(f"{where}: {path}: no such file; expected a CSV table with the columns {columns}")
@@ -111,7 +109,7 @@ def given_table(given: str, config: Config, where: str, columns: str) -> Path:
 
 
 def _number(text: str) -> float:
-    """The finite number that a text is, else NaN."""
+    """Return the finite number in a text, else NaN."""
     try:
         value = float(text)
     except ValueError:
@@ -132,7 +130,7 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
 
 
 def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """The header of a CSV table that has some columns, and its rows by their lines."""
+    """Return the header of a CSV table, which must have some columns, and its rows by line number."""
     named = ", ".join(columns)
     expected = f"a CSV table with the columns {named}"
     text = read_text(path, what=expected)

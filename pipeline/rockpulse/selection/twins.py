@@ -1,4 +1,4 @@
-"""Comparison of records of one motion, and of components of one instrument, before one of them counts."""
+"""Compares records of one motion, and components of one instrument, before they are used."""
 
 import math
 from collections import defaultdict
@@ -15,19 +15,19 @@ from rockpulse.record.defects import checked, deciding
 from rockpulse.record.record import Record, id_matches, outline_of
 from rockpulse.warning_text import WarningText
 
-#: Two volumes of one motion differ by less in their peaks, and have at least this correlation.
+#: Largest ratio of the peaks, and smallest correlation, of two records of one motion.
 LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
-#: Peaks of the two horizontal components of one instrument differ by less.
+#: Largest ratio of the peaks of the two horizontal components of one instrument.
 COMPONENTS_RATIO = 10.0
-#: The two components of a pair face lines that are further apart [degrees].
+#: Smallest angle between the lines of the two components of a pair [degrees].
 LEAST_TURN = 45.0
 #: Band in which records are compared [Hz], below this share of the lower sampling rate.
 BAND, BAND_SHARE = (0.5, 10.0), 0.4
-#: A clock is off by no more than this [s]; the correlation, and the agreement of the times of the energy, that tell so.
+#: Largest error of a clock [s]; correlation, and agreement of the times of the energy, that reveal such an error.
 CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
-#: Width of the classes of azimuths in which candidates are looked for [degrees].
+#: Width of the classes of azimuths in which candidates are searched [degrees].
 SAME_LINE = 5.0
-#: Causes of a ratio of two peaks, within 1.5 %.
+#: Possible causes for each ratio of two peaks, within 1.5 %.
 CAUSES = {
     10.0: "one of them may be in mm/s2 and read as cm/s2, or in g/10 and read as g",
     9.80665: "one of them may be in g and read as m/s2",
@@ -40,7 +40,7 @@ CAUSES = {
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Comparison:
-    """Another record that a channel of a planned motion is compared with."""
+    """Another record with which a channel of a planned motion is compared."""
 
     kind: Literal["volume", "clock", "component"]  # of one motion; perhaps of one, its clock off; of one instrument
     channel: int  # place among the channels of the planned motion
@@ -49,20 +49,20 @@ class Comparison:
 
     @property
     def records(self) -> tuple[Record, ...]:
-        """The other record and those beside it."""
+        """The other record and the records of its instrument."""
         return self.other, *self.beside
 
 
 @dataclass(frozen=True)
 class Likeness:
-    """Two records of one motion after a common filter and alignment."""
+    """The similarity of two records of one motion after a common filter and alignment."""
 
     ratio: float  # peak of the other over that of the first
     correlation: float  # signed, in the time that both have
 
 
 def likeness(record: Record, other: Record) -> Likeness:
-    """The likeness of two records in :data:`BAND`, aligned by the largest absolute cross-correlation."""
+    """Return the similarity of two records in :data:`BAND`, aligned at the largest absolute cross-correlation."""
     dt = max(record.dt, other.dt)
     first, second = (
         np.interp(np.arange(0.0, one.duration + 0.5 * dt, dt), one.time, one.acceleration - np.mean(one.acceleration))
@@ -89,7 +89,7 @@ def likeness(record: Record, other: Record) -> Likeness:
 
 
 def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
-    """The channels of a planned motion, as read, with a warning for each comparison that leaves one in doubt."""
+    """Return the channels of a planned motion, as read, with a warning for each comparison that makes one doubtful."""
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
@@ -102,9 +102,9 @@ def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> l
 def clock_twin(
     channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str], stage: str
 ) -> list[Failure]:
-    """Rows where a record turns out to be another one by a clock that is off, and is left out for it.
+    """Return rows for a record that is rejected as the duplicate of another one with a wrong clock.
 
-    A confirmed record goes before one that is not, then a processed one before a raw one.
+    A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
     """
 
     def place(record: Record) -> tuple[bool, int, str]:
@@ -169,7 +169,7 @@ def _cause(ratio: float) -> str:
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """The warning on a component whose peak is far from that of the other one; None where a defect explains that."""
+    """Return a warning if the peak of a component differs much from that of the other; None if a defect explains it."""
     mine, others = (outline_of(one) for one in (channel, other))
     if not mine or not others or any(deciding(checked(one)) for one in (channel, other)):
         return None
@@ -179,7 +179,7 @@ def _components(channel: Record, other: Record) -> WarningText | None:
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Comparisons of channels with the other one of their pair, where their peaks as read are far apart."""
+    """Return comparisons of channels with the other one of their pair, if their peaks as read differ much."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
@@ -190,18 +190,18 @@ def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]
 
 
 def _between(one: Record, other: Record) -> float:
-    """Angle between the lines of two channels [degrees], 90 where one is not known."""
+    """Return the angle between the lines of two channels [degrees], 90 if one is unknown."""
     between = one.azimuth - other.azimuth
     return abs(math.remainder(between, 180.0)) if math.isfinite(between) else 90.0
 
 
 def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
-    """The other channel of the pair of each horizontal channel that has one, by the identity of the channel."""
+    """Return for each horizontal channel of a pair, by its identity, the other channel of the pair."""
     return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """By identity of a record another one that may be the same by a clock that is off: alike in the times of energy."""
+    """Return by the identity of a record another one, alike in energy, that may be the same with a wrong clock."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

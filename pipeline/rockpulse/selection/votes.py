@@ -1,7 +1,8 @@
-"""Duplicate selection: of several records of one motion, the one that is assessed.
+"""Duplicate selection: chooses the record that is assessed among several of one motion.
 
-Records are of one motion if station, time (half of the shorter) and direction (within 5 degrees) are the same; a pair
-that is rotated holds every direction. The choice is among volumes, the channels that one instrument recorded together.
+Records are of one motion if they agree in station, time (half of the shorter) and direction (within 5 degrees); a pair
+that is rotated contains every direction. The choice is among volumes, the channels that one instrument recorded
+together.
 """
 
 import math
@@ -18,13 +19,13 @@ from rockpulse.record.components import concurrent, find_pairs, instrument, plac
 from rockpulse.record.record import Record, id_matches
 from rockpulse.warning_text import find
 
-#: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
+#: Largest difference, or difference from 180 degrees, of azimuths of one direction [degrees].
 SAME_DIRECTION = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """A record that is left out for another one of its motion."""
+    """A duplicate: a record that is not used, as another one of its motion is."""
 
     voter: Record
     record: Record
@@ -40,12 +41,12 @@ def one_vote_each(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure], list[Twin]]:
-    """The records that are assessed, one of each motion, in the order given, rows for the others, and twins.
+    """Return one record of each motion, in the given order, rows for the others, and twins to be compared.
 
-    Preferred are volumes at the surface; that are confirmed; whose horizontal channels can all be used; with a pair or
-    a vertical channel where these are asked for; processed; of the higher sampling rate; longer; first by path. A dead
-    channel, and one with an odd peak that is not confirmed, yield to any other. Records of ``[records] keep`` are
-    assessed beside the one chosen. A row ends with `advice`.
+    Preferred are, in this order, volumes at the surface; confirmed ones; those whose horizontal channels can all be
+    used; with a pair or a vertical channel if these are requested; processed; with the higher sampling rate; longer;
+    first by path. A dead channel, and one with an unconfirmed odd peak, is used only if there is no other. Records of
+    ``[records] keep`` are assessed in addition to the chosen one. A row ends with `advice`.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -68,7 +69,7 @@ def one_vote_each(
 def unmatched_patterns(
     option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """A row where patterns of an option fit no id and files are missing; ConfigError if every file was read."""
+    """Return a row if patterns of an option match no id and files are unread; raise ConfigError if all were read."""
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
@@ -80,7 +81,7 @@ def unmatched_patterns(
 
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
-    """Network, station and, on a structure, the place; None for a record that is of one motion with no other."""
+    """Return network, station and, on a structure, location; None for a record that cannot be a duplicate."""
     if not record.station or record.start_time is None or record.orientation == "unknown":
         return None
     if record.orientation != "vertical" and not math.isfinite(record.azimuth):
@@ -92,7 +93,7 @@ def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
 
 
 def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
-    """The records of a site in stretches between which the station is silent."""
+    """Group the records of a site into periods between which the station did not record."""
     stretch: list[Record] = []
     end = -math.inf
     timed = [(record.start_time.timestamp(), record) for record in members if record.start_time is not None]
@@ -106,7 +107,7 @@ def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
 
 
 class _Volume:
-    """The channels that one instrument recorded together, no two of one direction."""
+    """The channels that one instrument recorded together, all in different directions."""
 
     def __init__(self, channels: list[Record], confirm: Sequence[str]) -> None:
         self.channels, self.confirm = channels, confirm  # patterns of the ids of channels whose peak is right
@@ -119,12 +120,12 @@ class _Volume:
 
     @cached_property
     def pair(self) -> tuple[Record, ...]:
-        """The two horizontal channels without a fault that can be rotated; empty where there are none."""
+        """Return the two horizontal channels without a fault that can be rotated; empty if there are none."""
         pairs, _ = find_pairs([one for one in self.horizontal if not _fault(one, self.confirm)])
         return pairs[0].channels if len(pairs) == 1 else ()
 
     def rank(self, settings: RecordSettings) -> tuple[object, ...]:
-        """Key that sorts volumes by their claim to vote."""
+        """Return the sort key of volumes, the preferred ones first."""
         return (
             self.level,
             not any(id_matches(one.id, self.confirm) for one in self.horizontal),
@@ -139,7 +140,7 @@ class _Volume:
 
 
 class _Poll:
-    """The vote among the records that a site made at one time."""
+    """The duplicate selection among the records of a site at one time."""
 
     def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
         self.settings, self.advice = settings, advice
@@ -163,7 +164,7 @@ class _Poll:
                         self._ask(record, volume, following)
 
     def _ask(self, record: Record, volume: _Volume, following: bool = False) -> None:
-        """Let a record vote, or leave it out for the one that has its vote; `following` says that it was not asked."""
+        """Accept a record, or reject it as a duplicate of an accepted one; `following` records are always accepted."""
         rivals = [(one, other) for one, other in self.voters if self._same(record, one, other, volume)]
         if following or not rivals:
             self.voters.append((record, volume))
@@ -177,7 +178,7 @@ class _Poll:
                 self.twins.append(Twin(voter, record, tuple(one for one in volume.channels if one is not record)))
 
     def _same(self, record: Record, voter: Record, elected: _Volume, volume: _Volume) -> bool:
-        """Whether a record and one that votes, each in its volume, are of one motion."""
+        """Return whether a record and an accepted one, each in its volume, are of one motion."""
         if volume is elected or not concurrent(record, voter):
             return False
         if _one_direction(record, voter):
@@ -196,7 +197,7 @@ class _Poll:
         return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
 
     def _why(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> str:
-        """The rule by which one goes before the other."""
+        """Return the rule by which one record is preferred to the other."""
         confirm = self.settings.confirm
         if (fault := _fault(record, confirm)) and not _fault(voter, confirm):
             return fault
@@ -208,19 +209,19 @@ class _Poll:
         rules = (
             f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
             "its volume is confirmed ([records] confirm), that of this one is not",
-            "all horizontal channels of its volume can be used, of the volume of this one not all",
+            "all horizontal channels of its volume can be used, but not all those of this one's volume",
             "its volume holds a pair of horizontal channels that can be used, that of this one does not",
             "its volume holds a vertical channel that can be used, that of this one does not",
-            f"{_PROCESSED[elected.processed]} goes before {_PROCESSED[volume.processed]}",
+            f"{_PROCESSED[elected.processed]} is preferred to {_PROCESSED[volume.processed]}",
             f"it has a sample every {elected.dt:g} s, this one every {volume.dt:g} s",
             f"it lasts {elected.duration:.6g} s, this one {volume.duration:.6g} s",
-            "of two alike in processing, rate and length the first by path is",
+            "both are alike in processing, rate and length; the first by path is used",
         )
         return rules[place]
 
 
 def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]:
-    """The volumes of the records of a site; a second channel of one direction begins another."""
+    """Return the volumes of the records of a site; a second channel in the same direction begins a new volume."""
     channels = Counter(record.source for record in records)
     groups: dict[tuple[object, ...], list[list[Record]]] = defaultdict(list)
     for record in sorted(records, key=attrgetter("start_time", "source", "channel", "id")):
@@ -238,7 +239,7 @@ def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]
 
 
 def _one_direction(record: Record, other: Record) -> bool:
-    """Whether two channels of a site are both vertical, or face the same way or opposite ones."""
+    """Return whether two channels of a site are both vertical, or have the same or opposite directions."""
     vertical = [one.orientation == "vertical" for one in (record, other)]
     if any(vertical):
         return all(vertical)
@@ -246,10 +247,10 @@ def _one_direction(record: Record, other: Record) -> bool:
 
 
 def _fault(record: Record, confirm: Sequence[str]) -> str:
-    """Why a record yields to any other of its motion; an empty text for most."""
+    """Return why any other record of the same motion is preferred to a record; empty for most records."""
     if find(record.warnings, "dead_channel"):
         return "this channel is dead"
     odd = find(record.warnings, "odd_peak")
     if odd is None or id_matches(record.id, confirm):
         return ""
-    return f"this one has a peak of {odd.values['peak']:.3g} g, which nobody has confirmed"
+    return f"this one has a peak of {odd.values['peak']:.3g} g, which has not been confirmed"

@@ -10,7 +10,7 @@ from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 
-#: Smallest number of half-waves of a sequence: a main and a secondary impulse, and two intervals.
+#: Smallest number of half-waves for a sequence: a main and a secondary impulse, and two intervals.
 FEWEST_WAVES = 3
 #: Half-waves above this share of the largest one count as main impulses.
 MAIN_SHARE = 0.5
@@ -74,19 +74,19 @@ def record_sequence(
     waves : HalfWaves
         Half-waves of the record, (k,).
     main : {"largest", "mean-largest", "quantile"}
-        Main impulse I: the largest half-wave; the mean of the `m` largest; the `quantile` of all.
+        Main impulse I: the largest half-wave; the mean of the `m` largest; or the `quantile` of all.
     secondary : {"rms", "mean", "median"}
-        Secondary impulse I_s, over the half-waves that are neither used for the main impulse nor larger than it.
+        Secondary impulse I_s, from the half-waves that are neither used for the main impulse nor larger than it.
     interval : {"median", "mean"}
-        Interval dT of the secondary impulses, over the spacings of successive centroids.
+        Interval dT of the secondary impulses, from the spacings of successive centroids.
     main_count : {"half-largest", "none"} or int
-        Number of main impulses: the half-waves above half the largest; without limit; or this many.
+        Number of main impulses: that of half-waves above half the largest; no limit; or the given number.
     spacing : {"end", "middle", "start", "open", "continuous"}
         Position of the secondary impulses in a half-cycle, see :class:`rocking.ImpulseSequence`.
     duration_s : float, optional
         Duration of the sequence [s]; by default that of the phase.
     phase : IntensePhase, optional
-        Phase in which the centroid of a half-wave must lie to count; by default all half-waves count.
+        Only half-waves with their centroid in this phase are used; by default all are used.
     m : int
         Number of half-waves of "mean-largest", at least 1.
     quantile : float
@@ -95,14 +95,14 @@ def record_sequence(
     Returns
     -------
     ImpulseSequence
-        With main and secondary impulse [m/s], interval [s], duration [s] and main count.
+        Sequence with main and secondary impulse [m/s], interval [s], duration [s] and main count.
 
     Raises
     ------
     ConfigError
         For an unknown estimator or an option out of range.
     RecordRefused
-        With fewer than 3 half-waves in the phase.
+        For fewer than 3 half-waves in the phase.
 
     References
     ----------

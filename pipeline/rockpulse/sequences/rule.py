@@ -1,4 +1,4 @@
-"""The rule that derives from the half-waves of a record an impulse sequence that predicts overturning by the record.
+"""The rule that predicts overturning under a record from an impulse sequence, derived from the record's half-waves.
 
 The demand is D = factor x march (:func:`rockpulse.models.demand_of_half_waves`), at most PGA/(g tan alpha). The
 sequence overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
@@ -29,9 +29,9 @@ from rockpulse.record.half_wave import HalfWaves
 
 #: Working points: the march used (:class:`rockpulse.models.HalfWaveDemand`), and the scale factor that 1/D estimates.
 POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
-#: The rule that is shipped with the package.
+#: The rule that is part of the package.
 SHIPPED = "rule.toml"
-#: Unit and description of each quantity of :func:`traits`.
+#: Unit and description of each quantity in :func:`traits`.
 TRAITS = {
     "p": "p {} to {} 1/s",
     "radius": "R {} to {} m",
@@ -51,10 +51,10 @@ class Rule:
     point : str
         "balanced" or "conservative".
     factor : float
-        Demand over march [-], positive.
+        Demand divided by march [-], positive.
     within : dict of str to (float, float)
-        Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C over Housner's [-]) of the bodies on
-        which the rule was fitted; a quantity that is not named is unlimited.
+        Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C divided by Housner's value [-]) of the
+        bodies on which the rule was fitted; other quantities are unlimited.
     """
 
     __repr__ = one_line
@@ -70,12 +70,12 @@ class Rule:
             raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
 
     def demand(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Demand D of a record on blocks, (m,) [-]; the rule predicts overturning for D >= 1.
+        """Return the demand D of a record on blocks, (m,) [-]; the rule predicts overturning for D >= 1.
 
         Parameters
         ----------
         waves : HalfWaves
-            All half-waves of the record; D is proportional to a scale factor on it.
+            All half-waves of the record; D is proportional to a scale factor on the record.
         block : Block
             One block, which counts as (1,), or (m,) of them.
         """
@@ -83,12 +83,12 @@ class Rule:
         return np.minimum(self.factor * march, _uplift(waves, block))
 
     def safety_factor(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Factor on the record at which the sequence overturns each block, (m,) [-]: 1/D; inf for a record of zeros."""
+        """Return the factor 1/D (m,) on the record at which the sequence overturns a block [-]; inf for zeros."""
         demand = self.demand(waves, block)
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
     def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
-        """Scale factors at which the sequence overturns: all from the safety factor to `factor_max`."""
+        """Return the intervals of scale factors that overturn: from the safety factor to `factor_max`."""
         factor = self.safety_factor(waves, block)
         lane = np.flatnonzero(factor <= factor_max)
         return ScaleIntervals(
@@ -103,20 +103,21 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """Impulse sequences equivalent to a record on (m,) blocks, spacing "continuous"; 0 if not lifted.
+        """Return sequences equivalent to a record on (m,) blocks, spacing "continuous"; zero impulses without uplift.
 
         Use with ``sequence_response(..., paired=True)``. In the limit n -> infinity (VALIDATION F4) half-cycle i
         overturns iff v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 - C^i)/(1 - C), which grows with i. So N main
-        impulses overturn iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
+        impulses overturn the block iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
         """
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
-        """Lanes of the overturning spectrum at ascending p (a,) [1/s]: the march times the factor of the working point.
+        """Return lanes of the overturning spectrum at ascending p (a,) [1/s]: the march times the rule's `factor`.
 
-        No block overturns before the peak of the half-waves lifts it, x = p/PGA. The random angles are 4 % below the
-        nominal one in the mean, so that a spectrum reaches up to 1.04 PGA/p, and :meth:`demand` up to PGA/p.
+        No block overturns below x = p/PGA, at which the peak of the half-waves lifts it. The random angles are on
+        average 4 % below the nominal one, so that a spectrum is at most 1.04 PGA/p, and :meth:`demand` uses at most
+        PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)
@@ -126,7 +127,7 @@ class Rule:
         return replace(lanes, log_x=log_x, weight=weight, bottom=bottom, top=np.maximum(lanes.top - shift, bottom))
 
     def applicable(self, block: Block) -> np.ndarray:
-        """True, (m,), for bodies inside the range on which the rule was fitted, or up to 1 % beyond.
+        """Return a mask (m,) of bodies inside the range on which the rule was fitted, or up to 1 % beyond.
 
         Examples
         --------
@@ -196,7 +197,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """Quantities that limit a rule, each (m,): p [1/s]; R [m] and C/Housner's [-] of the rectangle; a/b [-]."""
+    """Return the quantities that limit a rule, each (m,): p [1/s]; R [m] and C/Housner's C of the rectangle; a/b."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
@@ -212,7 +213,7 @@ def traits(block: Block) -> dict[str, np.ndarray]:
 def sequence_of_demand(
     demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
 ) -> ImpulseSequence:
-    """Sequences with the ratio and number of `of_waves` that give v_N = D, (m,), on lifted blocks."""
+    """Return sequences with the ratio and number of `of_waves` that give v_N = D, (m,), on lifted blocks."""
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)
@@ -231,10 +232,10 @@ def sequence_of_demand(
 
 @lru_cache(maxsize=2)
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Demand of half-waves, cached as both working points, sequence and safety factor use it."""
+    """Return the demand of half-waves, cached for both working points, the sequence and the safety factor."""
     return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
 
 
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
-    """PGA/(g tan alpha) of each block [-]."""
+    """Return PGA/(g tan alpha) of each block [-]."""
     return np.max(np.abs(waves.peak), initial=0.0) / (block.gravity * np.tan(np.atleast_1d(block.alpha_c)))

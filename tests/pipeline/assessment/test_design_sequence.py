@@ -70,7 +70,7 @@ def test_what_describes_a_record_is_absent(tree):
 def test_models_that_need_a_record_are_left_out_in_words(tree):
     assert tree["summary"]["model"].values.tolist() == ["resonance", "sequence"]
     warnings = str(tree["summary"]["warnings"].values[0])
-    assert "cannot answer it and are left out" in warnings
+    assert "cannot be applied to it and are left out" in warnings
     assert all(model in warnings for model in ("impulsive", "linear", "nonlinear"))
     quiet = rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["sequence"])), BLOCKS)
     assert quiet["summary"]["warnings"].values.tolist() == [""]
@@ -78,7 +78,7 @@ def test_models_that_need_a_record_are_left_out_in_words(tree):
     config = Config(models=ModelSettings(use=["sequence", "linear"]), site=rp.SiteSettings(name="Borgo"))
     one = rp.assess_sequence(SEQUENCE, config, BLOCKS)
     assert one["summary"]["warnings"].values.tolist() == [
-        "a sequence, not a record: linear cannot answer it and is left out"
+        "a sequence, not a record: linear cannot be applied to it and is left out"
     ]
     assert one.attrs["title"] == "Borgo"
 
@@ -94,7 +94,7 @@ def test_bodies_that_march_through_the_ground_are_counted_in_a_warning(share, to
 
 
 def test_a_configuration_without_a_sequence_model_is_refused():
-    with pytest.raises(ConfigError, match="nonlinear cannot answer a sequence; it is answered by resonance and seq"):
+    with pytest.raises(ConfigError, match="nonlinear cannot be used with a sequence; use resonance or seq"):
         rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"])), BLOCKS)
 
 
@@ -127,7 +127,7 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
     np.testing.assert_allclose(found, usual_site()["site"]["design_factor"].sel(block=["wall", "pier"]), rtol=1e-12)
     assert (summary["outcome"].sel(model="sequence") == np.where(found <= 1.0, 2, 1)).all()
     assert np.isnan(summary["main_impulse"].item())
-    words = "a design spectrum, not a record: resonance, impulsive, linear, nonlinear cannot answer it"
+    words = "a design spectrum, not a record: resonance, impulsive, linear, nonlinear cannot be applied"
     assert words in summary["warnings"].item()
 
 
@@ -137,5 +137,5 @@ def test_a_body_outside_the_design_spectrum_is_refused_by_name():
         rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)
     with pytest.raises(ConfigError, match=r"slenderness 3.5 and more, .* not for 1 of 3, the first one at place 2"):
         rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)
-    with pytest.raises(ConfigError, match="resonance cannot answer a design spectrum; it is answered by sequence"):
+    with pytest.raises(ConfigError, match="resonance cannot be used with a design spectrum; use sequence"):
         rp.assess_sequence(design_of(usual_site()), Config(models=ModelSettings(use=["resonance"])), BLOCKS)

@@ -49,7 +49,7 @@ def test_verdicts_are_those_of_the_overview(tree):
 
 
 def test_a_margin_that_may_be_larger_says_so(tree, monkeypatch):
-    """The second of three factors is where the model cannot answer, and may be as large as any."""
+    """The second of three factors is where the model gives no result, and may be as large as any."""
     monkeypatch.setattr(Results, "_answers", answers(summary_of([2.0, 3.0, 4.0], resolved=[1, 0, 1])))
     table = Results(tree).margin()
     assert table[["smallest", "smallest_is_bound", "median", "median_is_bound"]].values.tolist() == [
@@ -147,7 +147,7 @@ def test_opened_results_are_read_when_they_are_asked_for(path):
 def test_what_cannot_be_opened_is_reported(tmp_path):
     broken = tmp_path / "broken.h5"
     broken.write_bytes(b"no results")
-    with pytest.raises(ResultsError, match="expected a results file"), rp.open_results(broken):
+    with pytest.raises(ResultsError, match="not a rockpulse results file"), rp.open_results(broken):
         pass
     with pytest.raises(FileNotFoundError), rp.open_results(tmp_path / "none.h5"):
         pass

@@ -143,7 +143,7 @@ def test_beyond_a_factor_of_four_there_is_no_probability_and_a_lone_channel_says
     summary = tree["summary"]
     assert np.all(summary["demand_factor"] > 4.0)
     assert np.isnan(summary["demand_probability"]).all()
-    assert "brought to the demand by its own strength, not by that of a pair" in str(summary["warnings"].values[0])
+    assert "scaled to the demand by its own intensity, not by that of a pair" in str(summary["warnings"].values[0])
     assert str(summary["demand_units"].values[0]) == "m s-2"
     (one, _) = verdicts(answers_of(tree))
     assert (one.word, one.demands[0].left_out, one.demands[0].earthquakes) == ("no verdict", 1, 0)

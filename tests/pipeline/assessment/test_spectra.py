@@ -152,7 +152,7 @@ def test_by_the_rule_nothing_overturns_before_it_lifts():
 
 
 def test_the_rule_takes_no_other_uncertainty():
-    with pytest.raises(ValueError, match="fitted under the default one"):
+    with pytest.raises(ValueError, match="fitted with the default uncertainty"):
         overturning_spectrum(RECORD, P, C, method="rule", uncertainty=rp.models.Uncertainty(factor=0.2))
 
 

@@ -130,15 +130,15 @@ def test_the_interval_covers_the_mean_of_the_earthquakes_it_was_not_given():
 
 def test_a_body_stays_only_where_no_motion_lifts_any_of_its_draws():
     rest = [Outcome.AT_REST] * 2
-    assert verdict(probable([0.0, 0.0], uplift=0.999e-3, outcomes=rest)).grade == Grade.STAYS
+    assert verdict(probable([0.0, 0.0], uplift=0.999e-3, outcomes=rest)).grade == Grade.AT_REST
     assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, 1e-3]), outcomes=rest)).grade == Grade.ROCKS
     assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, NAN]), outcomes=rest)).grade == Grade.ROCKS
     assert verdict(probable([0.0, 0.0], uplift=0.0, outcomes=rest)).at_rest == 2
     # A direction that was not assessed may lift it.
     of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
     for summary in (probable([0.0] * 4, uplift=0.0, outcomes=rest * 2), summary_of([INF] * 4, outcomes=rest * 2)):
-        assert verdict(summary).grade == Grade.STAYS
-        assert (verdict(summary, of).grade == Grade.STAYS, verdict(summary, of).at_rest) == (False, 1)
+        assert verdict(summary).grade == Grade.AT_REST
+        assert (verdict(summary, of).grade == Grade.AT_REST, verdict(summary, of).at_rest) == (False, 1)
 
 
 def test_what_is_not_known_decides_nothing_where_it_makes_no_difference():
@@ -221,7 +221,7 @@ def test_without_probabilities_the_answers_of_the_model_count():
     assert (found.grade, found.overturned) == (Grade.MAY_OVERTURN, 0)  # a weaker copy of one of three overturns it
     assert verdict(summary_of([0.9, 0.5])).grade == Grade.OVERTURNS
     assert verdict(summary_of([2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS])).grade == Grade.NOT_KNOWN
-    assert verdict(summary_of([INF, INF], outcomes=[Outcome.AT_REST] * 2)).grade == Grade.STAYS
+    assert verdict(summary_of([INF, INF], outcomes=[Outcome.AT_REST] * 2)).grade == Grade.AT_REST
     assert verdict(summary_of([])).grade == Grade.NOT_KNOWN
 
 
@@ -279,7 +279,7 @@ def test_every_body_has_the_verdict_of_its_own_answers():
         coords="minimal",
     )  # fmt: skip
     found = verdicts(answers(summary))
-    assert [one.grade for one in found] == [Grade.STAYS, Grade.MAY_OVERTURN, Grade.OVERTURNS]
+    assert [one.grade for one in found] == [Grade.AT_REST, Grade.MAY_OVERTURN, Grade.OVERTURNS]
     assert [round(one.share.value, 9) for one in found] == [0.0, 0.2, 0.9]
 
 
@@ -295,7 +295,7 @@ def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
 
 def test_no_motion_governs_a_body_that_all_leave_at_rest():
     found = verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST] * 2))
-    assert (found.grade, found.governing) == (Grade.STAYS, -1)
+    assert (found.grade, found.governing) == (Grade.AT_REST, -1)
     assert verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST, Outcome.UNRESOLVED])).governing == 1
 
 

@@ -94,7 +94,7 @@ def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_ass
     assert assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet", "--config", quick) == 1
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert captured.err == "rockpulse: 1 of 2 files used, 1 not: no such file or folder (absent.AT2).\n"
+    assert captured.err == "rockpulse: 1 of 2 files used (1 rejected): no such file or folder (absent.AT2).\n"
     assert len(values(target, "record")) == 1
 
 
@@ -102,7 +102,7 @@ def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_ass
 def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, capsys, name):
     assert assess(folder / name, "-o", tmp_path / "results.h5") == 1
     captured = capsys.readouterr()
-    assert "no record could be assessed, nothing was written" in captured.err
+    assert "no record could be assessed; nothing was written" in captured.err
     assert name in captured.err
     assert list(tmp_path.iterdir()) == []
 

@@ -111,7 +111,7 @@ def test_inspect_shows_what_calibrate_printed(done, capsys):
 def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
     target, out = assessed
     assert "design sequence 0.84" in out
-    assert "nonlinear cannot answer it and is left out" in re.sub(r"\s+", " ", out)
+    assert "nonlinear cannot be applied to it and is left out" in re.sub(r"\s+", " ", out)
     summary = rp.load(target)["summary"].to_dataset()
     blocks = [block.block() for block in rp.load_config(config).bodies]
     response = rp.models.sequence_response(
@@ -127,7 +127,7 @@ def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
 def test_a_sequence_and_records_together_are_refused(done, config, tmp_path, capsys, extra):
     arguments = ["assess", *extra, "--sequence", str(done), "--config", str(config), "-o", str(tmp_path / "r.h5")]
     assert main(arguments) == 2
-    assert "--sequence takes the place of the records" in capsys.readouterr().err
+    assert "--sequence replaces the records" in capsys.readouterr().err
 
 
 @pytest.mark.sweep
@@ -186,7 +186,7 @@ def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, ca
     given = ["--config", str(config), "--units", "m/s2", "--dt", "0.01", "-o", str(tmp_path / "site.h5"), "--quiet"]
     assert main(["calibrate", str(tmp_path / "still.txt"), *given]) == 1
     said = capsys.readouterr().err
-    assert said.startswith("rockpulse: no record could be calibrated, nothing was written: ")
+    assert said.startswith("rockpulse: no record could be calibrated; nothing was written: ")
     assert "no impulse sequence" in said
     assert said.count("\n") == 1
 

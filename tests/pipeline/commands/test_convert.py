@@ -34,7 +34,7 @@ def test_a_folder_of_records_and_what_failed(folder, capsys):
     captured = capsys.readouterr()
     assert f"failed (read) {folder / 'cut.AT2'}" in captured.err
     assert "not records: notes.txt" in captured.err
-    assert "rockpulse: 2 of 3 files used, 1 not: expected 200 samples" in captured.err
+    assert "rockpulse: 2 of 3 files used (1 rejected): expected 200 samples" in captured.err
     assert len(list((folder / "out").iterdir())) == 2
     assert "on a structure, which" in captured.out
 

@@ -52,7 +52,7 @@ def test_other_groups_and_rows(results, tmp_path, capsys):
         (["--group", "nothing"], "no group 'nothing'"),
         (["--rows", ""], "expected at least one dimension"),
         (["--columns", ","], "expected at least one column"),
-        (["--group", "failures", "--record", "weak.1"], "no record, by which it could be filtered"),
+        (["--group", "failures", "--record", "weak.1"], "no record to filter by"),
     ],
 )
 def test_wrong_options_are_exit_code_two_and_write_nothing(results, tmp_path, capsys, options, said):

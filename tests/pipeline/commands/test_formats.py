@@ -11,7 +11,7 @@ def listed(capsys):
 
 def test_every_format_and_every_unit_is_listed(capsys):
     out = listed(capsys)
-    read, _, refused = out.partition("Known at sight and refused")
+    read, _, refused = out.partition("Recognised but not read")
     words = " ".join(read.split())
     rows = [row for row in FORMATS if row.unit != "-"]
     assert rows

@@ -82,7 +82,7 @@ def test_what_an_inventory_does_not_know_is_refused(fragility, option, capsys):
 
 def test_wrong_arguments_are_reported(fragility, tmp_path, capsys):
     assert main(["risk", str(fragility), "--hazard", str(tmp_path / "none.csv")]) == 2
-    assert "expected a file with a hazard curve, found none" in capsys.readouterr().err
+    assert "no such file; expected a hazard curve" in capsys.readouterr().err
     (tmp_path / "bare.toml").write_text("")
     assert main(["risk", str(fragility), "--config", str(tmp_path / "bare.toml")]) == 2
     assert "expected a file or the power law" in capsys.readouterr().err
@@ -134,7 +134,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     curve.write_text("TR [years],ag [g]\n10,0.0102\n1000,0.102\n")
     assert main([*arguments, "--overwrite"]) == 0
     shown, told = capsys.readouterr()
-    assert "bodies.csv: columns passed over: made of" in told
+    assert "bodies.csv: columns not used: made of" in told
     assert "times the soil factor 1.2" in " ".join(shown.split())
     assert "a_g is that on rock" not in shown
     assert main([*arguments, "--overwrite", "--soil-factor", "1.4"]) == 2
@@ -147,10 +147,10 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     ("text", "told"),
     [
         ("name,width,height\na,1,2\n", "no column width [m] and height [m]"),
-        ("name,width [m],height [m]\na,0.4,3\na,0.4,3\n", "a name for each body, no two alike"),
+        ("name,width [m],height [m]\na,0.4,3\na,0.4,3\n", "a unique name for each body"),
         ("name,width [m],height [m]\na,0.4,x\n", "row 1 of column 'height [m]': expected a number, found 'x'"),
         ("name,width [m],height [m]\na,0.4,-3\n", "a: height [m]: expected a positive number, found -3"),
-        ("name,width [m],height [m]\na,0.4,3,13.4\n", "row 1: expected 3 cells, as the heading has, found 4"),
+        ("name,width [m],height [m]\na,0.4,3,13.4\n", "row 1: expected 3 cells, as in the heading, found 4"),
         ("name,width [m],height [m],restitution\na,0.4,3,1.5\n", "restitution"),
         ("name,width [m],height [m],longitude\na,0.4,3,13\n", "longitude and latitude [degrees] or neither"),
         (

@@ -15,7 +15,7 @@ from rockpulse.cli import main
 HEADER = "".join(f"NEW_KEY_{number}: value {number}.5\n" for number in range(9))
 ROWS = "".join(f"{number:6d}: {np.sin(number):9.4f} {np.cos(number):9.4f}\n" for number in range(60))
 GOOD, UNREAD = 2, 6
-COUNT = "2 of 8 files used, 6 not"
+COUNT = "2 of 8 files used (6 rejected)"
 WHY = "no reader recognises the file (m00.asc, m01.txt, m02.acc, m03.asc, m04.txt, m05.acc)"
 BLOCK = ["--block", "statue=0.6x1.9"]
 
@@ -97,7 +97,7 @@ def test_where_nothing_can_be_used_the_count_and_the_reason_are_reported(folder,
     given = ["assess", str(folder / "m*"), *BLOCK, "-o", str(tmp_path / "results.h5"), *(["--quiet"] if quiet else [])]
     assert main(given) == 1
     said = capsys.readouterr().err
-    line = f"rockpulse: no record could be assessed, nothing was written: 0 of 6 files used, 6 not: {WHY}.\n"
+    line = f"rockpulse: no record could be assessed; nothing was written: none of 6 files used (6 rejected): {WHY}.\n"
     assert said.endswith(line)
     assert (said == line) == quiet
     assert flat(said).count("'rockpulse formats' lists") == (0 if quiet else 1)

@@ -17,11 +17,14 @@ def test_housner_for_a_squat_body_is_refused_with_its_name():
 
 
 DOUBTED = [
-    ({"width": 600, "height": 1700}, '"statue": 600 x 1700: millimetres? A body larger than 30 m is taken only where'),
-    ({"width": 60, "height": 170}, '"statue": 60 x 170: centimetres? A body larger than 30 m'),
-    ({"width": 600, "height": 1.7}, '"statue": 600 x 1.7: millimetres? A body larger than 30 m'),
-    ({"width": 0.01, "height": 0.04}, '"statue": 0.01 x 0.04: in m? A body less than 5 cm high'),
-    ({"width": 0.0006, "height": 1.7}, '"statue": 0.0006 x 1.7: in m? A body less than 1 mm wide'),
+    (
+        {"width": 600, "height": 1700},
+        '"statue": 600 x 1700: are these millimetres? A body larger than 30 m is accepted',
+    ),
+    ({"width": 60, "height": 170}, '"statue": 60 x 170: are these centimetres? A body larger than 30 m'),
+    ({"width": 600, "height": 1.7}, '"statue": 600 x 1.7: are these millimetres? A body larger than 30 m'),
+    ({"width": 0.01, "height": 0.04}, '"statue": 0.01 x 0.04: are these metres? A body less than 5 cm high'),
+    ({"width": 0.0006, "height": 1.7}, '"statue": 0.0006 x 1.7: are these metres? A body less than 1 mm wide'),
     ({"width": 1.7, "height": 0.6}, '"statue": 1.7 x 0.6: are the two swapped? A body wider than high'),
     ({"p": 0.2, "alpha": 0.25}, '"statue": p and alpha of a rectangle of 91 x 356 m. A body larger than 30 m'),
     ({"p": 2.4, "alpha": 0.9}, '"statue": p and alpha of a rectangle of 2 x 1.59 m. A body wider than high'),
@@ -48,7 +51,7 @@ def test_largest_and_smallest_sizes_that_are_not_doubted():
 
 def test_an_option_that_is_doubted_names_the_option_that_confirms_it():
     with pytest.raises(
-        ConfigError, match=r'--block "statue=600x1700": 600 x 1700: millimetres\? .* add --confirm-size$'
+        ConfigError, match=r'--block "statue=600x1700": 600 x 1700: are these millimetres\? .* add --confirm-size$'
     ):
         parse_block_option("statue=600x1700")
     assert parse_block_option("statue=600x1700", True).confirm_size

@@ -58,7 +58,7 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
     close = BlockSettings(name="a", width=1.0, height=6.0, restitution=[0.9, 0.90000001])
     assert gather_bodies([close]).apart()[0] == ["a C 0.9", "a C 0.90000001"]
     other = BlockSettings(name="a C 0.90000001", width=1.0, height=6.0)
-    with pytest.raises(ConfigError, match=r'block "a C 0\.90000001": one body has the name'):
+    with pytest.raises(ConfigError, match=r'block "a C 0\.90000001": this name is also that of'):
         gather_bodies([close, other]).apart()
 
 
@@ -68,7 +68,7 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
         ({}, "no body to assess"),
         (
             {"a": Block(1.0, 4.0, restitution=[0.8, 0.9]), "b": Block(1.0, 4.0, restitution=[0.7, 0.8, 0.9])},
-            "one length",
+            "equal length",
         ),
         ({"a": Block(1.0, 4.0), "b": Block(1.0, 4.0, gravity=9.81)}, "gravity"),
         ({"a": Block(half_width=[0.5, 0.6], half_height=2.0)}, "restitution only"),

@@ -163,7 +163,7 @@ def test_odd_characters_survive_the_way_through_toml(tmp_path):
 def test_a_size_that_was_confirmed_and_a_radius_load_back(load):
     text = "[[block]]\nname = 'hall'\nwidth = 40\nheight = 160\n"
     with pytest.raises(
-        ConfigError, match=r'site.toml: \[\[block\]\] "hall": 40 x 160: centimetres\? .*confirm_size = true'
+        ConfigError, match=r'site.toml: \[\[block\]\] "hall": 40 x 160: are these centimetres\? .*confirm_size = true'
     ):
         load(text)
     config = load(text + "confirm_size = true\n[[block]]\nname = 'statue'\np = 2.385\nalpha = 0.2445\nradius = 1.136\n")

@@ -59,7 +59,7 @@ def test_settings_of_a_mapping_keep_what_a_direction_of_their_own_needs():
         ({"wall": ("0.25", "2.2")}, r'bodies "wall": expected \(width, height\)'),
         ({"wall": (True, 2.2)}, r'bodies "wall": expected \(width, height\)'),
         ({"wall": {"width": 0.25, "height": 2.2}}, r'bodies "wall": expected \(width, height\)'),
-        ({1: (0.25, 2.2)}, "expected texts as the names of bodies, found int 1"),
+        ({1: (0.25, 2.2)}, "expected strings as the names of bodies, found int 1"),
         ({"a/b": (0.25, 2.2)}, "name"),
         ({"wall": (-0.25, 2.2)}, r'\[\[block\]\] "wall" width'),
         ({"wall": (float("nan"), 2.2)}, r'\[\[block\]\] "wall" width'),

@@ -203,7 +203,7 @@ def test_miniseed_that_does_not_come_back_whole_is_refused_and_nothing_stays(tmp
 
 def test_a_channel_on_a_structure_is_logged(tmp_path, caplog):
     rp.write([EAST, replace(UP, orientation="structural")], tmp_path / "out.csv")
-    assert caplog.messages == ["CI.CLC..Up: on a structure, which .csv files cannot say"]
+    assert caplog.messages == ["CI.CLC..Up: on a structure, which .csv files cannot store"]
 
 
 def test_at2_says_that_a_channel_is_on_a_structure(tmp_path, caplog):

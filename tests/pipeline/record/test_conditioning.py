@@ -107,7 +107,9 @@ def test_auto_takes_the_pre_event_mean_from_a_raw_volume():
     motion = event(offset=0.7)
     conditioned = condition(motion)
     assert conditioned.acceleration == pytest.approx(motion.acceleration - 0.7, abs=1e-5)
-    assert conditioned.processing == ("baseline: mean of the pre-event window 0 to 15 s (found), 0.7 m/s2, subtracted",)
+    assert conditioned.processing == (
+        "baseline: mean of the pre-event window 0 to 15 s (detected), 0.7 m/s2, subtracted",
+    )
     assert conditioned.warnings == ()
 
 
@@ -136,14 +138,14 @@ def test_velocity_that_does_not_come_back_is_a_warning_until_it_does():
 @pytest.mark.parametrize("offset", [0.0, 30.0])
 def test_pre_event_window_ends_at_the_onset_whatever_the_offset(offset):
     note = condition(event(offset), baseline="pre-event").processing[0]
-    length = float(note.split(" s (found)")[0].split()[-1])
+    length = float(note.split(" s (detected)")[0].split()[-1])
     assert 14.9 < length < 15.2
 
 
 def test_pre_event_window_of_raw_records_ends_before_the_shaking(ridgecrest):
     for motion in ridgecrest:
         conditioned = condition(motion)
-        length = float(conditioned.processing[0].split(" s (found)")[0].split()[-1])
+        length = float(conditioned.processing[0].split(" s (detected)")[0].split()[-1])
         departure = np.abs(motion.acceleration - np.median(motion.acceleration[:500]))
         shaking = motion.dt * np.argmax(departure > 0.01 * np.max(departure))
         assert 10.0 < length < shaking
@@ -173,7 +175,7 @@ def test_the_window_ends_where_the_energy_reaches_a_millionth(seed):
 
 
 @pytest.mark.parametrize(
-    ("quiet", "note"), [(101, "pre-event window 0 to 1 s (found)"), (100, "quiet for 0.99 s only")]
+    ("quiet", "note"), [(101, "pre-event window 0 to 1 s (detected)"), (100, "quiet for 0.99 s only")]
 )
 def test_a_window_of_one_second_is_long_enough(quiet, note):
     values = np.append(np.zeros(quiet), sine(5.0).acceleration)

@@ -127,7 +127,12 @@ def test_a_vertical_channel_above_five_g_keeps_its_neighbours_from_counting_wher
     apart = [east, replace(up, source="up.txt")]
     names, (row, beside) = seen(apart, include_vertical=True)
     assert (names, row[0]) == ([], "up.txt")
-    assert beside == ("a.txt", "measure", "failed", "a.E: left out with a.Z, whose peak of 6.12 g nobody has confirmed")
+    assert beside == (
+        "a.txt",
+        "measure",
+        "failed",
+        "a.E: left out with a.Z, whose peak of 6.12 g has not been confirmed",
+    )
     assert row[3].startswith("a.E: its vertical channel a.Z: peak 6.1")
     assert seen([east, up], include_vertical=True, confirm=("a.Z",)) == (["a.E"], [])
 

@@ -30,7 +30,7 @@ def test_a_disk_that_fills_up_keeps_what_is_finished(folder, tmpfs, undisturbed,
     change("size=400k")
     assert command(folder, target, "--quiet") == 2
     said = capsys.readouterr().err
-    kept = re.search(r"cannot keep the result of r\d\.090: .*; the (\d) finished before are kept: make room", said)
+    kept = re.search(r"cannot store the result of r\d\.090: .*; the (\d) finished before are kept: free some", said)
     assert 0 < int(kept[1]) < 8
     assert said.count("\n") == 1
     assert not target.exists()
@@ -79,7 +79,7 @@ def test_a_read_only_disk_is_refused_at_once(folder, tmpfs, capsys):
     [
         ("file/results.h5", "there is no folder .*file; create it first"),
         ("gone/results.h5", r"there is no folder .*gone; create it first"),
-        ("folder", "found something that is no regular file"),
+        ("folder", "found something that is not a regular file"),
         ("file", "the file exists|found another file, which is not replaced"),
     ],
 )

@@ -59,7 +59,7 @@ def test_what_has_taken_the_place_of_a_journal_stays(target):
         journal.add(done("a"))
         journal_path(target).unlink()
         assert not journal.is_current
-        with pytest.raises(ResultsError, match="removed while the run was at work"):
+        with pytest.raises(ResultsError, match="removed during the run"):
             journal.add(done("b"))
         journal_path(target).write_text("another's")
         journal.remove()
@@ -95,7 +95,7 @@ def test_an_empty_file_is_no_journal_to_ask_about_and_goes_with_a_run_that_fails
     with monkeypatch.context() as patch:
         patch.setattr(journals, "append", full)
         with pytest.raises(
-            ResultsError, match=r"cannot keep the journal of the run .*: No space left on device; choose"
+            ResultsError, match=r"cannot write the journal of the run .*: No space left on device; choose"
         ):
             Journal.open(target)
     assert not journal_path(target).exists()
@@ -115,7 +115,7 @@ def test_a_stopped_run_is_neither_dropped_nor_resumed_unasked(target):
         first = journal.run_id
         journal.add(done("a"))
         journal.add(done("b"))
-    with pytest.raises(ResultsError, match=r"stopped with 2 records done; go on with --resume, or .* --overwrite"):
+    with pytest.raises(ResultsError, match=r"stopped with 2 records done; continue with --resume, or .* --overwrite"):
         Journal.open(target)
     with Journal.open(target, overwrite=True) as journal:
         assert journal.finished() == {}
@@ -187,7 +187,7 @@ def _of_another_version(path):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (_text, "found another file, which is left alone"),
+        (_text, "found another file, which is not changed"),
         (_of_another_version, "journal of a run of another version"),
         (os.mkfifo, "expected a file, found a pipe"),
     ],
@@ -276,7 +276,8 @@ def test_a_full_disk_keeps_what_was_finished(target, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(frames, "_write", fill)
             with pytest.raises(
-                ResultsError, match=r"cannot keep the result of b: No space.*; the 1 finished before are kept.*--resume"
+                ResultsError,
+                match=r"cannot store the result of b: No space.*; the 1 finished before are kept.*--resume",
             ):
                 journal.add(done("b", bytes(10_000_000)))
         assert journal_path(target).stat().st_size == size
@@ -289,7 +290,7 @@ def test_a_full_disk_keeps_what_was_finished(target, monkeypatch):
 
 def test_a_place_that_takes_no_journal_is_refused(tmp_path):
     (tmp_path / "file").write_text("x")
-    with pytest.raises(ResultsError, match=r"cannot keep the journal of the run .*: Not a directory"):
+    with pytest.raises(ResultsError, match=r"cannot write the journal of the run .*: Not a directory"):
         Journal.open(tmp_path / "file" / "results.h5")
 
 

@@ -90,7 +90,7 @@ def test_resuming_what_never_began_begins_it(folder, tmp_path, capsys):
     assert len(contents(target)["summary/record"]["values"]) == RECORDS
     written = target.read_bytes()
     assert command(folder, target, "--resume") == 0
-    assert "results.h5: the run had ended before, nothing was left to do" in capsys.readouterr().err
+    assert "results.h5: the run was already complete; nothing was left to do" in capsys.readouterr().err
     assert target.read_bytes() == written
     assert command(folder, target, "--resume", "--block", "other=0.5x3") == 2
     assert "results.h5: the file exists" in capsys.readouterr().err
@@ -101,10 +101,10 @@ def test_a_log_goes_to_the_end_of_no_other_file(folder, tmp_path, capsys):
     notes = tmp_path / "notes.txt"
     notes.write_text("mine")
     assert command(folder, tmp_path / "results.h5", "--log-file", str(notes)) == 2
-    assert "notes.txt: expected a new file, or a log to be added to" in capsys.readouterr().err
+    assert "notes.txt: expected a new file or an existing log" in capsys.readouterr().err
     assert notes.read_text() == "mine"
     assert command(folder, tmp_path / "results.h5", "--log-file", str(tmp_path / "results.h5")) == 2
-    assert "expected another file than the output" in capsys.readouterr().err
+    assert "expected a file other than the output" in capsys.readouterr().err
     assert not (tmp_path / "results.h5").exists()
 
 
@@ -148,7 +148,7 @@ def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeyp
     (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5"))
     keys = redone(monkeypatch)
     assert command(mine, target, "--resume") == 0
-    changed = "2 are done again, for they, the options or the version of rockpulse have changed\n"
+    changed = "2 are done again, because they, the options or the version of rockpulse have changed\n"
     assert f"0 of {RECORDS} records were finished before; {changed}" in capsys.readouterr().err
     assert len(keys) == RECORDS
     assert command(mine, target.with_name("fresh.h5"), "--quiet") == 0

@@ -126,7 +126,7 @@ def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path
         patch.setattr(assessment, "extract", done_again)
         report = assess_files(paths, CONFIG, output, resume)
     assert (report.path, report.records, report.resumed, report.failures) == (output, 3, 3, [])
-    assert told == [f"{output}: the run had ended before, nothing was left to do"]
+    assert told == [f"{output}: the run was already complete; nothing was left to do"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["results.h5"]
     wider = replace(CONFIG, bodies=(BlockSettings(name="wide", width=0.5, height=3.0),))
     for asked in ((paths[:2], CONFIG), (paths, wider), (paths, replace(CONFIG, site=SiteSettings(name="other")))):
@@ -175,9 +175,9 @@ def test_a_journal_that_is_removed_under_a_run_stops_it_and_nothing_is_claimed(f
             if self.desc == "assessing":
                 journal_path(output).unlink()
 
-    with pytest.raises(ResultsError, match="removed while the run was at work, and what was finished with it"):
+    with pytest.raises(ResultsError, match="removed during the run, and the finished records with it"):
         assess_files(sorted(folder.glob("r*")), CONFIG, output, BatchOptions(workers=1, bar=Removing))
-    assert "; nothing is kept, for " in caplog.text
+    assert "; nothing is kept, because " in caplog.text
     assert not output.exists()
 
 
@@ -197,10 +197,10 @@ def test_only_what_the_plan_can_use_is_counted_as_kept(folder, tmp_path, monkeyp
 
 def test_a_site_that_cannot_be_written_keeps_what_is_finished(folder, tmp_path, monkeypatch):
     def full(*args):
-        raise ResultsError("the results take 3 MB, 1 MB are free; make room there")
+        raise ResultsError("the results take 3 MB, 1 MB are free; free some space there")
 
     monkeypatch.setattr(run, "write_results", full)
-    with pytest.raises(ResultsError, match=r"make room there; 3 finished records are kept in .*--resume goes on"):
+    with pytest.raises(ResultsError, match=r"free some space there; 3 finished records are kept in .*--resume goes on"):
         calibrate_files(sorted(folder.glob("r*")), SITE, tmp_path / "site.h5", BatchOptions(workers=1))
 
 

@@ -227,7 +227,7 @@ def test_a_fault_of_the_program_costs_one_member(tmp_path, monkeypatch, fault, r
     assert row.file == f"{path}!1.AT2"
     assert row.kind == "failed"
     assert reason in row.reason
-    ((_, text),) = result.messages
+    ((_, _, text),) = result.messages
     assert "Traceback" in text
 
 

@@ -56,5 +56,5 @@ def test_a_selection_is_of_stripes_and_of_records_whose_ids_are_known():
         FragilitySettings(selection="a.csv", data="ida")
     from rockpulse.config.settings import RecordSettings
 
-    with pytest.raises(ConfigError, match='take "horizontal", "azimuth" or "sweep"'):
+    with pytest.raises(ConfigError, match='use "horizontal", "azimuth" or "sweep"'):
         Config(fragility=FragilitySettings(selection="a.csv"), records=RecordSettings(components="strongest"))

@@ -54,7 +54,7 @@ def test_the_processed_volume_votes_and_the_raw_one_is_left_out_with_its_vertica
     assert vote(*raw, *processed) == (ids("b.V2A"), dict.fromkeys(ids("a.V1A"), "duplicate"))
     told = reason(raw[0], processed[0])
     assert told == (
-        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is used instead: a processed volume goes before "
+        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is used instead: a processed volume is preferred to "
         "a raw one; [records] keep with this id assesses both"
     )
 
@@ -83,11 +83,11 @@ def test_the_sensor_at_the_bottom_of_a_borehole_of_kik_net_yields_to_the_one_abo
 @pytest.mark.parametrize(
     ("better", "worse", "words"),
     [
-        ({"processed": True}, {"processed": None, "dt": 0.005}, "a processed volume goes before one that may be"),
-        ({"processed": None}, {"dt": 0.005}, "one that may be processed goes before a raw one"),
+        ({"processed": True}, {"processed": None, "dt": 0.005}, "a processed volume is preferred to one that may be"),
+        ({"processed": None}, {"dt": 0.005}, "one that may be processed is preferred to a raw one"),
         ({"dt": 0.005}, {"seconds": 90.0}, "it has a sample every 0.005 s, this one every 0.01 s"),
         ({"seconds": 90.0}, {"source": "a"}, "it lasts 90 s, this one 60 s"),
-        ({"source": "a"}, {}, "of two alike in processing, rate and length the first by path is"),
+        ({"source": "a"}, {}, "both are alike in processing, rate and length; the first by path is used"),
     ],
 )
 def test_the_order_of_the_rules(better, worse, words):
@@ -197,7 +197,7 @@ def test_a_peak_that_nobody_has_confirmed_yields_to_another_record_of_its_motion
     raw = volume("a.V1A")
     for settings in (None, PAIRS):
         assert vote(*raw, *wrong, settings=settings) == (ids("a.V1A"), dict.fromkeys(ids("b.V2A"), "duplicate"))
-    assert "this one has a peak of 53 g, which nobody has confirmed" in reason(raw[0], wrong[0])
+    assert "this one has a peak of 53 g, which has not been confirmed" in reason(raw[0], wrong[0])
     assert vote(*wrong) == (ids("b.V2A"), {})
     confirmed = RecordSettings(confirm=("b.V2A.*",))
     assert vote(*raw, *wrong, settings=confirmed)[0] == ids("b.V2A")

@@ -1,4 +1,4 @@
-"""The formats: each module reads one family of files and has a row `Format` for each, found by itself, in any order."""
+"""The formats: each module, found automatically, reads a family of files and defines a row `Format` for each."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -9,7 +9,7 @@ from rockpulse.readers.formats import columns
 
 _MODULES = [import_module(f"{__name__}.{module.name}") for module in iter_modules(__path__)]
 _ROWS = [row for module in _MODULES for row in vars(module).values() if isinstance(row, Format)]
-#: Formats of which each recognises its own files only, by their content.
+#: Formats that each recognise only their own files, from the content.
 _SPECIFIC = sorted((row for row in _ROWS if row is not columns.COLUMNS), key=lambda row: row.name)
 
 
@@ -17,5 +17,6 @@ def _is_nothing_but_columns(head: bytes, name: str) -> bool:
     return columns.is_columns(head, name) and not any(row.detect(head, name) for row in _SPECIFIC)
 
 
-#: Tried from the first to the last; the first that recognises a file reads it. The least specific one comes last.
+#: The formats in the order in which they are tried, with the least specific last; the first that recognises a file
+#: reads it.
 FORMATS: tuple[Format, ...] = (*_SPECIFIC, replace(columns.COLUMNS, detect=_is_nothing_but_columns))

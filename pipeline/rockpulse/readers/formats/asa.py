@@ -1,7 +1,7 @@
 """Standard acceleration files of Mexico (ASA: Instituto de Ingeniería UNAM, CIRES, other members of the SMIS).
 
-109 lines ``KEY : value`` in any encoding; what belongs to channels is a list such as ``/V/N90E/N00E``. Then numbers and
-directions of the channels, and rows of accelerations [gal] in fields of 10 characters, without the offset.
+A file has 109 lines ``KEY : value`` in any encoding, with values per channel as a list such as ``/V/N90E/N00E``, then
+numbers and directions of the channels, and rows of accelerations [gal] in fields of 10 characters, without the offset.
 """
 
 import re
@@ -21,7 +21,7 @@ _VALUES = re.compile(r"\s*DATOS DE ACELERACI", re.IGNORECASE)
 _CHANNELS = re.compile(r"CANAL-?\s*(\d{1,2})", re.ASCII | re.IGNORECASE)
 _LAYOUT = re.compile(r"\(?\s*(\d{1,2})\s*\(?\s*(?:\dP)?\s*[FEDG]S?\s*(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
 _NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,9}|\.\d{1,9})", re.ASCII)
-#: Year first, or day first with the month as a number or a word (21/JUL/2000).
+#: Pattern of a date with the year first, or the day first and the month as number or word (21/JUL/2000).
 _DATE = re.compile(
     r"(\d{4})[/-]\s*(\d{1,2})[/-]\s*(\d{1,2})|(\d{1,2})[/ -]\s*(\d{1,2}|[A-Z]{3,10})[/ -]\s*(\d{4})", re.I
 )
@@ -36,7 +36,7 @@ _LONGEST_HEADER = 300  # lines of the header
 
 
 class _Header:
-    """The lines in front of the values."""
+    """The lines before the values."""
 
     def __init__(self, name: str, lines: Sequence[str]) -> None:
         self.name, self.lines = name, lines
@@ -45,20 +45,20 @@ class _Header:
         self.entries = [(key.strip(), value.strip(), at) for (key, colon, value), at in parts if colon]
 
     def entry(self, key: str) -> tuple[str, str, int]:
-        """Key, value and line of the first key that begins with `key`, with or without accents; empty if none does."""
+        """Return key, value and line of the first key that begins with `key`, ignoring accents; empty if none does."""
         wanted = _consonants(key)
         return next((entry for entry in self.entries if _consonants(entry[0]).startswith(wanted)), ("", "", 1))
 
     def text(self, key: str) -> str:
-        """The value of a key; empty where it is blank or missing."""
+        """Return the value of a key; empty if it is blank or missing."""
         return self.entry(key)[1]
 
     def where(self, key: str) -> str:
-        """``file:line`` of a key."""
+        """Return ``file:line`` of a key."""
         return f"{self.name}:{self.entry(key)[2]}"
 
     def per_channel(self, key: str) -> list[str]:
-        """The values of a list such as ``/V/N90E/N00E``, those of channels 1 to 6 followed by those of 7 to 12."""
+        """Return the values of a list such as ``/V/N90E/N00E`` for channels 1 to 6, followed by 7 to 12."""
         found = []
         for value in (self.text(f"{key} C1-C6"), self.text(f"{key} C7-C12")):
             items = [part.strip() for part in value.split("/")]
@@ -66,7 +66,7 @@ class _Header:
         return found
 
     def each(self, key: str, numbers: Sequence[int], required: bool = False) -> list[str]:
-        """The number that a list gives for each channel; blank where it gives none."""
+        """Return the number of each channel in a list; blank for a channel without a number."""
         listed = [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key)]
         found = _chosen(listed, numbers)
         if required and not all(text and float(text) > 0.0 for text in found):
@@ -75,13 +75,13 @@ class _Header:
         return found
 
     def continued(self, key: str, more: int) -> str:
-        """The value of a line and of up to `more` lines without a key behind it, in one line."""
+        """Return the value of a line and of up to `more` continuation lines without a key, in one line."""
         _, value, first = self.entry(key)
         further = (text for blank, text, at in self.entries if first < at <= first + more and not blank)
         return " ".join([value, *further])
 
     def below(self, title: str) -> str:
-        """The text under a heading, up to the next rule, in one line."""
+        """Return the text below a heading, up to the next ruled line, in one line."""
         wanted = _consonants(title)
         at = next((i for i, line in enumerate(self.lines) if _consonants(line).startswith(wanted)), len(self.lines))
         found = takewhile(lambda line: not line.startswith("==="), self.lines[at + 1 : at + 8])
@@ -89,17 +89,17 @@ class _Header:
 
 
 def _chosen(listed: Sequence[str], numbers: Sequence[int]) -> list[str]:
-    """Of a list for channels 1, 2, ... the items of some channels; blank where it is too short."""
+    """Return the items of some channels from a list for channels 1, 2, ...; blank if the list is too short."""
     return [listed[number - 1] if 1 <= number <= len(listed) else "" for number in numbers]
 
 
 def _consonants(text: str) -> str:
-    """The consonants and digits of a text, which no accent and no encoding changes."""
+    """Return the consonants and digits of a text, which do not depend on accents and encoding."""
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 
 def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not used, because the format states everything."""
+    """Read every channel; the options are not needed, as the format states everything."""
     lines = kit.text_lines(file.content)
     header, numbers, words, first = _header(file.name, lines)
     unit_words, layout = header.text("UNIDADES DE LOS DATOS").partition("(")[0], header.text("FORMATO DATOS")
@@ -161,7 +161,7 @@ def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[str], int]:
-    """The header, the numbers and the directions of the channels, and the index of the first row of values."""
+    """Return the header, numbers and directions of the channels, and the index of the first row of values."""
     head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     title = next((i for i, line in enumerate(head) if _VALUES.match(line)), len(head))
     at = next((i for i in range(title + 1, min(title + 4, len(head))) if _CHANNELS.search(head[i])), 0)
@@ -188,7 +188,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
 def _columns(
     name: str, lines: Sequence[str], first: int, width: int, counts: Sequence[int]
 ) -> tuple[list[np.ndarray], list[str]]:
-    """Samples of each channel, and warnings; the rows after the end of a shorter channel are padding."""
+    """Return the samples of each channel, and warnings; rows after the end of a shorter channel are padding."""
     rows = len(lines) - first
     kit.check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
     if len(set(counts)) == 1:
@@ -208,7 +208,7 @@ def _columns(
 
 
 def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
-    """Sampling interval of each channel [s]; the stated sampling rates must agree with it."""
+    """Return the sampling interval of each channel [s], with which the stated sampling rates must agree."""
     steps = [float(text or "nan") for text in header.each("INTERVALO DE MUESTREO,", numbers)]
     rates = [float(text or "nan") for text in header.each("VEL. DE MUESTREO,", numbers)]
     found = [step if step > 0.0 else 1.0 / rate if rate > 0.0 else 0.0 for step, rate in zip(steps, rates, strict=True)]
@@ -221,12 +221,12 @@ def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
 
 
 def _base(word: str) -> str:
-    """A direction without its sense, which follows a semicolon."""
+    """Return a direction without its sense, which follows a semicolon."""
     return word.partition(";")[0].strip().upper()
 
 
 def _facing(word: str) -> kit.Direction:
-    """Direction of a channel; ``N00E;-`` and ``V;-`` are positive in the opposite sense."""
+    """Return the direction of a channel; ``N00E;-`` and ``V;-`` are positive in the opposite sense."""
     base, sense = _base(word), word.partition(";")[2].strip()
     facing = kit.direction(base)
     if sense in ("", "+"):
@@ -250,7 +250,7 @@ def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime 
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample: its time of day, on the day that is nearest to the earthquake."""
+    """Return the UTC time of the first sample: the stated time of day, on the day nearest to the earthquake."""
     (key, text, _), date = header.entry("HORA DE LA PRIMERA MUESTRA"), _DATE.match(header.text("FECHA DEL SISMO"))
     if not text:
         return None, []

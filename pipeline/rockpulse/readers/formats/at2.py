@@ -1,7 +1,7 @@
-"""PEER AT2 files: a few header lines, then the acceleration in g, equally spaced.
+"""PEER AT2 files: a few header lines, then equally spaced accelerations in g.
 
-The database puts a list beside the files, ``_SearchResults.csv``, with the names of the files of each record; its Rjb
-and Rrup are distances to the rupture, not to the epicentre, and are not used.
+The database adds to the files a list, ``_SearchResults.csv``, with the file names of each record; its Rjb and Rrup are
+distances to the rupture, not to the epicentre, and are not used.
 """
 
 import csv
@@ -23,7 +23,7 @@ _COUNT = r"(?P<count>\d{1,3}(?:,\d{3})+(?![\d.])|\d+)"
 _STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED]|\s*/\s*\d)"
 _NPTS, _DT = r"(?:NPTS|(?:NUMBER|NO\.?) OF POINTS)", r"(?:\bDT|TIME STEP)"
 _BOTH = rf"{_NPTS}\s*[,;&]?\s*{_DT}\b(?:\s*\(\w+\))?"
-#: The spellings of the line with number of points and interval.
+#: Patterns of the line with number of points and interval.
 _COUNT_AND_STEP = [
     re.compile(
         rf"{_NPTS}\s*[=:][\s\",]*{_COUNT}.*?{_DT}\s*(?:\(\w+\))?\s*[=:][\s\",]*{_STEP}", re.IGNORECASE | re.ASCII
@@ -32,13 +32,13 @@ _COUNT_AND_STEP = [
     re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+(?:SEC\w*[\s,]+)?{_BOTH}", re.IGNORECASE | re.ASCII),
     re.compile(rf"{_BOTH}\s*[=:]?\s*{_COUNT}[\s,]+{_STEP}", re.IGNORECASE | re.ASCII),
 ]
-#: Number of points and interval without any word, below the line that names the unit.
+#: Pattern of a line, below that with the unit, with number of points and interval but without words.
 _BARE = re.compile(rf"\s*(?P<count>[1-9]\d{{1,8}})[\s,]+{_STEP}\s*(?:SEC\w*)?\s*", re.IGNORECASE | re.ASCII)
 _NAMES_BOTH = [re.compile(words, re.IGNORECASE) for words in (_NPTS, rf"{_DT}\b")]
 _MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
 _UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.IGNORECASE)
 _SERIES = re.compile(r"(?i)\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b")
-#: The unit behind the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; no other words.
+#: Pattern of a unit after the name of the series without the word UNITS: (G), IN G, CM/SEC/SEC.
 _WITHOUT_WORD = re.compile(
     r"\.?S?(?:\s+(?:TIME|SERIES|HISTORY|DATA|RECORD|VALUES))*[\s,:-]*"
     r"(?:[(\[]\s*(?P<bracket>%?\s*G(?:'?S)?|MG|GALS?|(?:MM|CM|M|IN|FT)\s*(?:/|PER\b|S)[^)\]]*)[)\]]"
@@ -46,20 +46,21 @@ _WITHOUT_WORD = re.compile(
     re.IGNORECASE,
 )
 _DATE = re.compile(r"\d+[/-]\d+[/-]\d+.*")
-#: Lines of a record that was rotated: the two that it was made of, and the direction that the file holds.
+#: Patterns of the lines of a rotated record: its two source directions, and its own direction.
 _ROTATED = re.compile(r"\s*H\d FOR ROTATION\s*:\s*", re.IGNORECASE)
 _TURNED = re.compile(r"\b(\w{1,12}) COMPONENT\s*,?\s*AZIMUTH\s*[=:]?\s*(\d{1,3}(?:\.\d*)?)", re.IGNORECASE | re.ASCII)
 _SCALE = re.compile(r"\b(?:SCALE FACTOR|SCALED BY)\s*[=:]?\s*(\d*\.?\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII)
-#: The interval and the peak [g] of another line than that of the count (SHAKE2000, NRC).
+#: Patterns of interval and peak [g] in a line other than that of the count (SHAKE2000, NRC).
 _OTHER_STEP = re.compile(rf"\bDT\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII)
 _PEAK = re.compile(
     r"\b(?:AMAX\s*[=:]|PEAK ACCELERATION\s*\(G\)\s*[=:])[\s\",]*(-?\d*\.\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII
 )
-#: What stands in brackets behind a component, whether the line ends within it or not.
+#: Pattern of text in brackets after a component; the line may end before the closing bracket.
 _BEHIND = re.compile(r"\s*\([^()]*\)?\s*$")
-#: The end of a number that the sign of the next one touches; in exponents a letter stands before the sign.
+#: Pattern of the boundary of two numbers that only the sign of the second separates (unlike an exponent, which has a
+#: letter).
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[+-])")
-#: First line of the files that rockpulse writes, and of those of PEER, all of them corrected.
+#: Patterns of the first line of files from rockpulse, and of files from PEER, which are always corrected.
 _WRITTEN = re.compile(r"(\w+) RECORD( ON A STRUCTURE)?, WRITTEN BY ROCKPULSE")
 _PEER = re.compile(r"\bPEER\b|\bNGA\b|\bSTRONG[\s-]MOTION DATA(?:BASE)?\b", re.IGNORECASE)
 _VALUE = re.compile(r"\s*[+-]?\.?\d")
@@ -68,7 +69,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Index of the line that holds the number of points and the interval."""
+    """Return the index of the line with the number of points and the interval."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -78,7 +79,7 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def _names_both(lines: Sequence[str]) -> int | None:
-    """Index of the line that names NPTS and DT, or holds both numbers without their names; None where none does."""
+    """Return the index of the line with NPTS and DT, or with both numbers without these names; None if missing."""
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
@@ -89,12 +90,12 @@ def _names_both(lines: Sequence[str]) -> int | None:
 
 
 def is_at2(head: bytes, name: str) -> bool:
-    """Whether one of the first lines of a text names NPTS and DT."""
+    """Return whether one of the first lines of a text contains NPTS and DT."""
     return _names_both(kit.text_lines(head[:2000])) is not None
 
 
 def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the one channel of the file; the unit of `options` is used only if the header states none."""
+    """Read the only channel of the file; the unit of `options` is used only if the header states no unit."""
     lines = kit.text_lines(file.content)
     end = _names_both(lines)
     if end is None:
@@ -146,9 +147,10 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
-    """Event, name of the station, component and its direction, from the lines up to that of the count.
+    """Return event, station name, component and its direction, from the lines before that of the count.
 
-    The component is the last part of the second line that is a direction, before a network in brackets, cut or not.
+    The component is the last part of the second line that is a direction; a network in brackets, perhaps truncated, may
+    follow.
     """
     line = header[1] if len(header) > 2 else ""
     if header[0].startswith('"'):  # SHAKE2000: event, station, component
@@ -177,13 +179,13 @@ def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
 
 
 def _component_direction(words: str) -> kit.Direction:
-    """The direction of a component; PEER drops leading zeros: 9 is an azimuth here, elsewhere a channel's number."""
+    """Return the direction of a component; PEER omits leading zeros, so that 9 is an azimuth, not a channel number."""
     facing = kit.direction(words.zfill(3) if words.isdecimal() else words)
     return facing if facing.orientation != "unknown" else kit.heading_direction(words)
 
 
 def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
-    """The direction by the title, else by the file's name; vertical where only one of the two says so, with a note."""
+    """Return the direction from the title or the file name; vertical, with a note, if only one of them states it."""
     if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
         return titled, []
     named = kit.name_direction(file)
@@ -198,7 +200,7 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
 
 
 def _told_otherwise(header: Sequence[str], end: int, step: float) -> list[str]:
-    """Warnings about a scale factor, and an interval in another line than that of the count."""
+    """Return warnings about a scale factor, and about an interval in another line than that of the count."""
     notes: list[str] = []
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
@@ -210,7 +212,7 @@ def _told_otherwise(header: Sequence[str], end: int, step: float) -> list[str]:
 
 
 def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
-    """Index of the line behind the numbers, and a warning for numbers behind words; a second header is refused."""
+    """Return the index of the line after the numbers, and a warning if numbers follow words; reject a second header."""
     stop = kit.end_of_numbers(lines, first)
     if stop == len(lines) or sum(len(line.split()) for line in lines[first:stop]) < count:
         return len(lines), []
@@ -250,7 +252,7 @@ def _unit(file: kit.SourceFile, header: Sequence[str], station: str, given: str 
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Samples and warnings; numbers are split at blanks, and by width where fields touch."""
+    """Return samples and warnings; numbers are split at blanks or, if fields touch, by their width."""
     block = lines[first:]
     try:
         values = kit.free_numbers(block, first + 1, name)
@@ -281,7 +283,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.ndarray | None:
-    """Samples by the first field width that divides the first row and makes every field a number; else None."""
+    """Return samples split by the first width that divides the first row and makes every field a number, or None."""
     length = len(block[0].rstrip())
     for width in _WIDTHS:
         if length < width or length % width or -(-count // (length // width)) != len(block):
@@ -294,7 +296,7 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
 
 
 def _listed(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]:
-    """The row of a file in the list beside it, see `_rows`, and a warning if there is a list that cannot be read."""
+    """Return the row of a file in the list of its folder (see `_rows`), and a warning if the list cannot be read."""
     try:
         content = file.beside(_LIST)
         rows = {} if content is None else _rows(content)
@@ -305,7 +307,7 @@ def _listed(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]
 
 @lru_cache(maxsize=4)
 def _rows(content: bytes) -> dict[str, tuple[str, str, str, str]]:
-    """Event, name of the station, magnitude, Vs30 by the names of the files, in lower letters, for all of a folder."""
+    """Return event, station name, magnitude and Vs30 for every file name, in lower case, of the list of a folder."""
     found: dict[str, tuple[str, str, str, str]] = {}
     heads: list[str] = []
     try:

@@ -1,7 +1,7 @@
 """BHRC volume 1 files of Iran (Building and Housing Research Center), uncorrected.
 
-Channels are as in `kit.csmip`, with accelerations in g/10, 10 fields of 13 characters. The azimuths of L and T stand in
-the line of the station. The time is that of the earthquake.
+Channels are as in `kit.csmip`, with accelerations in g/10 in rows of 10 fields of 13 characters. The line of the
+station contains the azimuths of L and T. The time is the origin time of the earthquake.
 """
 
 import re
@@ -22,13 +22,13 @@ _AZIMUTH = r"azimuth\b.*\b{}\s+(\d{{1,3}}(?:\.\d*)?)(?!\S)"
 _ORIGIN = re.compile(r"\s*origin time\s*:\s*(.*)", re.IGNORECASE)
 _DEPTH = re.compile(r".*?\bFD\s*(\d{1,3}(?:\.\d{0,3})?)\s*km", re.ASCII | re.IGNORECASE)
 _DURATION = re.compile(r".*?duration\s*=\s*(\d{1,6}(?:\.\d{0,9})?)", re.IGNORECASE)
-#: The stated duration, of the samples or of the steps between them, may be off by this many steps.
+#: Tolerance of the stated duration in steps; it may be that of the samples or of the steps between them.
 _DURATION_STEPS = 2.0
 _SQUARE = 3.0  # L and T are at right angles, within so many degrees
 
 
 def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not used, because the format states everything."""
+    """Read every channel; the options are not needed, as the format states everything."""
     lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:")
     records = [_channel(file, lines, span, number) for number, span in enumerate(spans, start=1)]
     starts = (start for start, _ in spans)

@@ -1,4 +1,4 @@
-"""Plain columns of numbers (CSV, TXT), with or without times: statements must agree, and nothing is guessed."""
+"""Plain columns of numbers (CSV, TXT), with or without times; statements on them must agree, and nothing is guessed."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -28,20 +28,20 @@ from rockpulse.readers.kit.table import (
 from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # rows of the table that decide whether it is one
-#: Columns beside the time that pass for the components of a station without headings, and one column more.
+#: Largest number of columns besides the time that are read as components of a station without headings, and one more.
 _COMPONENTS, _NO_STATION = 3, 4
-#: Characters of a line and of a list in a message.
+#: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
 _INTEGRAL = 0.95  # correlation at which a column is the integral of the one before it, and no other component
-#: What one series in rows needs, as a message asks for it.
+#: Words in messages for the properties that a series wrapped into rows needs.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
-#: Names for the columns of a station, in an example.
+#: Names of the columns of a station in an example.
 _NAMES = ("acc_NS", "acc_EW", "acc_UD")
 
 
 @dataclass(frozen=True)
 class _Columns:
-    """The numbers, one column for each heading if there are headings."""
+    """The numbers of a table, with one column for each heading if there are headings."""
 
     table: np.ndarray
     headings: tuple[Heading, ...]
@@ -53,13 +53,13 @@ class _Columns:
         return self.table.shape[1]
 
     def picked(self, order: Sequence[int], *warnings: str) -> "_Columns":
-        """The columns at these places, in this order, with further warnings."""
+        """Return the columns at these indices, in this order, with further warnings."""
         headings = tuple(self.headings[index] for index in order) if self.headings else ()
         return _Columns(self.table[:, order], headings, (*self.warnings, *warnings))
 
 
 def is_columns(head: bytes, name: str) -> bool:
-    """Whether rows of numbers, all with the same number of columns, follow a short header."""
+    """Return whether a short header is followed by rows of numbers with the same number of columns."""
     if b"\x00" in head:
         return False
     lines, _ = without_stamps(kit.text_lines(head))
@@ -72,10 +72,11 @@ def is_columns(head: bytes, name: str) -> bool:
 
 
 def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every column of accelerations: without headings one, or up to three beside a column of times.
+    """Read every column of accelerations; without headings one column, or up to three after a column of times.
 
-    A series that is wrapped into rows is read if the header states its number of values, or, with a warning, if unit
-    and interval are known and the values run on from row to row. The prose of a header only has to agree.
+    A series that is wrapped into rows is read if the header states its number of values or, with a warning, if unit and
+    interval are known and the values continue smoothly from row to row. The prose of a header must not contradict the
+    numbers.
     """
     lines, start_time = without_stamps(kit.text_lines(file.content))
     layout = find_layout(lines)
@@ -164,7 +165,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 
 def _with_one_time(columns: _Columns) -> _Columns:
-    """The columns with one of several that are headed as time and rise, that of seconds if one is."""
+    """Return the columns with only one of several rising columns headed as time, the one in seconds if there is one."""
     headed = [at for at, heading in enumerate(columns.headings) if heading.kind == "time"]
     times = [at for at in headed if len(headed) > 1 and np.all(np.diff(columns.table[:, at]) > 0.0)]
     if len(times) < 2:
@@ -176,7 +177,7 @@ def _with_one_time(columns: _Columns) -> _Columns:
 
 
 def _direction_in(bracket: re.Match[str]) -> str:
-    """What stands in brackets, if it is a direction and no unit."""
+    """Return the text in brackets if it is a direction and not a unit."""
     return bracket[1] if is_direction(bracket[1].strip()) else ""
 
 
@@ -190,7 +191,7 @@ def _columns(
     lacking: Sequence[str],
     behind: Sequence[str],
 ) -> _Columns:
-    """The table of the file, or the one series in its rows; `lacking` names the unit and the interval if not given."""
+    """Return the table of the file, or the single series in its rows; `lacking` names unit and interval not given."""
     first = numbered.start + 1
     rows = lines[numbered.start :]
     check_decimals(name, rows, layout, first, bool(headings))
@@ -232,7 +233,7 @@ def _columns(
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
-    """A warning about the lines behind the numbers, but for words behind a `complete` series; more data are refused."""
+    """Return a warning about lines after the numbers, except words after a `complete` series; reject further data."""
     rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
         return ()
@@ -254,7 +255,7 @@ def _other_count(said: Collection[int], found: int, what: str) -> str:
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
-    """The one series in the rows and in the last one, `end`; `guessed` if only the values themselves speak for it."""
+    """Return the single series in all rows, `end` being the last; `guessed` if only the values indicate it."""
     series = np.concatenate([columns.table.ravel(), end.ravel()])
     note = (
         f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "
@@ -264,7 +265,7 @@ def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False)
 
 
 def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
-    """The advice to name the columns, with as many names as the file has columns, times first where they are some."""
+    """Return the advice to name the columns, with a name for each column, first for times if there are any."""
     named = [*names, *(f"acc_{number}" for number in range(len(names) + 1, width + 1))][: width - timed]
     line = " ".join(["time"] * timed + named)
     return f"name the columns in the line above the numbers, such as '{line}'"
@@ -285,7 +286,7 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> Reco
 
 
 def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:
-    """Refuse columns if nothing tells which quantity each of them holds."""
+    """Raise an error if nothing states which quantity each column contains."""
     width = columns.width
     late = next((index for index in range(width) if climbs(columns.table[:, index])), None)
     if late is not None:
@@ -311,7 +312,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
 
 
 def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
-    """The columns that are accelerations, by their headings or else by the prose above the table or the file's name."""
+    """Return the columns of accelerations, according to their headings, or else to the prose or the file name."""
     name, sizes = file.name, _sizes(columns)
     headings = columns.headings or (Heading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
@@ -343,7 +344,7 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
 
 
 def _sizes(columns: _Columns) -> list[int]:
-    """Columns that hold the size of the vector of the others: so headed and never negative, or by their numbers."""
+    """Return the columns that are the magnitude of the vector of the others, according to headings or numbers."""
     if columns.width < _COMPONENTS:
         headed = [means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
         return [index for index, size in enumerate(headed) if size and np.all(columns.table[:, index] >= 0.0)]

@@ -1,6 +1,6 @@
 """COSMOS strong-motion data format, version 1.20 (V0, V1, V2, V1c, V2c).
 
-Each channel has 13 lines of text, integers, reals and comments, then one or more series, each behind a line such as
+Each channel has 13 lines of text, integers, reals and comments, then one or more series, each after a line such as
 ``13400 acceleration pts, approx  67 secs, units=g.     (02)Format=(8f9.6)``. A line ``End-of-data`` or ``/&`` ends it.
 Reference: COSMOS Strong Motion Programs Board (2001), COSMOS Strong Motion Data Format, version 1.20.
 """
@@ -22,7 +22,8 @@ _SERIES = re.compile(
     re.ASCII | re.IGNORECASE,
 )
 _GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
-#: Network and number of the earthquake, then the codes of the channel: RcrdId: US.1000hyfh.NP.8040.HNE.01
+#: Pattern of network and number of the earthquake, followed by the codes of the channel: RcrdId:
+#: US.1000hyfh.NP.8040.HNE.01
 _EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
 #: Units that only this format has [m/s2].
@@ -34,12 +35,13 @@ _UNITS = kit.UNITS | {
 }
 _CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
 _FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sensor gain"}
-#: Integer 2 of quantities other than an acceleration along a line.
+#: Values of integer 2 for quantities other than a linear acceleration.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
-#: Integer 19 of stations whose sensors may lie at depth.
+#: Values of integer 19 for stations whose sensors may be at depth.
 _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 _CLOSING = 3  # the closing line may have lines of blanks behind it
-#: Nominal and calibrated sensitivities differ by some percent, a wrong factor by 2 or more.
+#: Relative tolerance of sensitivities: nominal and calibrated values differ by some percent, wrong factors by 2 or
+#: more.
 _SENSITIVITY_TOLERANCE = 0.1
 _LEAST_FACTOR = 1e-9  # no factor of a gain is smaller, in any of its units
 _VELOCITY_SENSORS = range(1001, 2000)
@@ -47,7 +49,7 @@ _VELOCITY_SENSORS = range(1001, 2000)
 
 @dataclass(frozen=True)
 class _Series:
-    """One series of a channel, by its heading: index of its line, number of samples, motion, unit, code of the unit."""
+    """The heading of a series of a channel: index of its line, number of samples, motion, unit and code of the unit."""
 
     at: int
     count: int
@@ -58,7 +60,7 @@ class _Series:
 
 
 def read_cosmos(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the acceleration of every channel; velocity and displacement beside it are passed over."""
+    """Read the acceleration of every channel; velocity and displacement are ignored."""
     lines = kit.text_lines(file.content)
     titles = (at for at, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[: kit.LONGEST_LINE]))
     starts = list(titles)
@@ -149,7 +151,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: Header, end: in
 
 
 def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> _Series:
-    """The series of the channel that is an acceleration."""
+    """Return the series of the channel that is an acceleration."""
     found: list[_Series] = []
     begins = header.end
     for at in range(header.end, end):
@@ -178,7 +180,7 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
 
 
 def _unit(series: _Series, where: str) -> str:
-    """The unit of the series, on which the words and the code of its heading must agree."""
+    """Return the unit of the series, on which the words and the code of its heading must agree."""
     word = series.unit.lower().rstrip(".").replace("sec", "s")
     named = "" if not word else word if word in _UNITS else kit.canonical_unit(series.unit, where)
     if series.code is None and named:
@@ -192,7 +194,7 @@ def _unit(series: _Series, where: str) -> str:
 
 
 def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]]:
-    """The stated peak and half a unit of its last digit [m/s2], by the text if real 64 contradicts it; warnings."""
+    """Return the stated peak [m/s2] (from the text if real 64 differs), half a unit of its last digit, and warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
@@ -208,10 +210,10 @@ def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]
 
 
 def _per_count(header: Header, where: str) -> float:
-    """m/s2 of one count: 1e-6 r22 / (r42 r47) g, of reals 22 [microvolts], 42 [V/g], sensitivity, and 47, its gain.
+    """Return m/s2 per count: 1e-6 r22 / (r42 r47) g, from reals 22 [microvolts], 42 (sensitivity [V/g]) and 47 (gain).
 
-    Full-scale output and range of the sensor, reals 43 [V] and 44 [g], must confirm r42 r47 where they are stated, and
-    always where r47 is not 1, because programs differ in whether it is part of r42.
+    Full-scale output and range of the sensor, reals 43 [V] and 44 [g], must confirm r42 r47 if they are stated; if r47
+    is not 1 they are required, because programs differ in whether the gain is part of r42.
     """
     if header.integer(52) in _VELOCITY_SENSORS:
         raise kit.NotAcceleration(f"{where}: counts of a velocity sensor (integer header 52 is {header.integer(52)})")
@@ -231,7 +233,7 @@ def _per_count(header: Header, where: str) -> float:
 
 
 def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
-    """Sampling interval of the series [s]: real 62, else real 34; where they differ, the stated length decides."""
+    """Return the sampling interval [s]: real 62, or 34 if it is missing; if they differ, the stated length governs."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
     where = f"{name}:{header.start + 1}"

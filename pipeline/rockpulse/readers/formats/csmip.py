@@ -1,9 +1,10 @@
-"""CSMIP files of the California Geological Survey, and of the networks that write the same layout.
+"""CSMIP files of the California Geological Survey, and of networks that use the same layout.
 
 Volume 1, uncorrected: channels as in `kit.csmip`, then a heading and the accelerations; older files have no heading,
-but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: of each channel the acceleration
-is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)``; newer headings name the
-Fortran format, USC's no unit. Volume 3, spectra, is recognised so that messages name it and no reader takes it.
+but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: the acceleration of each channel
+is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings also name
+the Fortran format, those of USC have no unit. Volume 3, spectra, is recognised only to be rejected with a clear
+message.
 """
 
 import re
@@ -23,12 +24,12 @@ _UNIT = re.compile(r"\s*units of uncor \w+\s+(?:is|are)\s+(?:sec(?:onds)?\s+and\
 _POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
 _RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECASE)
 _LENGTH_1 = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
-#: A stated length may differ by this share: a trace may end a little earlier or later after its correction.
+#: Relative tolerances of sampling rate and stated length: a correction may shorten or extend a trace a little.
 _RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
 _OPENING = 1500  # bytes that hold the 13 lines of text of the first channel
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
-#: The title and the lines of volume 1; those about the correction too.
+#: Number of lines with the title and the text of volume 1, and with the lines about the correction too.
 _CORRECTION, _ALL_TEXT = 1 + csmip.TEXT_LINES, 1 + csmip.TEXT_LINES + 11
 _FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
 _DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
@@ -39,23 +40,23 @@ _PEAK_2 = re.compile(
 )
 _OTHER_PEAKS = re.compile(r"(?i)\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\.?\d+\s*(?!at\b)([a-z][a-z/]*)")
 _LENGTH_2 = re.compile(r".{0,40}?\b(?:record length|duration)\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
-#: The component in the title and in the last line of the text.
+#: Patterns of the component in the title and in the last line of the text.
 _COMPONENT = re.compile(r"\b(?:chan\s*\d{1,4}\s*:|comp)\s+(\S.{0,30}?)(?=\s{2}|\s+from\b|\s*$)", re.IGNORECASE)
 _SPECTRA = r"\s?response and fourier|\s?(?:response|fourier)\b[^\r\n]*\bspectr[^\r\n]*[\r\n]+\s?corrected accelerogram"
 _SPECTRA_WORDS = "response and Fourier spectra (volume 3 of CSMIP or USC)"
-#: Number of the station, and in the line below its name.
+#: Pattern of the line with the station number, and of the line below it with the name.
 _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(?:\s\s|[\r\n])", re.I | re.M)
 _SPECTRA_OPENING = 4000  # bytes from the start of a file of spectra that are looked at
 
 
 def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
-    """Whether the first line is the title of an uncorrected volume, and the network is RENADIC or another one."""
+    """Return whether the first line is the title of an uncorrected volume of RENADIC or, without `renadic`, another."""
     opening = head[:_OPENING].decode("latin-1")
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
 def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel of a volume 1, whichever network wrote it."""
+    """Read every channel of a volume 1 of any network."""
     lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
     for number, (start, end) in enumerate(spans, 1):
@@ -79,7 +80,7 @@ def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Rec
 
 
 def _held(length: str, real_length: str, count: int, block: kit.Block) -> list[str]:
-    """Warnings where the length in the text or in a real is not that of the samples or pairs as the file holds them."""
+    """Return warnings if the length in the text or in a real differs from that of the samples or pairs in the file."""
     spare = _LENGTH_TOLERANCE * block.duration
     return kit.held_length(length, count, block.dt, spare) + kit.held_length(real_length, count, block.dt, spare)
 
@@ -117,7 +118,7 @@ def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) ->
 def read_corrected(
     file: kit.SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
 ) -> list[kit.Record]:
-    """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1."""
+    """Read a volume 2 of any network; `header` reads the 13 lines of text of volume 1."""
     lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
@@ -166,7 +167,7 @@ def read_corrected(
 
 
 def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[csmip.Heading, int]:
-    """Heading of the acceleration (or else of the first series), and the index of the line behind its block."""
+    """Return the heading of the acceleration (or of the first series), and the index of the line after its block."""
     found: list[csmip.Heading] = []
     for at in range(start + _ALL_TEXT, end):
         heading = csmip.heading_at(lines, at)
@@ -200,7 +201,7 @@ def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | No
 def _unit_and_peak(
     text: Sequence[str], heading: csmip.Heading, where: str, line: int
 ) -> tuple[str, tuple[float, float], float]:
-    """Unit by the heading, else by the peak; the peak with half a unit of its last digit, and their factor."""
+    """Return unit (from the heading, else from the peak), peak with half a unit of its last digit, and their factor."""
     for at, words in enumerate(text, line):
         if match := _PEAK_2.match(words):
             # USC writes CMS/SEC/SEC.
@@ -213,7 +214,7 @@ def _unit_and_peak(
 
 
 def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block) -> list[str]:
-    """Warnings where length, peak, its time, interval or units (text, reals 60, 61, 65, 66) contradict the block."""
+    """Return warnings if length, peak, its time, interval or units (text, reals 60, 61, 65, 66) contradict the data."""
     length, peak = _first(_LENGTH_2, text), _first(_PEAK_2, text)
     others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
     notes = _held(length[1] if length else "", csmip.real(behind, 60), block.values.size, block)
@@ -227,7 +228,7 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block
 
 
 def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
-    """Refuse a volume 3 with the reason."""
+    """Reject a volume 3 with the reason."""
     station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
     of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
     advice = "read the volume 1 or 2 (.V1, .V2) of the same record"

@@ -1,7 +1,7 @@
 """Files of the China Strong Motion Network Centre (CSMNC): one component.
 
-16 lines of header, the last one blank, then accelerations, 8 in a row; some copies end every line with ``$``. The
-second line has the time of the earthquake in Beijing (UTC+8): that of the first sample is not known.
+A file has 16 header lines, of which the last is blank, then 8 accelerations per row; some copies end every line with
+``$``. The second line contains the time of the earthquake in Beijing (UTC+8); the time of the first sample is unknown.
 """
 
 import re
@@ -33,14 +33,15 @@ _ORIGIN = re.compile(
 )
 _NAMED = re.compile(r"(?:^|[._\-\d])(EW|NS|UD)(?=[._\-]|$)", re.IGNORECASE)
 _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
-#: Lines of the header, 16, of which copies may have a blank one more; those that may hold the time of the earthquake.
+#: Largest number of lines searched for the header (16 lines, sometimes with blank lines between), and for the origin
+#: time.
 _LONGEST_HEADER, _ORIGIN_LINES = 30, 6
 _BEIJING_HOURS = 8.0
 _CUT_OFF = 0.5  # durations are printed in whole seconds, which may be cut off rather than rounded [s]
 
 
 def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the one channel of the file; raises kit.NotAcceleration for velocity and displacement."""
+    """Read the only channel of the file; raise kit.NotAcceleration for velocity and displacement."""
     lines = [line.rstrip().rstrip("$") for line in kit.text_lines(file.content)]
     head = lines[:_LONGEST_HEADER]
     kind_at, kind = _find(file.name, head, _KIND, "UNCORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
@@ -87,7 +88,7 @@ def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str) -> tuple[int, re.Match[str]]:
-    """Index of the first line with the pattern, and the match."""
+    """Return the index of the first line with the pattern, and the match."""
     for index, line in enumerate(head):
         if match := pattern.search(line[: kit.LONGEST_LINE]):
             return index, match
@@ -95,12 +96,12 @@ def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str)
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
-    """The first group of the first line that matches; empty where none does."""
+    """Return the first group of the first line that matches; empty if no line matches."""
     return next((match[1].strip() for line in head if (match := pattern.match(line[: kit.LONGEST_LINE]))), "")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:
-    """Samples in rows of equal length but for the last, which holds the rest, and the index of the line behind them."""
+    """Return the samples, in rows of equal length except the last, and the index of the line after them."""
     per_row = len(lines[first].split()) if first < len(lines) else 1
     kit.check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
     end, rest = first + count // per_row, count % per_row
@@ -110,7 +111,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, list[str]]:
-    """Component, direction and warnings from the header, or from the name of the file where the header has none."""
+    """Return component, direction and warnings from the header or, if it has no component, from the file name."""
     named = _NAMED.search(file.path.name)
     if not word:
         word = named[1].upper() if named else ""
@@ -123,7 +124,7 @@ def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, lis
 
 
 def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
-    """Index of the line with the name of the earthquake, which is below that of its time, and its time in UTC."""
+    """Return the index of the line with the earthquake's name, which follows that of its time, and the time in UTC."""
     for index, line in enumerate(head[:_ORIGIN_LINES]):
         if match := _ORIGIN.match(line[: kit.LONGEST_LINE]):
             numbers = [float(text) for text in match.groups()[:6]]

@@ -1,7 +1,7 @@
 """CWB and CWA free-field files of Taiwan.
 
-Lines that begin with ``#``, then rows of the time [s] and the accelerations [gal] of three channels in 4F10.3; fields
-may touch. Clocks are local time (GMT+08). The files are raw but for the offset.
+Lines that begin with ``#`` are followed by rows of the time [s] and the accelerations [gal] of three channels in
+4F10.3; fields may touch. Clocks show local time (GMT+08). The files are raw except for the removed offset.
 """
 
 import re
@@ -24,7 +24,7 @@ _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
 
 
 def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not used, because the format states everything."""
+    """Read every channel; the options are not needed, as the format states everything."""
     lines = kit.text_lines(file.content)
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
     header = kit.Entries(file.name)
@@ -85,7 +85,7 @@ def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
-    """A number above 0 that the header must state, and half a unit of its last digit."""
+    """Return a positive number that the header must state, and half a unit of its last digit."""
     text = header.text(key)
     if not _NUMBER.fullmatch(text) or not float(text) > 0.0:
         raise kit.unexpected(header.where(key), f"{what} above 0", repr(text or "none"))
@@ -93,7 +93,7 @@ def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
 
 
 def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample, which stands at `first` seconds of the time column, and warnings about it."""
+    """Return the UTC time of the first sample, whose time in the column is `first` [s], and warnings about it."""
     entry = header["starttime"]
     if not entry.text:
         return None, []
@@ -107,7 +107,7 @@ def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, lis
 
 
 def _moment(entry: kit.Entry) -> datetime | None:
-    """UTC time from 2018/02/06-23:50:29.000 and the zone beside the key; None from anything else."""
+    """Return the UTC time from 2018/02/06-23:50:29.000 and the zone next to the key; None for other text."""
     moment, zone = _MOMENT.fullmatch(entry.text), _ZONE.search(entry.aside)
     if not moment or not zone:
         return None
@@ -116,13 +116,13 @@ def _moment(entry: kit.Entry) -> datetime | None:
 
 
 def _peak(text: str) -> tuple[float, float]:
-    """Largest absolute value in the least and the largest one of a channel, and half a unit of its last digit."""
+    """Return the larger absolute value of minimum and maximum of a channel, and half a unit of its last digit."""
     stated = _PEAK.fullmatch(text)
     return max(kit.printed_number(text.lstrip("-")) for text in stated.groups()) if stated else kit.printed_number("")
 
 
 def _facing(letter: str, sign: str) -> kit.Direction:
-    """Direction of a channel by its letter, U, N, E and so on, in the opposite sense where `sign` is a minus."""
+    """Return the direction of a channel from its letter (U, N, E, ...), in the opposite sense if `sign` is a minus."""
     facing = kit.direction(letter)
     if sign == "+":
         return facing

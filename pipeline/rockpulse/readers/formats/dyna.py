@@ -1,7 +1,8 @@
 """DYNA 1.x text files of ESM, ITACA and AFAD.
 
-64 or more lines ``KEY: value`` from ``EVENT_NAME:`` on, then one number in cm/s2 on each line. Agencies write dates in
-three styles; AFAD (TADAS) writes before the title, in lines that begin with ``AAD_``, how the record was filtered.
+A file has 64 or more lines ``KEY: value``, of which the first is ``EVENT_NAME:``, then one number in cm/s2 per line.
+Agencies write dates in three styles; AFAD (TADAS) describes the filter in lines before the title that begin with
+``AAD_``.
 """
 
 import re
@@ -15,14 +16,14 @@ from rockpulse.readers.format import Format, ReadOptions
 
 _FIRST = "EVENT_NAME"
 _TITLE = re.compile(rf"\ufeff?{_FIRST}:")
-#: Keys of which a text with other lines before the title has to show some; so many lines may stand before it.
+#: Keys of which a file with other lines before the title must contain some; largest number of these lines.
 _TELLING = ("EVENT_DATE_YYYYMMDD", "STATION_CODE", "SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE", "STREAM")
 _FEWEST_KEYS, _LINES_BEFORE = 3, 200
-#: Keys that decide how the samples are read; one that is there with two values is an error, others are told.
+#: Keys on which the reading of samples depends: two values of one are an error, for other keys a warning.
 _DECISIVE = frozenset({"SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE"})
-#: Keys that are held against the samples; what is no number there is told.
+#: Keys that are compared with the samples; a value that is not a number gives a warning.
 _HELD = ("DURATION_S", "PGA_CM/S^2", "TIME_PGA_S", "LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ")
-#: The keys of AFAD before the title that are known, and the title of its corrected files.
+#: Known keys of AFAD before the title, and the title of its corrected files.
 _AAD = "AAD_"
 _AAD_KEYS = {
     f"{_AAD}{key}"
@@ -36,20 +37,20 @@ _YEAR_FIRST = re.compile(r"(\d{4})([/-]?)(\d\d?)\2(\d\d?)", re.ASCII)
 _YEAR_LAST = re.compile(r"(\d\d?)([/.-])(\d\d?)\2(\d{4})", re.ASCII)
 _TIME = re.compile(r"(\d\d?)(:?)(\d\d)\2(\d\d(?:\.\d{0,9})?)", re.ASCII)
 _PRECISION = re.compile(r"(?:milli|micro)?seconds?", re.IGNORECASE)
-#: The component in the name of a file of ESM and of AFAD.
+#: Pattern of the component in the file names of ESM and AFAD.
 _NAMED = re.compile(r"^\w{1,2}\.\w{1,6}\.\w{0,2}\.(\w{3})\.|_(?:Raw)?Acc_([ENUZ])$", re.ASCII)
 
 
 class _Header(kit.Entries):
-    """The statements by key; `end` is the number of lines above the values."""
+    """The statements of the header by key; `end` is the number of lines above the values."""
 
     def number(self, key: str) -> float:
-        """The value of a key that may be blank; NaN where it is no number."""
+        """Return the value of a key, which may be blank; NaN if it is not a number."""
         return float(self.text(key)) if _DECIMAL.fullmatch(self.text(key)) else float("nan")
 
 
 def is_dyna(head: bytes, name: str) -> bool:
-    """Whether ``EVENT_NAME:`` is the first line, or stands with others of the keys and numbers below other lines."""
+    """Return whether ``EVENT_NAME:`` is the first line, or is followed by other keys and numbers after some lines."""
     if b"EVENT_NAME:" not in head:
         return False
     lines = kit.text_lines(head)
@@ -65,12 +66,12 @@ def is_dyna(head: bytes, name: str) -> bool:
 
 
 def _title(lines: Sequence[str]) -> int | None:
-    """Index of the line ``EVENT_NAME:``; None if it is none of the first ones."""
+    """Return the index of the line ``EVENT_NAME:``; None if it is not among the first lines."""
     return next((at for at, line in enumerate(lines[:_LINES_BEFORE]) if _TITLE.match(line)), None)
 
 
 def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]], int]:
-    """Key, value and line number, from 1, of the lines from index `start` on, and the index of the first other line."""
+    """Return key, value and number (from 1) of the lines from index `start`, and the index of the first other line."""
     found: list[tuple[str, str, int]] = []
     for at in range(start, len(lines)):
         match = _KEY.match(lines[at].lstrip("\ufeff"))
@@ -81,7 +82,7 @@ def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]],
 
 
 def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the one channel of the file; raises kit.NotAcceleration for velocity, displacement and spectra."""
+    """Read the only channel of the file; raise kit.NotAcceleration for velocity, displacement and spectra."""
     lines = kit.text_lines(file.content)
     header, header_notes = _header(file.name, lines)
     kind = header.text("DATA_TYPE")
@@ -153,7 +154,7 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
-    """The header and warnings; RecordFormatError for a missing title and a decisive key with two values."""
+    """Return the header and warnings; RecordFormatError for a missing title or a decisive key with two values."""
     start = _title(lines)
     if start is None:
         expected = f"a line '{_FIRST}:' among the first {_LINES_BEFORE}"
@@ -174,7 +175,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
 
 
 def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tuple[int, str]]]:
-    """Key, value and line number of the lines before the title that are known, line number and text of the others."""
+    """Return key, value and number of the known lines before the title, and number and text of the others."""
     known, unknown = [], []
     for line, text in enumerate((text.lstrip("\ufeff").strip() for text in lines), 1):
         key, _, value = (part.strip() for part in text.partition(":"))
@@ -189,7 +190,7 @@ def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tupl
 
 
 def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
-    """Whether the volume is corrected, as corner frequencies tell, the file's words for it, and warnings."""
+    """Return whether the record is corrected, as shown by corner frequencies, the file's words for it, and warnings."""
     done, notes = {}, []
     for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
         low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
@@ -213,7 +214,7 @@ def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
 
 
 def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
-    """Warnings where the header contradicts the samples."""
+    """Return warnings if the header contradicts the samples."""
     count = samples.size
     notes = [
         f"line {header[key].line}: {key} is no number that can be: {header.text(key)[:40]!r}"
@@ -229,7 +230,7 @@ def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
 
 
 def _facing(stream: str, stem: str) -> kit.Direction:
-    """The direction of the stream; unknown, with a note, where the name of the file (ESM, AFAD) has another."""
+    """Return the direction of the stream; unknown, with a note, if the file name (ESM, AFAD) contradicts it."""
     named = _NAMED.search(stem)
     word = (named[1] or named[2]) if named else ""
     note = f"the header says {stream}, the file name {word}: the direction is unknown"
@@ -237,7 +238,7 @@ def _facing(stream: str, stem: str) -> kit.Direction:
 
 
 def _start_time(header: _Header, origin: datetime | None) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample, and warnings about it."""
+    """Return the UTC time of the first sample, and warnings about it."""
     written = header.text("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
     start = _moment(written)
     if start is None:
@@ -250,7 +251,7 @@ def _start_time(header: _Header, origin: datetime | None) -> tuple[datetime | No
 
 
 def _moment(text: str) -> datetime | None:
-    """UTC time from 20190728_160919.870, 2010/11/14 23:09:19.300 or 14/11/2010 23:09:19.300; None from others."""
+    """Return the UTC time from 20190728_160919.870, 2010/11/14 23:09:19.300 or 14/11/2010 23:09:19.300, or None."""
     date, _, time = re.sub(r"[\s_T]+", " ", text.strip()).partition(" ")
     clock, forward, backward = _TIME.fullmatch(time), _YEAR_FIRST.fullmatch(date), _YEAR_LAST.fullmatch(date)
     day = forward.group(1, 3, 4) if forward else backward.group(4, 3, 1) if backward else None

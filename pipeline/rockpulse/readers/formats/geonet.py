@@ -30,7 +30,7 @@ _DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORE
 
 
 def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the accelerations of every component; the options are not used, because the format states everything."""
+    """Read the accelerations of every component; the options are not needed, as the format states everything."""
     lines = kit.text_lines(file.content)
     components: dict[kit.Span, kit.Record] = {}
     notes: list[str] = []
@@ -55,7 +55,7 @@ def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[kit.Record, int]:
-    """The component that begins at index `start`, and the index of the line behind its values."""
+    """Return the component that begins at index `start`, and the index of the line after its values."""
     end = f"{file.name}:{len(lines)}"
     kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
     text, integer_line, first = lines[start : start + _TEXT_LINES], start + _TEXT_LINES, start + _HEADER_LINES
@@ -117,7 +117,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
 
 
 def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int, int]:
-    """Number of accelerations, and of rows of all blocks, on which the text and integers 34 to 36 must agree."""
+    """Return the number of accelerations and of rows in all blocks; text and integers 34 to 36 must agree on them."""
     points, where = _POINTS.match(line), f"{name}:{start + 10}"
     blocks = [int(value) for value in integers[33:36]]
     if not points or int(points[1]) != blocks[0]:
@@ -130,7 +130,7 @@ def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int
 
 
 def _times(integers: np.ndarray) -> tuple[datetime | None, datetime | None]:
-    """UTC times of the first sample, from integers 9, 10, 19, 20, 39, 40, and of the earthquake, from 1 to 6."""
+    """Return UTC times of the first sample (integers 9, 10, 19, 20, 39, 40) and of the earthquake (integers 1 to 6)."""
     year, month, day, hour, minute, tenths = (float(value) for value in integers[:6])
     begins = [float(integers[number - 1]) for number in (9, 10, 19, 20, 39, 40)]
     start = kit.instant(begins[:3], (begins[3], begins[4], 0.001 * begins[5]))

@@ -1,6 +1,6 @@
 """Acceleration files of the Japan Meteorological Agency (CSV): seven lines of a header, then NS, EW, UD in gal.
 
-The times are those of Japan, nine hours ahead of UTC. The name of the station is in Shift-JIS.
+Times are in Japan Standard Time (UTC+9). The station name is encoded in Shift-JIS.
 """
 
 import re
@@ -21,7 +21,7 @@ _COMPONENTS = {"NS": "N", "EW": "E", "UD": "Z"}
 
 
 def read_jma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the three components; the options are not used, because the format states everything."""
+    """Read the three components; the options are not needed, as the format states everything."""
     lines = kit.text_lines(file.content)
     entries, first = _header(file.name, lines)
     stated, _, aside = entries.text("UNIT").partition("(")
@@ -62,7 +62,7 @@ def read_jma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: list[str]) -> tuple[kit.Entries, int]:
-    """The statements of the header, and the index of the first row of samples, behind the names of the components."""
+    """Return the statements of the header, and the index of the first row of samples, after the component names."""
     entries = kit.Entries(name, len(lines))
     for at, line in enumerate(lines[:_HEADER_LIMIT], 1):
         text = line[: kit.LONGEST_LINE]

@@ -1,7 +1,7 @@
 """K-NET and KiK-net ASCII files of NIED (Japan), through obspy.
 
-obspy gives counts with an offset, and has already turned Japanese time into UTC and taken off the 15 s that the logger
-adds to the record time. Scale and offset are applied here, once.
+obspy returns counts with an offset; it has already converted Japanese time to UTC and subtracted the 15 s that the
+logger adds to the record time. Scale and offset are applied here, once.
 """
 
 import re
@@ -19,7 +19,7 @@ _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
 
 
 def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the one channel of the file; its mean over the whole record is the offset."""
+    """Read the only channel of the file; its offset is the mean over the whole record."""
     lines = kit.text_lines(file.content)
     kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
     header = [line[: kit.LONGEST_LINE] for line in lines[:_HEADER_LINES]]
@@ -74,7 +74,7 @@ def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _component(file: kit.SourceFile, channel: str) -> tuple[str, list[str]]:
-    """Channel code and warnings; the extension of the file is safer than the header's direction."""
+    """Return channel code and warnings; the extension of the file is more reliable than the header's direction."""
     named = _DIRECTIONS.search(file.path.name)
     component = named[1].upper() + named[2] if named else channel
     told = f"the header says {channel}, the file name {component}: the name counts"

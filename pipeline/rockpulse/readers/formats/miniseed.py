@@ -1,4 +1,4 @@
-"""miniSEED, with the gain from StationXML beside it."""
+"""miniSEED files, with the gain from StationXML in the same folder."""
 
 import re
 from dataclasses import replace
@@ -19,7 +19,7 @@ _RATE_TOLERANCE = 1e-3  # two statements of the sampling rate may differ by this
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
-    """Whether the file begins with a data record, or with the volume header of a full SEED file."""
+    """Return whether the file begins with a data record, or with the volume header of a full SEED file."""
     numbered = len(head) >= 48 and head[:6].strip(b"0123456789 \x00") == b""
     return numbered and head[6:7] in b"DRQMV" and head[7:8] in b" \0"
 
@@ -75,7 +75,7 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
 
 
 def _held_rate(rate: float, channel: Any) -> list[str]:
-    """A warning where the StationXML states another sampling rate than the data [1/s]."""
+    """Return a warning if the StationXML states another sampling rate than the data [1/s]."""
     told = rate if channel.sample_rate is None else float(channel.sample_rate)
     if abs(told - rate) <= _RATE_TOLERANCE * rate:
         return []

@@ -1,7 +1,7 @@
 """Files of the Turkish network before AFAD's own format (NSMN, ``kyhdata``).
 
-Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns, then rows of three accelerations
-[gal] without their mean, whose peaks the header calls raw.
+A file has lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line of column names, then rows of three accelerations
+[gal] from which the mean is removed; the header calls their peaks raw.
 """
 
 import re
@@ -23,7 +23,7 @@ _LONGEST_HEADER = 60  # lines of the header
 
 
 def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the three channels; the options are not used, because the format states everything."""
+    """Read the three channels; the options are not needed, as the format states everything."""
     lines = kit.text_lines(file.content)
     head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     found = next(((at, columns) for at, line in enumerate(head) if (columns := _COLUMNS.match(line))), None)
@@ -83,7 +83,7 @@ def _number(header: kit.Entries, key: str) -> float:
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:
-    """UTC time and an empty text, or None and the name of the zone that is not UTC."""
+    """Return the UTC time and an empty string, or None and the name of a zone that is not UTC."""
     match = _YEAR_FIRST.match(text) or _DAY_FIRST.match(text)
     if not match:
         return None, ""
@@ -95,7 +95,7 @@ def _moment(text: str) -> tuple[datetime | None, str]:
 
 
 def _start_time(header: kit.Entries) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample, and warnings about it."""
+    """Return the UTC time of the first sample, and warnings about it."""
     text = header.text("RECORD TIME")
     if not text:
         return None, []

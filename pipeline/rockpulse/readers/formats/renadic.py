@@ -1,7 +1,7 @@
 """RENADIC volume 1 files of Chile (Universidad de Chile), in the layout of CSMIP pairs.
 
-Recorders of four channels leave one without a sensor, all zeros. Long records are cut into files ``...parte1.v1``,
-``...parte2.v1``. Clocks, and so the origin times, are those of the instruments: some were never set.
+Recorders with four channels have one without a sensor, which contains only zeros. Long records are split into files
+``...parte1.v1``, ``...parte2.v1``. Origin times are from the clocks of the instruments, some of which were never set.
 """
 
 import re
@@ -19,7 +19,7 @@ _FIRST_TIME = re.compile(r"\s*(-?\d{0,6}\.\d{1,9})", re.ASCII)
 
 
 def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel but dead ones; raises RecordRefused if all are dead."""
+    """Read every channel except dead ones; raise RecordRefused if all are dead."""
     records = [replace(record, origin_time=None) for record in read_uncorrected(file, options)]
     kept = [record for record in records if record.acceleration.any()]
     if not kept:
@@ -33,7 +33,7 @@ def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 
 def _first_times(file: kit.SourceFile) -> dict[str, float]:
-    """The time of the first pair of each channel, by its component; the first channel of a component counts."""
+    """Return the time of the first pair for each component; if channels share a component, the first one is used."""
     lines, spans, _ = channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     times: dict[str, float] = {}
     for start, _ in spans:

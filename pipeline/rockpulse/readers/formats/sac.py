@@ -10,7 +10,7 @@ from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, seed_direction, utc_time
 
-#: Length of the header and offsets of the words NPTS and NVHDR [bytes].
+#: Length of the header, and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
 #: Offsets of the words DELTA, DEPMIN, DEPMAX, B, E: interval, extremes, times of the first and the last sample.
 _STATED = {"delta": 0, "depmin": 4, "depmax": 8, "b": 20, "e": 24}
@@ -22,7 +22,7 @@ _LAST_STEPS = 2.0  # E may be off by so many steps
 
 
 def _byte_order(head: bytes) -> str | None:
-    """Byte order in which the header version is one that exists."""
+    """Return the byte order in which the header has a valid version."""
     if len(head) < _HEADER:
         return None
     orders = (order for order in "<>" if struct.unpack_from(order + "i", head, _NVHDR)[0] in (6, 7))
@@ -30,7 +30,7 @@ def _byte_order(head: bytes) -> str | None:
 
 
 def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit."""
+    """Read the only channel of a SAC file; `options.units` is required, as the header does not state the unit."""
     order = _byte_order(file.head)
     if order is None:
         raise kit.unexpected(file.name, "a SAC header of version 6 or 7", "none", "is it a SAC file?")

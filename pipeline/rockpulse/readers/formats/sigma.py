@@ -1,7 +1,7 @@
-"""SIGMA and ITACA ``.acc`` text files (Italy, France): one corrected component with a header of ``key : value`` lines.
+"""SIGMA and ITACA ``.acc`` text files (Italy, France) of one corrected component, with header lines ``key : value``.
 
-``Accelaration time series in m/s/s``, as the files spell it, ends the header; the samples follow in fields of 14
-characters that may touch. The time in the header is that of the earthquake.
+``Accelaration time series in m/s/s`` (spelled like this in the files) ends the header; the samples follow in fields of
+14 characters that may touch. The time in the header is the origin time of the earthquake.
 """
 
 import re
@@ -28,19 +28,19 @@ _DECIMAL = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1
 _CORNERS = re.compile(r"(\d{1,6}\.?\d{0,6})\s*-\s*(\d{1,6}\.?\d{0,6})", re.ASCII)
 _WIDTH = 14
 _LOOK_AT = 50  # rows that show how the fields are written
-#: The components that run from the first letter to the second, under their usual names.
+#: Usual names of the components whose letters are in the reverse order.
 _OTHER_WAY_ROUND = {"WE": "EW", "W-E": "EW", "SN": "NS", "S-N": "NS"}
 
 
 def is_sigma(head: bytes, name: str) -> bool:
-    """Whether the first lines hold several of the keys of this format."""
+    """Return whether the first lines contain several keys of this format."""
     lines = [line[:_LONGEST_LINE] for line in kit.text_lines(head[: _HEADER_LIMIT * _LONGEST_LINE])[:_HEADER_LIMIT]]
     keys = {match[1].lower() for line in lines if (match := _LINE.match(line))}
     return len(keys.intersection(_KEYS)) >= _FEWEST_KEYS and not keys.isdisjoint(_KEYS[-3:-1])
 
 
 def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the one component of the file; raises kit.NotAcceleration for velocity and displacement."""
+    """Read the only component of the file; raise kit.NotAcceleration for velocity and displacement."""
     lines = kit.text_lines(file.content)
     header, kind, unit_text, repeated = _header(file.name, lines)
     where = f"{file.name}:{header.end}"
@@ -86,7 +86,7 @@ def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tuple[str, ...]]:
-    """The header up to the line that names the series, the letter and the unit of the series, and warnings."""
+    """Return the header up to the line that names the series, the letter and the unit of the series, and warnings."""
     header = kit.Entries(name)
     for at, line in enumerate(lines[:_HEADER_LIMIT]):
         if series := _SERIES.fullmatch(line[:_LONGEST_LINE]):
@@ -107,7 +107,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tup
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """The declared samples, cut by the width of the fields or else at blanks, and warnings for the rest."""
+    """Return the declared samples, split by field width or else at blanks, and warnings about the remainder."""
     rows = [line.rstrip() for line in lines[first : first + _LOOK_AT]]
     kit.check_count(f"{name}:{len(lines)}", count, count if rows else 0)
     lengths = Counter(map(len, rows))
@@ -130,7 +130,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _processing(header: kit.Entries) -> tuple[bool | None, list[str]]:
-    """Whether the volume is a corrected one, and the words of the file for what was done."""
+    """Return whether the record is corrected, and the words of the file for its processing."""
     words, said = header.text("processing info"), header.text("filter cut-off frequency")
     corners = _CORNERS.fullmatch(said)
     notes = [f"file: {' '.join(words.split())}"] if words else []

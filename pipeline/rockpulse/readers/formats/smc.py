@@ -14,10 +14,10 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 
-#: Series of types 1 to 6, in this order.
+#: Titles of the series of types 1 to 6, in this order.
 _KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER"
 _TITLE = re.compile(rf"\s?([1-6])\s+({_KINDS})", re.IGNORECASE)
-#: Lines of text, and indices of the first line of the reals and of the first line behind them.
+#: Number of lines of text, and indices of the first line of the reals and of the first line after them.
 _TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
@@ -25,13 +25,14 @@ _EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECA
 _EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
 _RATE_LIMIT = 10_000.0  # some files carry a nonsense rate; no accelerograph reaches this one [1/s]
 _UNIT = "cm/s2"
-#: Integer 19: building, bridge, dam, other structures; integers 27 and 28 are 0 on the free field of a bridge or dam.
+#: Values of integer 19 for a building, bridge, dam or other structure; integers 27 and 28 are 0 in the free field of a
+#: bridge or dam.
 _STRUCTURES = (1, 2, 3, 4)
 _FREE_FIELD_AT = {2: 27, 3: 28}
 
 
 def is_smc(head: bytes, name: str) -> bool:
-    """Whether the first line is a digit and the kind of series it stands for, and the integers follow."""
+    """Return whether the first line is a digit and the kind of series that it denotes, and the integers follow."""
     lines = kit.text_lines(head[:4000])
     return bool(lines and _TITLE.match(lines[0])) and (
         len(lines) <= _TEXT_LINES or bool(re.fullmatch(r"[\s\d-]+", lines[_TEXT_LINES]))
@@ -39,7 +40,7 @@ def is_smc(head: bytes, name: str) -> bool:
 
 
 def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the one channel of the file; raises kit.NotAcceleration for velocity, displacement and spectra."""
+    """Read the only channel of the file; raise kit.NotAcceleration for velocity, displacement and spectra."""
     lines = kit.text_lines(file.content)
     title = _TITLE.match(lines[0])
     if title is None:
@@ -108,7 +109,7 @@ def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 def _block(
     name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
 ) -> kit.Block:
-    """The samples; a raw digitised trace of unequal steps is resampled."""
+    """Return the samples; a raw digitised trace with unequal steps is resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
     pairs = raw and np.isnan(rate)
@@ -128,7 +129,7 @@ def _block(
 
 
 def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
-    """Warnings where reals 29 to 32, the largest and the least value with their times, contradict the samples."""
+    """Return warnings if reals 29 to 32 (maximum and minimum with their times) contradict the samples."""
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # nobody has filled them in
         return notes
@@ -142,7 +143,7 @@ def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """The direction of the wording and of integers 13 and 14, the angle from the upward vertical and the azimuth."""
+    """Return the direction from the words and from integers 13 (angle from the upward vertical) and 14 (azimuth)."""
     upright, azimuth = integers[12], integers[13]
     told = kit.Direction()
     if upright in (0.0, 180.0):
@@ -155,7 +156,7 @@ def _facing(component: str, integers: np.ndarray) -> kit.Direction:
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample (integers 2 to 7), held against that of the earthquake, line 4."""
+    """Return the UTC time of the first sample (integers 2 to 7), checked against that of the earthquake (line 4)."""
     moment = integers[1:7]
     if np.any(np.isnan(moment)):
         return None, []
@@ -168,7 +169,7 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
 
 
 def _origin(event: re.Match[str]) -> datetime | None:
-    """The minute of the earthquake, UTC."""
+    """Return the minute of the earthquake [UTC]."""
     year, month, day, time = (int(event[group]) for group in range(1, 5))
     return kit.instant((year, month, day), (time // 100, time % 100, 0))
 

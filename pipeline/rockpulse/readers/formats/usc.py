@@ -1,7 +1,7 @@
 """Volumes 1 and 2 of the University of Southern California (and of Caltech before it), in the layout of CSMIP.
 
-Volume 1 holds pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps; volume 2 corrected
-acceleration [cm/s2], then velocity and displacement. The time is the minute of the earthquake.
+Volume 1 contains pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps; volume 2 contains
+corrected acceleration [cm/s2], then velocity and displacement. The time is the minute of the earthquake.
 """
 
 import re
@@ -19,25 +19,25 @@ _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IG
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
 _WORDS = 72  # words end here; the number of a punched card follows
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
-#: The minute of the earthquake in Greenwich: OCT 01, 1987 -1442 GMT.
+#: Pattern of the minute of the earthquake in Greenwich time: OCT 01, 1987 -1442 GMT.
 _MINUTE = re.compile(r"(?ai)\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT")
 _MONTHS = ["JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC"]
 _MAGNITUDE = re.compile(r"\s*magnitude\s*=\s*(\d{1,2}\.\d{0,3})\s", re.ASCII | re.IGNORECASE)
 _DISTANCE = re.compile(r".{0,60}epicentral distance\s*=\s*(\d{1,5}\.\d{0,4})\s*km", re.ASCII | re.IGNORECASE)
-#: Reals of volume 1 in fields of ten characters, eight in a row; 11, 12, 14: distance [km], magnitude, depth [km].
+#: First line of the reals of volume 1 (8F10); reals 11, 12 and 14 are distance [km], magnitude and depth [km].
 _REALS = TEXT_LINES + 7
 _COMPONENT = re.compile(r"\s*comp(?:onent)?\s+(.*)", re.IGNORECASE)
 _DURATION = re.compile(r".{0,40}?\bduration\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.ASCII | re.IGNORECASE)
 _MEAN_SQUARE = re.compile(
     r"\s*rms acc\w{0,3}\.? of complete record\s*=\s*(\d{0,4}\.\d{1,6})\s*(g(?:/10)?)(?=\s|$)", re.ASCII | re.IGNORECASE
 )
-#: The root of the mean square in the header, which is of the trace before any resampling, and that of the samples may
-#: differ by this factor and by half a unit of its last digit.
+#: Tolerance between the root mean square in the header (of the trace before resampling) and that of the samples: this
+#: factor, and half a unit of the last digit.
 _MEAN_SQUARE_FACTOR = 1.2
 
 
 def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel; the options are not used, because the format states everything."""
+    """Read every channel; the options are not needed, as the format states everything."""
     lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
     records = []
     for number, (start, end) in enumerate(spans, 1):
@@ -52,7 +52,7 @@ def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
-    """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs."""
+    """Return warnings if count, duration, or the root mean square with its unit contradicts the pairs."""
     behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
     for text in (kit.matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):
@@ -72,7 +72,7 @@ def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
 
 
 def _header(lines: Sequence[str]) -> Header:
-    """The header from the 13 lines of text and those behind them."""
+    """Return the header from the 13 lines of text and the lines after them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
     row = lines[_REALS + 1] if len(lines) >= HEADER_LINES else ""

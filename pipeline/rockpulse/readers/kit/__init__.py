@@ -1,4 +1,4 @@
-"""The helpers that a format is written with; CONTRIBUTING.md lists those that most formats use."""
+"""Helpers for the readers of formats; CONTRIBUTING.md lists those that most formats use."""
 
 # ruff: noqa: F401 - the formats import these names
 

@@ -1,4 +1,4 @@
-"""From the numbers of one channel to a `Record`: unit, sign, time, and the checks that every format shares."""
+"""Makes a `Record` from the numbers of one channel: unit, sign, time, and the checks that all formats share."""
 
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -18,35 +18,35 @@ from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
 from rockpulse.warning_text import WarningText
 
-#: A stated peak further from the data than this, and than its own rounding, is reported.
+#: Relative tolerance of a stated peak; a larger difference from the data, that rounding does not explain, is reported.
 PEAK_TOLERANCE = 0.02
-#: From this ratio of the two on, one of them has another unit, or part of the file is missing.
+#: Ratio of stated and actual peak above which one has another unit, or part of the file is missing.
 OTHER_PEAK = 1.5
-#: Peaks outside these bounds [g] are reported with the readings in other units.
+#: Limits of a credible peak [g]; a peak outside is reported with its meaning in other units.
 CREDIBLE_PEAK_G = (1e-6, 5.0)
-#: A longer interval [s] is reported; accelerographs take 40 to 1000 samples a second.
+#: Longest credible sampling interval [s]; accelerographs record 40 to 1000 samples per second.
 CREDIBLE_INTERVAL = 0.1
-#: No instrument hangs deeper below the ground than the deepest boreholes go, about 10 km [m]; headers have -9999 where
-#: nothing is known.
+#: Largest credible depth of a sensor [m], about that of the deepest boreholes; headers have -9999 for unknown depths.
 _DEEPEST_SENSOR = 10e3
 # From the first of the blanks on only, or a line of blanks would cost the square of its length.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
-#: Samples that two channels are compared by before all are; signs of a copy, and the words for it.
+#: Number of samples that are compared first to find copies of a channel; signs of a copy, with the words for each.
 _FIRST, _SIGNS = 1000, ((1.0, ""), (-1.0, " with the opposite sign"))
-#: Equal samples in a row at the extreme that are taken for the end of a range.
+#: Number of equal consecutive samples at the extreme that indicate the end of a range.
 RUN = 5
-#: The extreme lies this many of the smallest steps from the middle of the trace, or rounding makes equal samples.
+#: Smallest distance of the extreme from the middle of the trace, in smallest steps; below it, rounding makes equal
+#: samples.
 STEPS_TO_EXTREME = 100
-#: Half a run beyond the run, the trace is this many of the smallest steps away. A smooth crest that rounding made flat
-#: is a parabola that has fallen by about 4 there.
+#: Distance of the trace from the extreme, in smallest steps, half a run after the run. A smooth crest that rounding has
+#: flattened is a parabola, which has fallen by about 4 steps there.
 STEPS_BESIDE = 10
-#: Counts at which a 24-bit recorder ends, and the share of them from which a peak is reported: a recorder driven beyond
-#: its range need not stay at one value, and some fold over.
+#: Full scale of a 24-bit recorder [counts], and the share of it above which a peak is reported: a recorder beyond its
+#: range need not stay at one value, and some wrap around.
 FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
 
 
 def odd_peak(peak: float, unit: str, factor: float) -> WarningText:
-    """The warning on a peak [m/s2] that is hardly an earthquake's; `factor` is the unit in m/s2, empty for m/s2."""
+    """Return the warning on an incredible peak [m/s2]; `factor` is the unit in m/s2, empty for m/s2."""
     unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
     readings = other_readings(peak / factor, unit)
@@ -99,11 +99,11 @@ def build_record(
     processing: Sequence[str] = (),
     **facts: Unpack[Facts],
 ) -> Record:
-    """The record of one channel, the file's `number` from 1, in m/s2 and checked; vertical motion is positive up.
+    """Return the checked record [m/s2] of a channel, numbered from 1 in the file; vertical motion is positive up.
 
     `unit` is a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `header_peak` is the stated peak with half
-    a unit of its last digit (`printed_number`), in units of `peak_factor` m/s2, else those of the samples; it is that
-    of `original_peak`, the largest absolute value before resampling [unit], where that is given.
+    a unit of its last digit (`printed_number`), in units of `peak_factor` m/s2, by default in those of the samples; it
+    is compared with `original_peak`, the largest absolute value before resampling [unit], if this is given.
     """
     code = channel or _DEGREES.sub("", component.strip())
     facing = vertical_if_so(facing or direction(component), code)
@@ -165,7 +165,7 @@ def build_record(
 
 
 def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
-    """The usable channels of a file, each read by its callable; each names those left out, and has the `notes`."""
+    """Return the usable channels of a file, each read by its callable, with `notes` and a warning on unusable ones."""
     records: list[Record] = []
     refusals: list[RecordRefused] = []
     for read_channel in channels:
@@ -179,12 +179,12 @@ def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[st
 
 
 def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Record]:
-    """The records of a file, each with further warnings."""
+    """Return the records of a file, each with further warnings."""
     return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]
 
 
 def copies_told(records: Sequence[Record]) -> list[Record]:
-    """The records of a file, with a warning on each whose samples are those of another, as they are or negative."""
+    """Return the records of a file, with a warning on each whose samples equal those of another, or their negatives."""
     notes: dict[int, list[WarningText]] = {}
     for (at, one), (behind, other) in combinations(enumerate(records), 2):
         if one.component == other.component or one.npts != other.npts or not one.acceleration.any():
@@ -206,7 +206,7 @@ def copies_told(records: Sequence[Record]) -> list[Record]:
 
 
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:
-    """A warning where a raw record, before any filter, stays at an extreme value or reaches the 24 bits of counts."""
+    """Return a warning if a raw record, before any filter, remains at an extreme or reaches the range of 24 bits."""
     warnings: list[WarningText] = []
     step = None
     for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):

@@ -1,4 +1,4 @@
-"""A file held against itself; functions that return warnings return none if all is well or a statement is missing."""
+"""Checks the statements of a file against its data; without a contradiction or a statement there is no warning."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -9,20 +9,21 @@ import numpy as np
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.kit.text import FILE_DAMAGED, OWN_FILE, UNITS, fixed_width, printed_number, unexpected
 
-#: A stated length, of the samples or of the steps between them, may be off by this many steps.
+#: Tolerance of a stated length in steps; it may be that of the samples or of the steps between them.
 LENGTH_STEPS = 2.0
-#: At the time of the peak that a header states, and so many samples beside it, the motion reaches this share of it.
+#: Number of samples on either side of the stated time of the peak in which the motion must reach this share of the
+#: peak.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
 _TURN = 1.0  # two statements of one azimuth may differ by so much [degrees]
 _NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
 _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
 _LONGEST_LINE = 400  # characters of a line that may hold a title
-#: Index of the first line of a part of a file, and of the line behind its last.
+#: Index of the first line of a part of a file, and of the line after its last.
 Span = tuple[int, int]
 
 
 def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[str]:
-    """A warning where `count` samples at `dt` do not last as long as a header prints [s], give or take `spare`."""
+    """Return a warning if `count` samples at `dt` differ from the stated length [s] by more than `spare`."""
     if not _NUMBER.fullmatch(text):
         return []
     stated, rounding = printed_number(text)
@@ -32,7 +33,7 @@ def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[st
 
 
 def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str]:
-    """A warning where the values (n,) at times (n,) [s], as in the file, are small where a header prints the peak."""
+    """Return a warning if the values (n,) at times (n,) [s] of the file are small at the stated time of the peak."""
     if not _NUMBER.fullmatch(text) or times.size < 2:
         return []
     stated, rounding = printed_number(text)
@@ -45,7 +46,7 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
 
 
 def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
-    """A warning where channels of a file, or places of a header, differ in the unit; (name, key of `UNITS`) each."""
+    """Return a warning if channels or parts of a header, each given as (name, key of `UNITS`), differ in the unit."""
     stated = list(stated)
     if len({UNITS[unit] for _, unit in stated}) < 2:
         return []
@@ -54,14 +55,14 @@ def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def held_lengths_of_units(units: Sequence[str]) -> list[str]:
-    """A warning where the units of acceleration, velocity and displacement, as worded, have different lengths."""
+    """Return a warning if the stated units of acceleration, velocity and displacement differ in the unit of length."""
     if len({match[1].lower() for unit in units if (match := _LENGTH.match(unit))}) < 2:
         return []
     return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
 
 
 def contradictory(said: Direction, told: Direction) -> bool:
-    """Whether two statements of one direction, both of them known, contradict each other."""
+    """Return whether two known statements of a direction contradict each other."""
     if "unknown" in (said.orientation, told.orientation):
         return False
     turn = abs((said.azimuth - told.azimuth + 180.0) % 360.0 - 180.0)
@@ -69,7 +70,7 @@ def contradictory(said: Direction, told: Direction) -> bool:
 
 
 def held_direction(said: Direction, told: Direction, note: str) -> Direction:
-    """The direction by two statements, of which one may be unknown; where they contradict, a note says so."""
+    """Combine two statements of a direction, of which one may be unknown; add a note if they contradict each other."""
     if contradictory(said, told):
         return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
     return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said
@@ -78,7 +79,7 @@ def held_direction(said: Direction, told: Direction, note: str) -> Direction:
 def surplus(
     lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None, used: int = 0
 ) -> tuple[str, ...]:
-    """Warnings for rows ``lines[first:end]`` behind the samples and numbers behind `used`; refuses another `title`."""
+    """Return warnings on numbers after `used`, and on rows ``lines[first:end]`` after them; reject a second `title`."""
     notes = []
     if used and lines[first - 1][used:].strip():
         notes.append(f"line {first}: numbers beyond the declared count were left out")
@@ -99,14 +100,14 @@ def fixed_block(
     count: int,
     title: re.Pattern[str] | None = None,
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """The first `count` numbers of the lines of a span, see `fixed_width`, and warnings for the rest, see `surplus`."""
+    """Return the first `count` numbers of a span (see `fixed_width`), and warnings on the rest (see `surplus`)."""
     first, end = span
     samples, rows = fixed_width(lines[first:end], first + 1, width, per_row, count, name), -(-count // per_row)
     return samples, surplus(lines, first + rows, end, name, title, width * (count - (rows - 1) * per_row))
 
 
 def last_of_equal(lines: Sequence[str], at: int) -> int:
-    """Index of the last of the lines that repeat the one at index `at` below it; blank lines between them count."""
+    """Return the index of the last line that repeats the line at index `at`; blank lines may separate them."""
     last = at
     for index in range(at + 1, len(lines)):
         if lines[index].strip():
@@ -117,14 +118,14 @@ def last_of_equal(lines: Sequence[str], at: int) -> int:
 
 
 def repeated_marker(first: int, last: int) -> tuple[str, ...]:
-    """A warning where a marker stands at the indices `first` and `last`."""
+    """Return a warning if a marker is repeated, at the indices `first` and `last`."""
     return (f"line {first + 1}: the line is repeated up to line {last + 1}; it was read once",) if last > first else ()
 
 
 def distinct_sections(
     lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
 ) -> tuple[list[Span], tuple[str, ...]]:
-    """The sections of a file without copies of earlier ones, and a warning for each copy, which names it by `what`."""
+    """Return the sections of a file without copies of earlier ones, and a warning, naming `what`, for each copy."""
     first: dict[tuple[str, ...], Span] = {}
     notes = []
     for span in spans:
@@ -137,7 +138,7 @@ def distinct_sections(
 
 
 class Counted(NamedTuple):
-    """The first line of a channel, from 1, its recorder and number there, and the channels of the recorder, or 0."""
+    """First line of a channel (from 1), its recorder, its number, and the number of channels of the recorder, or 0."""
 
     line: int
     recorder: str
@@ -149,7 +150,7 @@ class Counted(NamedTuple):
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """A warning for each recorder with fewer channels than it counts, unless it is `closed`; refuses duplicates."""
+    """Return a warning for each recorder with missing channels, unless it is `closed`; reject duplicate channels."""
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}
     counted: dict[str, int] = {}

@@ -1,4 +1,4 @@
-"""Statements about the columns of a table held against each other: directions, units, a peak."""
+"""Compares statements about the columns of a table: directions, units, and the peak."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,7 +21,7 @@ _HALF_TURN = 180.0  # degrees between two opposite directions
 
 
 def column_directions(file: SourceFile, headings: Sequence[Heading], prose: Sequence[str]) -> list[Direction]:
-    """The direction of each column by its heading; that of a single one by the name of the file too."""
+    """Return the direction of each column from its heading; of a single column also from the file name."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
         for told, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
@@ -36,7 +36,7 @@ def column_directions(file: SourceFile, headings: Sequence[Heading], prose: Sequ
 
 
 def same_directions(headings: Sequence[Heading], facing: Sequence[Direction]) -> list[str]:
-    """A warning for two columns along one axis, such as N beside S."""
+    """Return a warning for two columns along one axis, such as N and S."""
     notes: list[str] = []
     named = [(heading.name, one) for heading, one in zip(headings, facing, strict=True) if one.orientation != "unknown"]
     for (first, one), (second, other) in combinations(named, 2):
@@ -47,7 +47,7 @@ def same_directions(headings: Sequence[Heading], facing: Sequence[Direction]) ->
 
 
 def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -> dict[int, dict[str, Any]]:
-    """The stated peak, by the number of the column whose peak is nearest to it, as `build_record` takes it."""
+    """Return the stated peak in the form of `build_record`, by the number of the column with the nearest peak."""
     peaks: dict[int, dict[str, Any]] = {}
     for said in stated_peaks(prose)[:1]:
         value, rounding = printed_number(said.text)
@@ -62,7 +62,7 @@ def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -
 
 
 def column_units(name: str, headings: Sequence[Heading], prose: Sequence[str], options: ReadOptions) -> list[str]:
-    """The unit of each column: the one that the caller gives, checked against the header, or the one in the heading."""
+    """Return the unit of each column: that given by the caller, checked against the header, or that of the heading."""
     units = []
     for other in other_units(prose):
         found = f"the header states the unit {other.wording!r}, none of an acceleration"
@@ -91,7 +91,7 @@ def column_units(name: str, headings: Sequence[Heading], prose: Sequence[str], o
             raise UnitError(
                 f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
                 f"{', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "
-                f"configuration, or read(path, units='g'); beside files of other units {alone}"
+                f"configuration, or read(path, units='g'); if only some files use this unit, set it for them in {alone}"
             )
         if stated and asked and UNITS[stated] != UNITS[asked]:
             raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")

@@ -1,4 +1,4 @@
-"""The header of one channel of a COSMOS file: text, integers, reals, comments; numbers count from 1, NaN is unknown."""
+"""Reads the header of a channel of a COSMOS file: text, integers, reals (numbered from 1), comments."""
 
 import re
 from collections.abc import Sequence
@@ -35,15 +35,15 @@ _ORIENTATIONS = {
     402: Direction("vertical", note="integer header 54 does not tell whether upwards is positive"),
     **{code: Direction("horizontal") for code in (500, 501, 600, 601, 700, 701)},
 }
-#: Integer 19: shelters, free fields, vaults, observatories; arrays in the ground.
+#: Values of integer 19 for shelters, free fields, vaults, observatories, and arrays in the ground.
 _ON_GROUND = {1, 2, 3, 4, 6, 7, 8, 9, 14, 50, 51}
-#: Integer 19: base of a building, building, bridge, dam, wharf, other structures.
+#: Values of integer 19 for the base of a building, a building, bridge, dam, wharf or other structure.
 _STRUCTURES = {5, 10, 11, 12, 13, 15, 20}
 
 
 @dataclass(frozen=True)
 class Header:
-    """All lines in front of the samples of one channel."""
+    """All lines before the samples of one channel."""
 
     kind: str  # first words of the title, "Uncorrected acceleration"
     text: Sequence[str]  # at least 13 lines
@@ -55,16 +55,16 @@ class Header:
     end: int  # index of the first line behind the comments
 
     def integer(self, number: int) -> int | None:
-        """Integer `number`, from 1; None where unknown or missing."""
+        """Return integer `number`, from 1; None if unknown or missing."""
         value = self.integers[number - 1] if number <= self.integers.size else np.nan
         return None if np.isnan(value) else int(value)
 
     def real(self, number: int) -> float:
-        """Real `number`, from 1; NaN where unknown or missing."""
+        """Return real `number`, from 1; NaN if unknown or missing."""
         return float(self.reals[number - 1]) if number <= self.reals.size else float("nan")
 
     def codes(self) -> tuple[str, str, str, str]:
-        """Network, station, location and channel: ``<SCNL>`` of the comments, else text line 5, else integer 8."""
+        """Return network, station, location and channel from ``<SCNL>`` in comments, or text line 5, or integer 8."""
         for comment in self.comments:
             scnl = _SCNL.match(comment)
             if scnl:
@@ -75,24 +75,24 @@ class Header:
         return network, station or ("" if number is None else str(number)), "", ""
 
     def channel(self) -> tuple[str, str, str]:
-        """Number of the channel at the station, direction, and place of the sensor, in the words of text line 9."""
+        """Return channel number at the station, direction, and location of the sensor, as worded in text line 9."""
         match = _CHANNEL.match(self.text[8])
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
     def counted(self) -> Counted:
-        """The channel and the count of channels of its recorder."""
+        """Return the channel, and the number of channels of its recorder."""
         counted = _COUNTED.search(self.text[6])
         count = int(counted[1]) if counted else 0
         return Counted(self.start + 1, self.text[6], self.channel()[0], count, self.kind.lower())
 
     def peak(self) -> tuple[str, str]:
-        """Peak of the series and its unit, in the words of text line 11, else of line 10 for a raw record."""
+        """Return the peak of the series and its unit, as worded in text line 11 or, for a raw record, line 10."""
         raw = not self.kind.lower().startswith("corrected")
         found = _PEAK.search(self.text[10]) or (_PEAK.search(self.text[9]) if raw else None)
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Direction from the words and integer 54; unknown, with a note, where they contradict each other."""
+        """Return the direction from the words and integer 54; unknown, with a note, if they contradict each other."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -110,12 +110,12 @@ class Header:
         return coded if np.isnan(said.azimuth) else said
 
     def structural(self) -> bool:
-        """Whether the sensor stands on a structure: integer 19 and the place in text line 9."""
+        """Return whether the sensor is on a structure, according to integer 19 and the location in text line 9."""
         site, place = self.integer(19), self.channel()[2]
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
-        """UTC time of the first sample, from integers 40 to 46, real 30 and text line 8, or why there is none."""
+        """Return the UTC time of the first sample (integers 40 to 46, real 30, text line 8), or why it is unknown."""
         year, month, day, hour, minute = (self.integer(number) for number in (40, 42, 43, 44, 45))
         if year is None or month is None or day is None or hour is None or minute is None:
             return None, []
@@ -137,7 +137,7 @@ class Header:
 
 
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
-    """Fields in a row and characters in a field, from ``Format=(8F9.6)`` at the end of a heading."""
+    """Return fields per row and characters per field, from ``Format=(8F9.6)`` at the end of a heading."""
     layout = _LAYOUT.search(line[:LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
         raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
@@ -145,7 +145,7 @@ def fortran_layout(line: str, where: str) -> tuple[int, int]:
 
 
 def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header:
-    """Read the header of the channel in ``lines[start:end]``, from its title to the line behind the channel."""
+    """Read the header of the channel in ``lines[start:end]``, which begin with its title."""
     title = TITLE.match(lines[start])
     assert title is not None
     # More lines of text than the 13 of the format are allowed, fewer are not.
@@ -175,7 +175,7 @@ def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header
 
 
 def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int:
-    """The number in front of a heading such as `` 100 Real-header values follow``."""
+    """Return the number before a heading such as `` 100 Real-header values follow``."""
     heading = re.match(rf"\s*(\d{{1,9}})\s*{kind}\b", lines[at][:80], re.ASCII | re.IGNORECASE) if at < end else None
     if not heading:
         found = repr(lines[at].strip()[:60]) if at < end else "the end of the channel"
@@ -184,7 +184,7 @@ def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int
 
 
 def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> tuple[np.ndarray, int]:
-    """The numbers behind a heading, and the index of the line behind them."""
+    """Return the numbers after a heading, and the index of the line after them."""
     count = _count(name, lines, at, end, kind)
     per_row, width = fortran_layout(lines[at], f"{name}:{at + 1}")
     rows = -(-count // per_row)
@@ -198,7 +198,7 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
 
 
 def held_series(header: Header, heading: str, step: float, samples: np.ndarray) -> list[str]:
-    """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s]."""
+    """Return warnings if the heading of the series, the text or real 65 contradicts samples (n,) at a step [s]."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
     lengths = (matched(_ABOUT, heading[:LONGEST_LINE]), matched(_RAW_LENGTH, header.text[9]) if raw else "")

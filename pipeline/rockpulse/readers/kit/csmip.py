@@ -1,7 +1,7 @@
-"""The common layout of volumes 1 and 2 of CSMIP, USC and RENADIC: channels in a file, their header, equal steps.
+"""Reads the common layout of volumes 1 and 2 of CSMIP, USC and RENADIC: channels, headers, equally spaced samples.
 
-A channel begins with 13 lines of text (volume 2: a title before them and 11 lines behind them), integers (16I5) and
-reals (8F10), which repeat some of the text. A line ``/&`` or the next title ends it.
+A channel begins with 13 lines of text (in volume 2 after a title and before 11 more lines), integers (16I5) and reals
+(8F10), which repeat some of the text. A line ``/&`` or the next title ends it.
 """
 
 import re
@@ -41,7 +41,7 @@ from rockpulse.readers.kit.text import (
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-#: Lines of text, and all lines in front of the samples, of a channel of volume 1.
+#: Number of lines of text, and of all lines before the samples, of a channel of volume 1.
 TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
 _HEADING = re.compile(r"(?i)\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)")
 _KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
@@ -60,14 +60,14 @@ _START = re.compile(r"(?i)(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+
 # Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
 _ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
 _DEPTH = re.compile(r"\bH\s*=\s*(\d{1,3}(?:\.\d{0,6})?)\s*KM", re.ASCII | re.IGNORECASE)
-#: The first row of integers; the fourth of them counts the channels of the recorder.
+#: Pattern of the first row of integers, of which the fourth is the number of channels of the recorder.
 _FIRST_ROW = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
-#: Integer 27, in the second row: the azimuth of the channel, or a code.
+#: Position and pattern of integer 27, in the second row: the azimuth of the channel, or a code.
 _AZIMUTH, _CODE = slice(50, 55), re.compile(r" *\d{1,3}", re.ASCII)
 _UP, _DOWN = 500, 600
-#: Integer 28, the number of points of volume 1, which has no room for more digits.
+#: Position of integer 28, the number of points of volume 1, and the largest number that it can contain.
 _POINTS, _MOST_POINTS = slice(55, 60), 99_999
-#: Reals follow 100 integers; 0 and -999 stand for unknown.
+#: Number of rows of integers before the reals, width of a real, and the values 0 and -999, which mean unknown.
 _INTEGER_ROWS, _REAL_WIDTH, _UNKNOWN = 7, 10, (0.0, -999.0)
 _REAL = re.compile(r" *-?\d{0,8}\.\d{0,8}", re.ASCII)
 
@@ -88,13 +88,13 @@ class Header:
 
     @property
     def full_component(self) -> str:
-        """Direction and place of the sensor, as the record has them."""
+        """Return direction and location of the sensor as the record contains them."""
         return f"{self.component} ({self.place})" if self.place else self.component
 
     def record(
         self, file: SourceFile, number: int, block: Block, warnings: Sequence[str] = (), **further: Any
     ) -> Record:
-        """The record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
+        """Return the record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
         return build_record(
             file,
             block.samples,
@@ -112,7 +112,7 @@ class Header:
 
 @dataclass(frozen=True)
 class Heading:
-    """The line in front of a block of equally spaced values."""
+    """The line before a block of equally spaced values."""
 
     at: int  # index of the line
     kind: str  # "acceleration", "velocity" or "displacement"
@@ -122,18 +122,18 @@ class Heading:
 
     @property
     def layout(self) -> tuple[int, int] | None:
-        """Fields in a row and characters of a field, where the line names a Fortran format."""
+        """Return fields per row and characters per field, if the line contains a Fortran format."""
         match = _FORMAT.search(self.words)
         return (int(match[1]), int(match[2])) if match else None
 
     @property
     def unit(self) -> str:
-        """Unit as the line words it; empty where it names none."""
+        """Return the unit as worded in the line; empty if it states no unit."""
         return matched(_UNIT, self.words)
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """Lines of a file without the carriage control of a printer, spans of channels, each from a `title`, warnings."""
+    """Return the lines of a file without printer control, the span of each channel from its `title`, and warnings."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
@@ -157,7 +157,7 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
 
 
 def heading_at(lines: Sequence[str], at: int) -> Heading | None:
-    """The heading at index `at` of the lines of a file, the last one of equal ones; None if the line is none."""
+    """Return the heading at index `at` of the lines, the last one if it is repeated; None if it is not a heading."""
     match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
@@ -166,7 +166,7 @@ def heading_at(lines: Sequence[str], at: int) -> Heading | None:
 
 
 def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
-    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it."""
+    """Read the accelerations below a heading, before the line with index `end`; `unit` is as worded in the file."""
     where = f"{name}:{heading.at + 1}"
     rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
     try:
@@ -187,7 +187,7 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
 
 
 def read_header(lines: Sequence[str]) -> Header:
-    """Read the 13 lines of text and those behind them, from 'Uncorrected Accelerogram Data' on, of one channel."""
+    """Read the header of a channel: 13 lines of text from 'Uncorrected Accelerogram Data', and the lines after them."""
     text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
     component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")
@@ -230,14 +230,14 @@ def read_header(lines: Sequence[str]) -> Header:
 def missing_channels(
     name: str, lines: Sequence[str], spans: Sequence[Span], headers: Sequence[Header]
 ) -> tuple[str, ...]:
-    """Warnings for missing channels, see `completeness`; `spans` and `headers` belong to the channels in `lines`."""
+    """Return warnings on missing channels (see `completeness`), from the span and the header of each channel."""
     pairs = zip(spans, headers, strict=True)
     counts = (Counted(span[0] + 1, header.recorder, header.number, header.counted) for span, header in pairs)
     return completeness(name, counts, closed=spans[-1][1] < len(lines))
 
 
 def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
-    """UTC time of the first sample, or a warning that says why there is none."""
+    """Return the UTC time of the first sample, or a warning that states why it is unknown."""
     match = _START.search(line)
     if not match:
         return None, ()
@@ -255,20 +255,20 @@ def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
 
 
 def _row(behind: Sequence[str], number: int) -> str:
-    """A row of the integers and reals, from 0, among the lines behind the text; empty where there is none."""
+    """Return a row of the integers and reals, numbered from 0, after the text; empty if it is missing."""
     rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[:LONGEST_LINE].rstrip()))
     at = next(rows, len(behind)) + number
     return behind[at] if at < len(behind) else ""
 
 
 def direction_code(behind: Sequence[str]) -> int:
-    """The azimuth or code of the direction, from the lines behind the text; 0 where the file does not say."""
+    """Return the azimuth or code of the direction, from the lines after the text; 0 if it is not stated."""
     text = _row(behind, 1)[_AZIMUTH]
     return int(text) if _CODE.fullmatch(text) else 0
 
 
 def held_count(behind: Sequence[str], points: int) -> list[str]:
-    """A warning where integer 28 is not the number of points in the text; 0 and -999 say nothing."""
+    """Return a warning if integer 28 differs from the number of points in the text; 0 and -999 are ignored."""
     text = _row(behind, 1)[_POINTS]
     if not re.fullmatch(r" *\d{1,5}", text, re.ASCII) or int(text) in (0, points) or points > _MOST_POINTS:
         return []
@@ -276,7 +276,7 @@ def held_count(behind: Sequence[str], points: int) -> list[str]:
 
 
 def real(behind: Sequence[str], number: int) -> str:
-    """A real as it is printed, by its number from 1, from the lines behind the text; empty where it is unknown."""
+    """Return a real as printed, by its number from 1, from the lines after the text; empty if unknown."""
     row, column = divmod(number - 1, 8)
     text = _row(behind, _INTEGER_ROWS + row)[_REAL_WIDTH * column : _REAL_WIDTH * (column + 1)]
     known = _REAL.fullmatch(text) and any(map(str.isdigit, text)) and float(text) not in _UNKNOWN
@@ -284,7 +284,7 @@ def real(behind: Sequence[str], number: int) -> str:
 
 
 def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: float) -> list[str]:
-    """A warning where a real, a peak in units of `per_unit` m/s2, is not the peak of the samples."""
+    """Return a warning if a real, a peak in units of `per_unit` m/s2, differs from the peak of the samples."""
     peak, rounding = printed_number(real(behind, number))
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
@@ -293,7 +293,7 @@ def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: f
 
 
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
-    """The direction of the wording; unknown, with a note, if the code or a line that repeats it tells another one."""
+    """Return the direction in words; unknown, with a note, if the code or a line that repeats it differs."""
     # Codes of sensors without an azimuth, 0, 1100 and 1200, tell none.
     told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):

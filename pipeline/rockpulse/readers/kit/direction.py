@@ -1,4 +1,4 @@
-"""The meaning of the words for a component or a place: vertical, an azimuth, a structure."""
+"""Interprets the words for a component or a location: vertical, an azimuth, a structure."""
 
 import math
 import re
@@ -10,7 +10,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Orientation
 from rockpulse.warning_text import WarningText
 
-#: The unit in a column heading, ``acc [g]``.
+#: Pattern of the unit in a column heading, ``acc [g]``.
 BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
 # "CH 12" is a number, "12 deg" an angle.
 _NUMBERED = re.compile(r"(?:^|[\W_])(?:ch|chan|channel|no|nr|sensor|col|column)[\W_]*\d+", re.IGNORECASE)
@@ -41,7 +41,7 @@ _UP |= {"UP/DOWN", "VERTICALA", "D-U"}
 _DOWN = {"DOWN", "DN", "DWN", "DOWNWARD", "DOWNWARDS"}
 _COMPASS = {"N": 0.0, "NS": 0.0, "N-S": 0.0, "NORTH": 0.0, "E": 90.0, "EW": 90.0, "E-W": 90.0, "EAST": 90.0}
 _COMPASS |= {"S": 180.0, "SOUTH": 180.0, "W": 270.0, "WEST": 270.0}
-#: East and west, north and south in French, German, Italian, Portuguese, Spanish and Turkish.
+#: Names of east, west, north and south in French, German, Italian, Portuguese, Spanish and Turkish.
 _COMPASS |= dict.fromkeys(("N/S", "S-N", "NORD", "NORTE", "KUZEY", "K-G", "NORTH-SOUTH", "NORD-SUD", "NORTE-SUR"), 0.0)
 _COMPASS |= dict.fromkeys(
     ("E/W", "W-E", "WE", "EST", "ESTE", "OST", "LESTE", "DOGU", "DOĞU", "D-B", "E-O", "EAST-WEST"), 90.0
@@ -53,18 +53,18 @@ _SIDEWAYS = {"H1", "H2", "L", "T", "LONG", "TRAN", "TRANS", "LONGITUDINAL", "TRA
 _SIDEWAYS |= {"FN", "FP", "H", "HORIZONTAL", "RADIAL", "TRANSVERSAL", "FAULT-NORMAL", "FAULT-PARALLEL"}
 _DEGREES = re.compile(r"(\d{1,3}(?:\.\d*)?)\s*(?:DEG(?:REES)?|°)?", re.ASCII)
 _QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d*)?)\s*([EW])", re.ASCII)
-#: Two ends of an axis, as one word.
+#: Pattern of the two ends of an axis in one word.
 _AXIS = re.compile(
     r"(?<![A-Za-z])(?:N[-/]S|S-N|E[-/]W|W-E|U[-/]D|D-U|UP-?DN|UP[-/]DOWN|E-O|O-E|O-W|K-G|D-B|NORTH-SOUTH|EAST-WEST|"
     r"NORD-SUD|NORTE-SUR|EST-OUEST|EST-OVEST|ESTE-OESTE|OST-WEST|FAULT-(?:NORMAL|PARALLEL))(?![A-Za-z])",
     re.IGNORECASE,
 )
-#: A word for acceleration that ends in its direction.
+#: Pattern of a word for acceleration that ends with its direction.
 _WITH_AXIS = re.compile(
     r"(?:(?<![a-z])(?:acc|accel|acceleration|acel)|(?<![a-z])(?:a|gf)(?=z))(ns|ew|ud|up|z|e|v|(?-i:N))(?![a-z])",
     re.IGNORECASE,
 )
-#: Suffixes of files, in lower letters, that are no direction; others may be one (.NS, .00U, .e).
+#: Suffixes of files, in lower case, that are not a direction; others may be one (.NS, .00U, .e).
 _TEXT_SUFFIXES = frozenset(
     [
         "txt",
@@ -88,12 +88,12 @@ _TEXT_SUFFIXES = frozenset(
 )
 _LONGEST_SUFFIX = 5
 _SUFFIX = re.compile(r"(\d{1,3})([A-Za-z])", re.ASCII)
-#: Letters that mean a direction at either end of a file's name, and words that may stand behind the direction.
+#: Letters that mean a direction at either end of a file name, and words that may follow the direction.
 _NAME_LETTERS = frozenset("NEZUVWneuz")
 _FILLER = re.compile(
     r"(?i)raw|corr?|corrected|uncorrected|filt(?:ered)?|proc(?:essed)?|bc|bl|txt|csv|[cm]?ms?2|gal|g|\d+"
 )
-#: The end of a name that is a direction without a sign before it: PIC090, PICDWN.
+#: Pattern of a direction at the end of a name without a separator: PIC090, PICDWN.
 _GLUED = re.compile(r"(?<=[A-Za-z_-])(\d{3}|DWN|VERT|DOWN)(?=$|[-_. ](?i:acc\w*|raw|corr?)$)", re.ASCII)
 _FULL_TURN, _RIGHT_ANGLE = 360, 90
 # SEED: band (not any letter, or the compass words NNE and WNW would count), instrument, direction.
@@ -114,7 +114,7 @@ _FREE_FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Direction:
-    """The direction that the words for a component mean, and a doubt about it, for the warnings of the record."""
+    """The direction that the words for a component mean, and a doubt about it as text of a warning."""
 
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
@@ -123,14 +123,14 @@ class Direction:
 
     @property
     def label(self) -> str:
-        """A short name of a direction that no words of the file name: "UP", "090"; empty where it is unknown."""
+        """Return a short name for a direction that the file does not word: "UP", "090"; empty if unknown."""
         if self.orientation == "vertical":
             return "UP" if self.sign > 0.0 else "DOWN"
         return "" if math.isnan(self.azimuth) else f"{self.azimuth:03.0f}"
 
 
 def direction(wording: str) -> Direction:
-    """Read ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``, ``005``; a bare digit is the number of a channel."""
+    """Read a direction: ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``, ``005``; a single digit is a channel number."""
     word = " ".join(wording.upper().split()).strip(" .")
     seed = _SEED.fullmatch(word)
     if seed:
@@ -157,13 +157,13 @@ def direction(wording: str) -> Direction:
 
 
 def means_vertical(code: str) -> bool:
-    """Whether a channel code is that of SEED for a vertical channel."""
+    """Return whether a channel code is the SEED code of a vertical channel."""
     seed = _SEED.fullmatch(code.strip().upper())
     return bool(seed and seed[1] == "Z")
 
 
 def vertical_if_so(facing: Direction, code: str) -> Direction:
-    """The direction of a header; vertical, with a warning, where the channel code says so against an azimuth of 0."""
+    """Return the direction of a header; vertical, with a warning, if the azimuth is 0 but the channel code vertical."""
     if facing.orientation != "horizontal" or not means_vertical(code):
         return facing
     told = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
@@ -171,7 +171,7 @@ def vertical_if_so(facing: Direction, code: str) -> Direction:
 
 
 def heading_direction(name: str) -> Direction:
-    """The direction that the words of a column heading name; a lone letter counts only if it is one of `_LETTERS`."""
+    """Return the direction in the words of a column heading; a single letter is one only if it is in `_LETTERS`."""
     wording = _ANGLE.sub("", _NUMBERED.sub(" ", _QUANTITY.sub(" ", BRACKET.sub(" ", name))))
     found = []
     for piece in re.split(r"[\s_:=,]+", wording):
@@ -185,12 +185,12 @@ def heading_direction(name: str) -> Direction:
 
 
 def is_direction(text: str) -> bool:
-    """Whether what stands in brackets is a direction rather than a unit."""
+    """Return whether text in brackets is a direction rather than a unit."""
     return (len(text) > 1 or text in _LETTERS) and direction(text).orientation != "unknown"
 
 
 def _one_of(found: Sequence[Direction]) -> Direction:
-    """The one direction that several words mean, the most precise of them; unknown where they differ."""
+    """Return the most precise direction in several words; unknown if they contradict each other."""
     known = [facing for facing in found if facing.orientation != "unknown"]
     precise = [facing for facing in known if not math.isnan(facing.azimuth)] or known
     alike = {(facing.orientation, facing.sign) for facing in known} | {(one.azimuth,) for one in precise}
@@ -198,10 +198,11 @@ def _one_of(found: Sequence[Direction]) -> Direction:
 
 
 def name_direction(file: SourceFile) -> Direction:
-    """The direction in the name of a file that holds one channel: rec_E, rec-UP, rec.NS, rec.00U, EW.txt, PIC090.
+    """Return the direction in the name of a file with one channel: rec_E, rec-UP, rec.NS, rec.00U, EW.txt, PIC090.
 
-    Digits behind letters (PIC090) are the azimuth of a file beside which one a right angle apart, or a vertical one,
-    lies, or a right angle themselves: they may also be the number of a station. A single letter counts at either end.
+    Digits after letters (PIC090) are an azimuth if they are a multiple of 90, or if the folder contains a file for a
+    perpendicular azimuth or a vertical one; otherwise they may be the number of a station. A single letter is a
+    direction at either end of the name.
     """
     path = file.path
     suffix, stem = path.suffix[1:], path.stem
@@ -233,13 +234,13 @@ def name_direction(file: SourceFile) -> Direction:
 
 
 def name_suffix(file: SourceFile) -> str:
-    """The suffix of a file's name that tells it from others of its stem: L of rec.L; empty for that of a text."""
+    """Return the suffix that distinguishes a file from others with its stem: L of rec.L; empty for text suffixes."""
     suffix = file.path.suffix[1:]
     return suffix if suffix.isalpha() and suffix.lower() not in _TEXT_SUFFIXES else ""
 
 
 def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
-    """Whether three digits at the end of a file's name are an azimuth, by their value or by the files beside it."""
+    """Return whether three digits at the end of a file name are an azimuth, from their value or from other files."""
     azimuth, before, behind = int(glued[1]), glued.string[: glued.start()], file.path.suffix
     if azimuth > _FULL_TURN:
         return False
@@ -251,7 +252,7 @@ def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Whether words for a place mean a structure; in a field that is `stated` for structures, all but free fields."""
+    """Return whether words for a location mean a structure; if `stated`, all words mean one except free field."""
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False
     return stated or bool(_ON_STRUCTURE.search(place))

@@ -1,4 +1,4 @@
-"""Start times, and what a header states of earthquake and site; what cannot be true is left out, never an error."""
+"""Reads start times, and facts on earthquake and site, from headers; impossible values are omitted without an error."""
 
 import math
 import re
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any, TypedDict, Unpack
 
-#: A record starts at most this long before or after its earthquake; the waves cross the Earth in a third of it.
+#: Longest time between the earthquake and the start of a record; waves cross the Earth in a third of it.
 NEAR = timedelta(hours=1)
 # Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
 _FIRST_YEAR = 1933
@@ -14,11 +14,11 @@ _FIRST_YEAR = 1933
 # Azores had a strong earthquake.
 _CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
 _CLOCK_RUN = timedelta(hours=1)
-#: Hours by which the clocks of a zone are ahead of UTC.
+#: Time zones, with the hours by which each is ahead of UTC.
 ZONES = {"UTC": 0.0, "GMT": 0.0, "UT": 0.0, "Z": 0.0, "PST": -8.0, "PDT": -7.0}
-#: Letters behind a time that tell of another, unknown clock: zones (JST, LT), halves of the day.
+#: Pattern of letters after a time that mean an unknown clock: zones (JST, LT), AM and PM.
 _OTHER_CLOCK = re.compile(r"(?!AT$)[A-Z]{1,3}T|[AP]M|LOC")
-#: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06T01:32:39+01:00, and the zone, if it is given.
+#: Pattern of 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06T01:32:39+01:00, with an optional zone.
 _DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{1,2})\5\s?(\d{1,2}))"
 _TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})"
 _ZONE = r"(?:\s{0,4}(Z|[A-Z]{2,4})\b|([+-]\d\d):?(\d\d)(?!\d))?"
@@ -27,7 +27,7 @@ _CENTURY = 30  # first year of two digits that is of 1900: accelerographs came i
 
 
 def clock_fault(moment: datetime) -> str:
-    """The reason why a start time [UTC, or the zone of the file] cannot be right; empty if it can."""
+    """Return the reason why a start time [UTC, or the zone of the file] cannot be right; empty if it is plausible."""
     if moment.year < _FIRST_YEAR:
         return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
     if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
@@ -36,7 +36,7 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """UTC time from year, month, day and hour, minute, second, which are `zone_hours` ahead of UTC; None if none."""
+    """Return the UTC time from year, month, day, hour, minute, second in a zone ahead of UTC; None if invalid."""
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
         return None
@@ -48,7 +48,7 @@ def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0
 
 
 def later(moment: datetime | None, seconds: float) -> datetime | None:
-    """The time `seconds` after `moment`; None where the moment is unknown or the result beyond the calendar."""
+    """Return the time `seconds` after `moment`; None if `moment` is unknown or the result is outside the calendar."""
     try:
         return None if moment is None else moment + timedelta(seconds=seconds)
     except OverflowError:
@@ -56,7 +56,7 @@ def later(moment: datetime | None, seconds: float) -> datetime | None:
 
 
 def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetime | None, list[str]]:
-    """The start time [UTC], or None and a warning where it is further than `NEAR` from the origin of the earthquake."""
+    """Return the start time [UTC], or None and a warning if it is further than `NEAR` from the origin time."""
     if start is None or origin is None or abs(start - origin) <= NEAR:
         return start, []
     away = f"{abs(start - origin) / timedelta(hours=1):.1f} h from the earthquake of {origin:%Y-%m-%d %H:%M:%S}"
@@ -64,7 +64,7 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
 
 
 def written(text: str) -> datetime | None:
-    """UTC time from the first date, year or month first, and time in a text; None where it or its zone is unknown."""
+    """Return the UTC time from the first date (year or month first) and time of a text; None if a part is unknown."""
     found = _WRITTEN.search(text)
     if not found:
         return None
@@ -87,21 +87,22 @@ Number = float | str
 #: Latitude and longitude [degrees north, degrees east].
 Place = tuple[Number, Number]
 _NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,15}|\.\d{1,15})(?:[eE][+-]?\d{1,3})?", re.ASCII)
-#: Decimal degrees ("35.525N", "19.33 LAT. N") or degrees, minutes and seconds ("34 06 52N") with the side of the globe.
+#: Patterns of decimal degrees ("35.525N", "19.33 LAT. N") or degrees, minutes and seconds ("34 06 52N") with the
+#: hemisphere.
 _DECIMAL = re.compile(r"(?<![\d.])(\d{1,3}\.\d{0,9})\s*(?:LAT\.|LONG\.)?\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE)
 _SEXAGESIMAL = re.compile(r"(?ai)(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1,2}(?:\.\d{0,6})?)\s*([NSEW])(?![A-Z])")
 _MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{1,2}(?:\.\d{0,3})?)(?![\d.])", re.ASCII)
-#: Scales of magnitudes by their letters, in the order in which one is chosen where a header states several.
+#: Magnitude scales by their letters, in the order of preference if a header states several.
 _SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
 _NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)  # texts that stand for nothing
 _MAGNITUDES = (-1.0, 10.0)
-#: Deepest earthquake, and half the way round the Earth [km].
+#: Depth of the deepest earthquakes, and half the circumference of the Earth [km].
 _DEEPEST, _FARTHEST = 800.0, 20_040.0
 _VS30 = (30.0, 5000.0)  # velocities of shear waves in mud and in the hardest rock [m/s]
 
 
 class Facts(TypedDict, total=False):
-    """Statements of a header on earthquake and station; those that cannot be true are left out of the record."""
+    """Statements of a header on earthquake and station; impossible ones are omitted from the record."""
 
     event_id: str
     origin_time: datetime | None
@@ -115,7 +116,7 @@ class Facts(TypedDict, total=False):
 
 
 def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
-    """Fields of a `Record` from the statements of a header that can be true; else NaN, None or empty."""
+    """Return fields of a `Record` from the statements of a header; NaN, None or empty for impossible ones."""
     nowhere, time = (math.nan, math.nan), facts.get("origin_time")
     size, scale = facts.get("magnitude", (math.nan, ""))
     magnitude = _within(size, *_MAGNITUDES, zero=False)
@@ -139,7 +140,7 @@ def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
 
 
 def coordinates(text: str) -> tuple[float, float]:
-    """Latitude and longitude from a line with ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; else NaN."""
+    """Return latitude and longitude from a line with ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; else NaN."""
     found = {"N": math.nan, "E": math.nan}
     named = [(float(degrees), side) for degrees, side in _DECIMAL.findall(text)]
     for *parts, side in _SEXAGESIMAL.findall(text):
@@ -152,12 +153,12 @@ def coordinates(text: str) -> tuple[float, float]:
 
 
 def magnitudes(text: str) -> tuple[float, str]:
-    """Magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`."""
+    """Return magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`."""
     return preferred((value, scale) for scale, value in _MAGNITUDE.findall(text))
 
 
 def preferred(named: Iterable[tuple[Number, str]]) -> tuple[float, str]:
-    """One of several magnitudes that can be true: Mw, then Ms, ML, mb, then the first of the others; else NaN."""
+    """Return one of the possible magnitudes: Mw, else Ms, ML, mb, else the first of the others; NaN without any."""
     read = [(_within(value, *_MAGNITUDES, zero=False), _scale(scale)) for value, scale in named]
     found = [one for one in read if not math.isnan(one[0])]
     order = list(_SCALES.values())
@@ -170,7 +171,7 @@ def _scale(text: str) -> str:
 
 
 def _within(value: Number, low: float, high: float, zero: bool = True) -> float:
-    """The value if it is a number within the bounds, and not 0 unless `zero` may be meant; else NaN."""
+    """Return the value if it is a number within the bounds, and not 0 unless `zero` is allowed; else NaN."""
     if isinstance(value, str):
         value = float(value) if _NUMBER.fullmatch(value.strip()) else math.nan
     return float(value) if low <= value <= high and (zero or value != 0.0) else math.nan

@@ -1,4 +1,4 @@
-"""What stands above plain columns: the headings of the columns."""
+"""Reads the headings above plain columns."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -10,29 +10,30 @@ from rockpulse.readers.kit.prose import stated_columns, stated_counts, stated_st
 from rockpulse.readers.kit.table import LINE_LIMIT, NUMBER, Layout, split_row
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
-#: Characters of a heading that are looked at; words of a short one, letters of a unit.
+#: Number of characters of a heading that are analysed; largest number of words of a short heading, or of letters of a
+#: unit.
 _NAME, _SHORT = 80, 3
 _COMMENT = " \t#%!*/"
 _IN_G = re.compile(r"(?<![a-z])g$", re.IGNORECASE)
-#: Volts, which in round brackets may be the vertical direction.
+#: Pattern of volts in brackets; in round brackets V may be the vertical direction.
 _VOLTS = re.compile(r"([\[(])\s*([mµu]?V)\s*[\])]")
 _VOLT = re.compile(r"[mµu]?V")
-#: Words for the output of a sensor, which no option turns into an acceleration.
+#: Words for the output of a sensor, which no option converts to an acceleration.
 _SIGNALS = frozenset({"counts", "count", "volts", "volt", "mv", "lsb", "adc"})
 _TIME_UNIT = re.compile(r"(?:^|[\W_])(m(?:illi)?s(?:ec\w*)?|us|µs|min(?:s|ut\w*)?)(?=$|[\W_])", re.IGNORECASE)
-#: Labels that may stand in one column of a heading and name no motion.
+#: Pattern of labels in the heading of a column that do not name a motion.
 _LABEL = re.compile(
     r"(?:ch|chan|channel|sensor|sta|station|col|column|comp|no|nr|n|index|sample|row|[a-z#]|h)\.?[\s_]*\d{0,4}",
     re.IGNORECASE,
 )
 _LARGEST_AZIMUTH = 360
-#: Quantities by their letters, which mean them where an acceleration is named by its letter.
+#: Quantities named by single letters, which are used if an acceleration is named by its letter.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement", "u": "displacement"}
 
 
 @dataclass(frozen=True)
 class Heading:
-    """The words above one column."""
+    """The heading of a column."""
 
     name: str  # as written
     # "time", "acceleration", "velocity", "displacement", "spectrum"; empty where neither name nor unit tells
@@ -42,13 +43,13 @@ class Heading:
 
     @property
     def known(self) -> bool:
-        """Whether the words name a motion, a direction or the number of a channel; otherwise they may be prose."""
+        """Return whether the words name a motion, a direction or a channel number; otherwise they may be prose."""
         facing = len(self.name.split()) <= _SHORT and heading_direction(self.name).orientation != "unknown"
         return bool(self.kind or quantity_of(self.unit) or facing or _LABEL.fullmatch(self.name))
 
 
 def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Heading, ...], int]:
-    """The heading of each column, none where the words there are prose, and the number of lines above them."""
+    """Return the heading of each column (no headings if the words are prose), and the number of lines above them."""
     rows = [index for index, line in enumerate(header) if _is_heading(line)]
     units: Sequence[str] = [""] * layout.width
     prose = len(header)
@@ -80,20 +81,20 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Headin
 
 
 def _names_a_column(line: str) -> bool:
-    """Whether the words above a single column are its heading rather than a title, which may speak of anything."""
+    """Return whether the words above a single column are its heading rather than a title of any content."""
     words = BRACKET.sub(" ", line)
     in_brackets = any(quantity_of(text) == "acceleration" for text in BRACKET.findall(line))
     return len(words.split()) <= _SHORT and not re.search(r"[=:]", words) and (in_brackets or bool(kinds_of(words)))
 
 
 def _is_heading(line: str) -> bool:
-    """Whether a line, in a length that a table may have, holds more than numbers and rules."""
+    """Return whether a line, not longer than that of a table, contains more than numbers and ruled lines."""
     fields = re.split(r"[\s,;]+", line.strip(_COMMENT)) if len(line) <= LINE_LIMIT else []
     return any(re.search(r"\w", field) and not NUMBER.fullmatch(field) for field in fields)
 
 
 def _splits(line: str, layout: Layout) -> Iterator[tuple[list[str], bool]]:
-    """Ways to split a line into headings, the clearest first; True marks the way in which the rows are split."""
+    """Return ways to split a line into headings, the clearest first; True marks the way in which the rows are split."""
     text = line.strip(_COMMENT) if "\t" not in line else line.strip("\r\n").lstrip("#%!*/ ")
     for delimiter in dict.fromkeys((layout.delimiter or "\t", "\t", ";", ",")):
         if delimiter in text:
@@ -133,7 +134,7 @@ def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[Heading, ...]
 
 
 def _heading(name: str, unit: str) -> Heading:
-    """Heading with the kind that its words tell, or else its unit; a unit in brackets may be any, also a wrong one."""
+    """Return the heading with the kind from its words, or from its unit; a unit in brackets may also be unknown."""
     kinds = kinds_of(BRACKET.sub(" ", name))
     kind = kinds[0] if kinds else ""
     brackets = [text.strip() for text in BRACKET.findall(name) if text.strip() and not _is_label(text)]
@@ -157,13 +158,13 @@ def _heading(name: str, unit: str) -> Heading:
 
 
 def _is_label(text: str) -> bool:
-    """Whether brackets hold words, a direction or the number of a channel rather than a unit."""
+    """Return whether brackets contain words, a direction or a channel number rather than a unit."""
     words = all(word.isalpha() and len(word) > _SHORT for word in text.split())
     return not quantity_of(text) and (words or direction(text).orientation != "unknown" or text.isdecimal())
 
 
 def _are_headings(headings: Sequence[Heading], own: bool) -> bool:
-    """Whether the pieces of a line are headings rather than prose; `own` tells that they are split as the rows are."""
+    """Return whether the parts of a line are headings rather than prose; `own` if they are split as the rows are."""
     if any(heading.name.isdecimal() and int(heading.name) > _LARGEST_AZIMUTH for heading in headings):
         return False
     names = [heading.name for heading in headings]

@@ -1,4 +1,4 @@
-"""The words for acceleration, velocity, displacement, spectra and other quantities, in texts and in names of files."""
+"""Recognises words for acceleration, velocity, displacement, spectra and other quantities, in texts and file names."""
 
 import re
 import unicodedata
@@ -7,7 +7,7 @@ from pathlib import PurePosixPath
 from rockpulse.readers.source import SourceFile
 
 _LINE = 1000  # characters of a line that are looked at
-#: The direction that may be written before or behind a short word: accx, velNS, ewdisp.
+#: Pattern of the direction before or after a short word: accx, velNS, ewdisp.
 _AXIS = r"(?:x|y|z|n|e|v|h|l|t|ns|ew|ud|up|s)?"
 
 
@@ -15,8 +15,8 @@ def _short(words: str) -> str:
     return rf"{_AXIS}(?:{words}){_AXIS}"
 
 
-#: English, Spanish, Italian, German, French, Portuguese, Turkish, Romanian, Croatian, Slovene, Greek, Russian, without
-#: accents.
+#: Words in English, Spanish, Italian, German, French, Portuguese, Turkish, Romanian, Croatian, Slovene, Greek and
+#: Russian, without accents.
 _KINDS = {
     "velocity": rf"{_short('vels?')}|veloc|velocity|velocit(?:a|ies)|velocidad(?:e|es)?|vitesses?|hiz(?:i|lar)?|hyz|"
     r"geschwindigkeit(?:en)?|velocimet(?:er|ro|ri)|velocigrams?|velocimetria|viteza|viteze|brzina|brzine|hitrost|"
@@ -34,37 +34,39 @@ _KINDS = {
     r"χρονος|время",
 }
 _WORDS = {kind: re.compile(words) for kind, words in _KINDS.items()}
-#: Japanese and Chinese, which write no blanks between words; that for acceleration holds that for velocity.
+#: Words in Japanese and Chinese, which have no blanks between words; the word for acceleration contains that for
+#: velocity.
 _IDEOGRAMS = {
     "加速度": " acceleration ", "速度": " velocity ", "変位": " displacement ", "位移": " displacement ",
     "時間": " time ", "时间": " time ",
 }  # fmt: skip
-#: In prose a period or a frequency is one of many things; so is the velocity of shear waves or in a pulse.
+#: Pattern of spectra in prose, where a period, a frequency or a velocity (of shear waves, of a pulse) may have other
+#: meanings.
 _PROSE_SPECTRUM = re.compile(r"ps[av]|spectr(?:um|a|es|e)|espectros?|spettr[oi]|spektr(?:um|en)|fourier")
-#: In prose these stand for something else: a distance, the spacing.
+#: Pattern of words that in prose mean something else, such as a distance or the spacing.
 _NO_PROSE = re.compile(r"dis|dsp|vels?|acel")
-#: Beside these words a spectrum is the target for which an accelerogram was made.
+#: Pattern of words next to which a spectrum is the target to which an accelerogram was matched.
 _MATCHED = re.compile(
     r"match|compatib|compativ|target|design|accelero|artificial|synthetic|simulat|filter|uyumlu|angepas"
 )
-#: The size of a vector, which has no sign and no direction.
+#: Pattern of the magnitude of a vector, which has no sign and no direction.
 _SIZE = re.compile(
     r"absolute?|abs|total|resultant|magnitude|norm|modulus|srss|resultante|risultante|modulo|module|betrag|norme|"
     r"bileske|toplam|assoluta|absoluta|absolue|gesamt|res|tot|a_?t|atotal|tgf"
 )
-#: Suffixes of files that hold nothing but one kind.
+#: Suffixes of files that contain only one kind of motion.
 _SUFFIXES = {"at2": "acceleration", "vt2": "velocity", "dt2": "displacement", "rsp": "spectrum", "spc": "spectrum"}
 _SUFFIXES |= {"acl": "acceleration", "rs": "spectrum"}
-#: Words of the name of a folder that say nothing of the kind beside the word that does.
+#: Pattern of words in the name of a folder that may accompany the word for a kind of motion.
 _PLAIN_FOLDER = re.compile(r"data|files?|time|hist(?:ory|ories)?|series|records?|txt|csv|the|of|de|in|cm|m|s|g")
-#: The letters a, v and d name the kinds only where files of the other letters lie beside.
+#: Kinds named by the letters a, v and d, if files with the other letters are in the same folder.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _ORDINATE = re.compile(r"(?<![A-Za-z])(?:Sa|Sv|Sd|SA|SV|SD|sa|sv|sd)(?![A-Za-z])")
 _LETTER = re.compile(r"(?<![A-Za-z])([avdAVD])(?![A-Za-z])|(?<=[a-z0-9])([AVD])(?![A-Za-z])")
 
 
 def plain(text: str) -> str:
-    """The beginning of a line in small letters without accents, runs of blanks as one."""
+    """Return the beginning of a line in lower case, without accents and repeated blanks."""
     text = text[:_LINE]
     if not text.isascii():
         for word, meaning in _IDEOGRAMS.items():
@@ -79,7 +81,7 @@ def _words(text: str) -> list[str]:
 
 
 def kinds_of(text: str) -> list[str]:
-    """Kinds of motion, and time, that the words of a heading name; those that make it no acceleration come first."""
+    """Return the kinds of motion, and time, in the words of a heading; kinds that exclude acceleration come first."""
     told = plain(text)
     words = _words(told)
     kinds = [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]
@@ -87,7 +89,7 @@ def kinds_of(text: str) -> list[str]:
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
-    """Kinds of motion that a line of prose, as `plain` gives it, names; in the `name` of a file also short words."""
+    """Return the kinds of motion in a line of prose from `plain`; in the `name` of a file also short words."""
     words = [word for word in _words(text) if name or not _NO_PROSE.fullmatch(word)]
     kinds = [kind for kind in kinds_of(" ".join(words)) if kind not in ("spectrum", "time", "rotation")]
     spectrum = any(_PROSE_SPECTRUM.fullmatch(word) for word in words)
@@ -95,26 +97,27 @@ def prose_kinds(text: str, name: bool = False) -> list[str]:
 
 
 def means_size(heading: str) -> bool:
-    """Whether a heading names the size of a vector rather than a component: absolute, total, resultant, |a|."""
+    """Return whether a heading names the magnitude of a vector, not a component: absolute, total, resultant, |a|."""
     told = plain(heading)
     return bool(re.search(r"\|[^|]+\|", told) or any(_SIZE.fullmatch(word) for word in re.findall(r"[a-z_]+", told)))
 
 
 def beside_kinds(word: str) -> list[str]:
-    """A word of a file's name, or what stands in it beside a word for a kind of motion: EW of accEW."""
+    """Return a word of a file name without the word for a kind of motion that it contains: EW of accEW."""
     words = name_words(word)
     return [one for one in words if not _kinds_of_words([one])] if _kinds_of_words(words) else [word]
 
 
 def name_words(stem: str) -> list[str]:
-    """The words of a file's name, as written, split at signs, digits and capitals within a word: RawAcc_E, accEW."""
+    """Return the words of a file name, split at signs, digits and capitals within a word: RawAcc_E, accEW."""
     return re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))
 
 
 def kind_of_name(file: SourceFile) -> str:
-    """The kind of motion that the name of a file, or of its folder, says it holds; empty where it says none or several.
+    """Return the kind of motion in the name of a file or of its folder; empty if there is none or more than one.
 
-    The suffix counts first, then the words. A letter (``rec_v.txt``) counts if the files of the two others lie beside.
+    The suffix has priority over the words. A letter (``rec_v.txt``) is used if the folder contains the files of the two
+    others.
     """
     path = file.path
     suffix = path.suffix[1:].lower()
@@ -131,12 +134,12 @@ def kind_of_name(file: SourceFile) -> str:
 
 
 def _kinds_of_words(words: list[str]) -> list[str]:
-    """Kinds that the words of a name say; a spectrum only by a word that is nothing else."""
+    """Return the kinds of motion in the words of a name; a spectrum only from an unambiguous word."""
     return list(dict.fromkeys(prose_kinds(plain(" ".join(words)), name=True)))
 
 
 def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
-    """A spectrum by the letters Sa, Sv or Sd in a name that is else that of a file of accelerations beside it."""
+    """Return "spectrum" for Sa, Sv or Sd in a name that otherwise equals that of a file of accelerations."""
     for match in _ORDINATE.finditer(path.stem):
         names = (f"{path.stem[: match.start()]}{acc}{path.name[match.end() :]}" for acc in ("acc", "Acc", "ACC"))
         if any(file.beside(name) is not None for name in names):
@@ -145,7 +148,7 @@ def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
 
 
 def _letter_of_three(file: SourceFile, path: PurePosixPath) -> str:
-    """The kind by the one letter in which three files of one folder differ; empty where there are no such three."""
+    """Return the kind from the letter in which three files of a folder differ; empty without three such files."""
     for match in _LETTER.finditer(path.name):
         found = match[0]
         others = [letter.upper() if found.isupper() else letter for letter in _LETTERS if letter != found.lower()]

@@ -1,4 +1,4 @@
-"""What the readers take from obspy, which is imported only when a file needs it: streams, directions, StationXML."""
+"""Reads streams, directions and StationXML through obspy, which is imported only when a file needs it."""
 
 import io
 import math
@@ -20,19 +20,19 @@ from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
 from rockpulse.warning_text import WarningText
 
-#: No news about the record: obspy's own future, and files that somebody else left open.
+#: Warnings that do not concern the record: on obspy's own future, and on files left open elsewhere.
 _NO_NEWS = (DeprecationWarning, FutureWarning, ResourceWarning)
-#: Python's filters of warnings are those of the whole process: blocks that overlap in two threads would leave theirs.
+#: Lock, as Python's filters of warnings belong to the process, and overlapping blocks of two threads would mix theirs.
 _ALONE = threading.RLock()
-#: SEED: from here on a dip means a vertical sensor, up to there a horizontal one [degrees].
+#: Smallest dip of a vertical sensor, and largest dip of a horizontal sensor in SEED [degrees].
 _STEEP, _FLAT = 60.0, 30.0
-#: A sensor called N or E may be this far from the axis, either way, before its name is doubted [degrees].
+#: Largest deviation of a sensor named N or E from its axis [degrees].
 _OFF_AXIS = 45.0
 
 
 @contextmanager
 def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
-    """A list of obspy's warnings, filled as the block ends; with `terminal` also of lines on standard error."""
+    """Collect obspy's warnings in a list, filled when the block ends; with `terminal` also lines on standard error."""
     notes: list[str] = []
     lost: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:
@@ -51,7 +51,7 @@ def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
 
 @contextmanager
 def _standard_error(wanted: bool) -> Iterator[list[str]]:
-    """Collect the lines that are written to file descriptor 2 within the block, if `wanted`."""
+    """Collect the lines that are written to file descriptor 2 in the ``with`` block, if `wanted`."""
     lines: list[str] = []
     if not wanted:
         yield lines
@@ -70,7 +70,7 @@ def _standard_error(wanted: bool) -> Iterator[list[str]]:
 
 
 def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
-    """The obspy Stream of a file, or of `content` in its place, and obspy's warnings; its errors are of the format."""
+    """Return the obspy Stream of a file (or of `content`) and obspy's warnings; its errors become RecordFormatError."""
     import obspy
 
     try:
@@ -91,12 +91,12 @@ def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) ->
 
 
 def codes_of(stats: Any) -> dict[str, Any]:
-    """The codes of a trace, as `build_record` and `Record` name them."""
+    """Return the codes of a trace under the names of `build_record` and `Record`."""
     return {code: stats[code] for code in ("network", "station", "location", "channel")}
 
 
 def utc_time(file: SourceFile, moment: Any) -> datetime:
-    """An obspy time as a datetime with ``tzinfo=UTC``."""
+    """Convert an obspy time to a datetime with ``tzinfo=UTC``."""
     try:
         return moment.datetime.replace(tzinfo=UTC)
     except (ValueError, OverflowError) as fault:
@@ -105,7 +105,7 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
 
 
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
-    """Direction from SEED's azimuth and dip [degrees; -90 is up], else the channel code; unknown if they contradict."""
+    """Return the direction from SEED azimuth and dip [degrees; -90 is up] or channel code; unknown if contradictory."""
     # But a code that says vertical counts against a dip of 0, which many a header leaves.
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
     dip = None if dip is None or not math.isfinite(dip) else float(dip)
@@ -129,7 +129,7 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
     return Direction("horizontal", azimuth, note=note if off > _OFF_AXIS else "")
 
 
-#: Descriptions of a StationXML channel that rockpulse writes beside its own miniSEED, and `Record.processed`.
+#: Descriptions of a StationXML channel that rockpulse writes with its own miniSEED, and `Record.processed` for each.
 PROCESSED = {
     "corrected accelerogram, written by rockpulse": True,
     "raw accelerogram, written by rockpulse": False,
@@ -142,7 +142,7 @@ Files = Sequence[tuple[str, bytes]]
 
 @lru_cache(maxsize=4)
 def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
-    """Station metadata and obspy's warnings; they serve all channels of a station, and a parse costs 10 ms and more."""
+    """Return station metadata and obspy's warnings, cached for all channels of a station, as parsing is slow."""
     import obspy
 
     try:
@@ -157,7 +157,7 @@ def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
 def _channels(
     name: str, content: bytes, network: str, station: str, location: str, channel: str
 ) -> Iterator[tuple[Any, str]]:
-    """The channels of these codes that have a sensitivity, each with the name of its station."""
+    """Return the channels with these codes that have a sensitivity, each with the name of its station."""
     if station.encode() not in content:
         return
     for net in _inventory(name, content)[0].select(network, station, location, channel):
@@ -168,9 +168,9 @@ def _channels(
 
 
 def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
-    """The one StationXML channel whose epoch holds the whole record, the name of its station, and obspy's warnings.
+    """Return the StationXML channel whose epoch contains the whole record, its station name, and obspy's warnings.
 
-    A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other.
+    A file with the stem of the miniSEED file has priority; a file written by rockpulse is used for no other stem.
     """
     stats = trace.stats
     files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]
@@ -214,7 +214,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
 
 
 def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bool:
-    """Whether a StationXML contradicts a channel of the same codes at a time that overlaps its epoch."""
+    """Return whether a StationXML contradicts a channel with the same codes and an overlapping epoch."""
     return any(
         _overlap(channel, other) and _gap(channel, other, full=False)
         for name, content in files
@@ -228,7 +228,7 @@ def _holds(channel: Any, start: Any, end: Any) -> bool:
 
 
 def _overlap(one: Any, other: Any) -> bool:
-    """Whether two epochs have a time in common; without a limit they are open."""
+    """Return whether two epochs overlap; a missing limit means an open end."""
     return not any(
         first.end_date and second.start_date and first.end_date < second.start_date
         for first, second in ((one, other), (other, one))
@@ -236,7 +236,7 @@ def _overlap(one: Any, other: Any) -> bool:
 
 
 def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
-    """Name of the property in which two channels differ, and its two values; None where they tell the same."""
+    """Return the name of the property in which two channels differ, and both values; None if they agree."""
     if full and one.response != other.response:
         return "responses", ""
     states = {True: "corrected", False: "raw", None: "unknown"}

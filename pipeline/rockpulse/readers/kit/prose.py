@@ -1,4 +1,4 @@
-"""What the prose above plain columns states: motion, unit, interval, count, peak, duration, scale, components."""
+"""Finds statements in the prose above plain columns: motion, unit, interval, count, peak, duration, components."""
 
 import re
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from rockpulse.readers.kit.kinds import plain, prose_kinds
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
 _LINE = 1000  # characters of a header line that are looked at
-#: Words for the past of a record, whose numbers are not those of the file.
+#: Pattern of words for the history of a record; numbers next to them do not describe the file.
 _PAST = re.compile(r"\b(?:convert|resampl|original|decimat|interpolat)")
 _SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|velocity[- ]pulses?\b|\bvs_?30\b")
 _PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")
@@ -47,12 +47,12 @@ _BRACKET = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")
 _ONE_UNIT = re.compile(r"[^\s,;)\]]{1,12}")
 
 
-#: Units of quantities that are no motion of the ground, or a motion before its gain.
+#: Pattern of units of quantities other than ground motion, or of a motion before its gain.
 _NO_UNIT = re.compile(
     r"[muµ]?v|(?:milli|micro)?volts?|counts?|cts|lsb|bits?|digits?|raw|adc|mm|cm|m|in|inch(?:es)?|ft|feet|k?n|[kmg]?pa|"
     r"bar|rad(?:/s2?)?|deg(?:/s)?|(?:micro)?strain|mm/s|cm/s|m/s|kine"
 )
-#: Words that may stand before "unit" where it is that of the samples.
+#: Pattern of words before "unit" that show that it is the unit of the samples.
 _OF_SAMPLES = re.compile(r"(?:acc\w*|data|samples?|values?|amplitude|physical|the|of|y|ordinates?|engineering|\W)*")
 _PEAKS = re.compile(
     r"(?<![a-z])(?:pga|peak(?: ground)? acc\w*|peak(?: value)?|a_?max|acc\.? ?max|max(?:imum|\.)? ?(?:abs\w* )?"
@@ -98,9 +98,9 @@ _NUMBERED = re.compile(
 
 
 class Statement(NamedTuple):
-    """A statement in a line of the header, from 1, as worded: an interval or duration [s], or a count.
+    """A statement of the header (its line from 1, and its words): an interval or duration [s], a count, or a unit.
 
-    The value of a unit is 1 where the word "unit" names it, else 0.
+    The value of a unit is 1 if the word "unit" names it, and 0 otherwise.
     """
 
     line: int
@@ -109,14 +109,14 @@ class Statement(NamedTuple):
 
 
 class Peak(NamedTuple):
-    """A peak that the prose states: its number as printed, and its unit as worded; empty where none is."""
+    """A peak stated in prose: its number as printed, and its unit as worded, which may be empty."""
 
     text: str
     unit: str = ""
 
 
 def stated_kinds(header: Sequence[str]) -> dict[str, int]:
-    """Kinds of motion that the prose of a header names, by word or by unit, with the first line of each, from 1."""
+    """Return the kinds of motion that a header names, by word or unit, with the first line of each, from 1."""
     found: dict[str, int] = {}
     for number, line in enumerate(header, 1):
         text = _SHEAR_WAVES.sub(" ", plain(line))
@@ -127,7 +127,7 @@ def stated_kinds(header: Sequence[str]) -> dict[str, int]:
 
 
 def _units(line: str) -> list[tuple[str, str]]:
-    """Quantity and unit that a line of prose states for the numbers; not those of a value or of a peak."""
+    """Return quantity and unit that a line of prose states for the samples, but not the unit of a value or peak."""
     line = line[:_LINE]
     text = plain(line)
     if _PEAK.search(text) or _PAST.search(text):
@@ -144,7 +144,7 @@ def _units(line: str) -> list[tuple[str, str]]:
 
 
 def _unit_words(text: str) -> list[tuple[str, bool]]:
-    """The words behind "in" and "unit" in a plain text, and whether it is the word "unit", in any language."""
+    """Return the words after "in" or "unit" (in any language) in a text, and whether they follow "unit"."""
     found = []
     for match in _UNIT.finditer(text):
         word = _ONE_UNIT.match(text, match.end())
@@ -153,7 +153,7 @@ def _unit_words(text: str) -> list[tuple[str, bool]]:
 
 
 def stated_units(header: Sequence[str]) -> list[Statement]:
-    """Units of acceleration that the prose of a header states; of value 1 where the word "unit" stands before them."""
+    """Return the units of acceleration that a header states, with value 1 if the word "unit" precedes them."""
     found = []
     for number, line in enumerate(header, 1):
         named = {word for word, with_word in _unit_words(plain(line)) if with_word}
@@ -163,7 +163,7 @@ def stated_units(header: Sequence[str]) -> list[Statement]:
 
 
 def other_units(header: Sequence[str]) -> list[Statement]:
-    """Units of the samples that are none of an acceleration (V, counts, mm), where the word "unit" names them."""
+    """Return units of the samples other than of acceleration (V, counts, mm), if the word "unit" names them."""
     found = []
     for number, line in enumerate(header, 1):
         text = plain(line)
@@ -179,7 +179,7 @@ def other_units(header: Sequence[str]) -> list[Statement]:
 
 
 def stated_steps(header: Sequence[str]) -> list[Statement]:
-    """Sampling intervals [s] that the prose of a header states; a bare ``200 Hz`` only if nothing else does."""
+    """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` is used only without any other."""
     named, bare = [], []
     for number, line in enumerate(header, 1):
         text = plain(line)
@@ -204,31 +204,31 @@ def _step_of_rate(match: re.Match[str]) -> float:
 
 
 def stated_counts(header: Sequence[str]) -> list[Statement]:
-    """Numbers of samples that the prose of a header states."""
+    """Return the numbers of samples that a header states."""
     counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(plain(line)))
     return [Statement(number, match[0], float(match[1] or match[2])) for number, match in counts]
 
 
 def surely_counts(said: Statement) -> bool:
-    """Whether a count is stated by words that mean nothing else, and is no number of a few values."""
+    """Return whether a count is stated in unambiguous words, and is not only a few values."""
     return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
 
 
 def stated_peaks(header: Sequence[str]) -> list[Peak]:
-    """Peaks of acceleration that the prose of a header states."""
+    """Return the peaks of acceleration that a header states."""
     matches = (match for line in header for match in _PEAKS.finditer(plain(line)))
     found = [(Peak(match["value"].replace(",", "."), _peak_unit(match)), match) for match in matches]
     return [peak for peak, match in found if match["power"] is None and (match["sign"] or peak.unit)]
 
 
 def _peak_unit(match: re.Match[str]) -> str:
-    """The unit of a stated peak; one that is none of an acceleration is left to say so, other words are none."""
+    """Return the unit of a stated peak, also if it is not one of acceleration; empty for other words."""
     words = [word for word in (match["before"], match["unit"]) if word]
     return next((word for word in words if quantity_of(word)), "")
 
 
 def stated_durations(header: Sequence[str]) -> list[Statement]:
-    """Lengths of the record [s] that the prose of a header states; not those of a part of it."""
+    """Return the lengths of the record [s] that a header states, but not lengths of parts of it."""
     found = []
     for number, line in enumerate(header, 1):
         text = plain(line)
@@ -238,24 +238,24 @@ def stated_durations(header: Sequence[str]) -> list[Statement]:
 
 
 def stated_scales(header: Sequence[str]) -> list[Statement]:
-    """Scale factors that the prose of a header states."""
+    """Return the scale factors that a header states."""
     matches = ((number, match) for number, line in enumerate(header, 1) for match in _SCALES.finditer(plain(line)))
     return [Statement(number, match[0], _value(match)) for number, match in matches]
 
 
 def positive_downwards(header: Sequence[str]) -> bool:
-    """Whether the prose of a header says that the vertical motion is positive downwards."""
+    """Return whether a header states that vertical motion is positive downwards."""
     return any(_DOWNWARDS.search(plain(line)) for line in header)
 
 
 def reversed_polarity(header: Sequence[str]) -> list[str]:
-    """A warning where the prose of a header says that the polarity is reversed."""
+    """Return a warning if a header states that the polarity is reversed."""
     lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(plain(line))]
     return [f"line {number} speaks of a reversed polarity; the sign is that of the file" for number in lines]
 
 
 def stated_direction(header: Sequence[str]) -> Direction:
-    """The one direction of a file of one column that its prose states: "component: N-S", "vertical component"."""
+    """Return the direction that the prose of a file with one column states: "component: N-S", "vertical component"."""
     found = []
     for line in header:
         for match in _ONE_COMPONENT.finditer(plain(line)):
@@ -265,20 +265,20 @@ def stated_direction(header: Sequence[str]) -> Direction:
 
 
 def stated_start(header: Sequence[str]) -> datetime | None:
-    """The time of the first sample [UTC] that the prose of a header states; None where none or its zone is unknown."""
+    """Return the time of the first sample [UTC] that a header states; None if it or its zone is unknown."""
     texts = (match[1].upper() for line in header if (match := _START.search(plain(line))))
     return next((moment for text in texts if (moment := written(text))), None)
 
 
 def stated_station(header: Sequence[str]) -> str:
-    """The name of the station that the prose of a header states; empty where none is."""
+    """Return the station name that a header states; empty if it states none."""
     return next((match[1] for line in header if (match := _STATION.match(line[:_LINE]))), "")
 
 
 def stated_columns(header: Sequence[str], width: int) -> list[str]:
-    """What the prose says of each of `width` columns: "components: E N Z", "Column 4: U/D component"; else nothing.
+    """Return the words on each of `width` columns, from "components: E N Z" or "Column 4: U/D component"; may be empty.
 
-    A list that is one shorter than the columns leaves the first to the times.
+    If a list has one item fewer than there are columns, the first column contains the times.
     """
     numbered: dict[int, str] = {}
     for line in header:

@@ -1,4 +1,4 @@
-"""From counts to acceleration, with the sensitivity or response of an instrument, of StationXML or an obspy Trace."""
+"""Converts counts to acceleration with the sensitivity or response of StationXML or of an obspy Trace."""
 
 import copy
 import math
@@ -15,32 +15,32 @@ from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
-#: Quantity that a unit without its prefix measures, and SI units per prefix.
+#: Quantity of each unit without its prefix, and factor of each prefix.
 _QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
 _PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
-#: Input units that a response may have: spelling without signs of powers, quantity, SI units per unit.
+#: Input units of a response, spelled without power signs, each with its quantity and SI units per unit.
 _MOTION = {prefix + word: (name, scale) for word, name in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()}
 _MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
-#: Units of sensors that share a station with accelerometers and record no motion of the ground.
+#: Units of sensors at the same stations that do not record ground motion.
 _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
-#: The stages of a response and its stated sensitivity may differ by this share before it is reported.
+#: Largest relative difference between the stages of a response and its stated sensitivity without a warning.
 GAIN_TOLERANCE = 0.05
-#: SI units as obspy spells them; it scales the others under some of their spellings only.
+#: SI units as spelled by obspy, which scales other units only in some spellings.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
-#: The response is removed where it is above this share of its largest value: noise grows at most by its inverse.
+#: Share of the largest response above which it is removed; noise grows at most by the inverse of this share.
 RESPONSE_FLOOR = 0.01
-#: Begin and end of the upper taper, as shares of the highest frequency of the pass band.
+#: Start and end of the upper taper, as shares of the highest frequency of the pass band.
 UPPER_TAPER = (0.8, 0.95)
-#: A pass band that begins above this [Hz] is reported: pulses near a fault last several seconds.
+#: Highest start of a pass band without a warning [Hz]: pulses near a fault last several seconds.
 LONG_PULSES = 0.05
-#: Half-waves longer than this share of the period at which the pass band begins lose 4 % of their impulse and more.
+#: Share of the period at the start of the pass band above which half-waves lose 4 % or more of their impulse.
 _WHOLE_IMPULSE = 0.2
 _LOOKS = 400  # frequencies at which the response is looked at
 
 
 @dataclass(frozen=True)
 class Removed:
-    """Samples without the response of the instrument, or as they are where only its sensitivity is used."""
+    """Samples without the response of the instrument, or unchanged if only its sensitivity is used."""
 
     samples: np.ndarray  # (n,) acceleration over `factor` [counts]
     factor: float | None  # m/s2 per count at the frequency of the sensitivity
@@ -49,7 +49,7 @@ class Removed:
 
 
 def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: str) -> Removed:
-    """Counts (n,) as acceleration by the response of the instrument; `way` is that of `ReadOptions.response`."""
+    """Convert counts (n,) to acceleration with the response of the instrument; `way` is a `ReadOptions.response`."""
     if way == "remove":
         removed = without_response(where, counts, dt, response)
         return replace(removed, warnings=(*clipping_warning(counts), *removed.warnings))
@@ -58,7 +58,7 @@ def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: s
 
 
 def sensitivity_factor(where: str, response: Any) -> float:
-    """m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel in messages."""
+    """Return m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel."""
     sensitivity = response.instrument_sensitivity
     if sensitivity is None or not sensitivity.value:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
@@ -75,7 +75,7 @@ def sensitivity_factor(where: str, response: Any) -> float:
 
 
 def sensitivity_notes(response: Any) -> list[str]:
-    """Warnings where a sensitivity is negative, or is not the product of the gains of the stages."""
+    """Return warnings if a sensitivity is negative, or differs from the product of the gains of the stages."""
     notes, value = _turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
     gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
     if not gains:
@@ -97,13 +97,13 @@ def _turned(sensitivity: Any) -> list[str]:
 
 
 def _spelled(unit: Any) -> str:
-    """An input unit in the spelling of `_MOTION`."""
+    """Return an input unit in the spelling of `_MOTION`."""
     word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
     return re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
 
 
 def measured(where: str, unit: Any) -> tuple[str, float]:
-    """The quantity that the input unit of a response measures, and SI units per unit."""
+    """Return the quantity that the input unit of a response measures, and SI units per unit."""
     word = _spelled(unit)
     if word in _NO_MOTION:
         raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
@@ -116,12 +116,12 @@ def measured(where: str, unit: Any) -> tuple[str, float]:
 
 
 def first_stage(response: Any) -> Any:
-    """The stage of a response that the ground motion enters."""
+    """Return the stage of a response whose input is the ground motion."""
     return min(response.response_stages, key=lambda stage: stage.stage_sequence_number)
 
 
 def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
-    """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration."""
+    """Remove the full response of an instrument from counts (n,) in the frequency domain, and return acceleration."""
     # No taper in time (it would eat a pulse near the ends), no water level (it would distort the pass band).
     import obspy
 
@@ -166,7 +166,7 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
 
 
 def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
-    """Input unit of a response, the quantity it measures, SI units per unit; refused where it cannot be removed."""
+    """Return input unit, quantity and SI units per unit of a response; raise an error if they are unusable."""
     from obspy.core.inventory.response import PolynomialResponseStage
 
     stages = response.response_stages
@@ -181,7 +181,7 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
 
 
 def _disagreement(where: str, response: Any, size: float, quantity: str, scale: float) -> list[str]:
-    """A warning where the stages, with `size` counts per unit, contradict the stated sensitivity."""
+    """Return a warning if the stages, with `size` counts per unit, contradict the stated sensitivity."""
     sensitivity = response.instrument_sensitivity
     if np.isnan(size):
         return []
@@ -195,10 +195,11 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
-    """Corners of the cosine taper in frequency [Hz]: zero below the first and from the fourth, one between the others.
+    """Return the corners of the cosine taper [Hz]: 0 below the first and above the fourth, 1 between the others.
 
-    Nothing is cut below if the instrument answers at zero frequency. Else the second is one cycle in the record, or
-    where the response rises above `RESPONSE_FLOOR` of its largest value if that is higher, and the first half of it.
+    Low frequencies are kept if the response at zero frequency is not zero. Otherwise the second corner is one cycle in
+    the record, or the frequency at which the response exceeds `RESPONSE_FLOOR` of its largest value if that is higher;
+    the first corner is half of it.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])
@@ -211,7 +212,7 @@ def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float
 
 
 def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Counts per m/s2 at one frequency, and per unit of ground motion at that of the stated sensitivity, or NaN."""
+    """Return counts per m/s2 at one frequency, and per unit of input at that of the stated sensitivity, or NaN."""
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:

@@ -1,4 +1,4 @@
-"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation."""
+"""Recognises equal spacing of sample times in spite of their rounding, or produces it by interpolation."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -21,24 +21,24 @@ from rockpulse.readers.kit.text import (
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.warning_text import WarningText
 
-#: A resampled record may have at most this many times the samples of the file.
+#: Largest ratio of the number of samples of a resampled record to that of the file.
 GROWTH_LIMIT = 10
-#: Rounding explains at most this share of a step; a missing row shows as half a step or more.
+#: Largest share of a step that rounding may explain; a missing row changes times by half a step or more.
 ROUNDING_SHARE = 0.2
-#: A step above this many medians is a gap if all others are equal.
+#: Ratio to the median step above which a step is a gap if all others are equal.
 LONG_STEP = 1.5
-#: Of a clock that jitters every step is longer than this share of the usual one; one that differs by more than the
-#: next share is odd, and fewer odd ones than the third share of all are damage.
+#: For a clock with jitter: smallest step as a share of the usual step; deviation, as a share, above which a step is
+#: odd; share of odd steps below which they are damage.
 _SHORT_STEP, _ODD_STEP, _FEW_ODD = 0.3, 0.001, 0.02
 _SAME_CLOCK = 0.01  # the mean interval of a clock may differ by this share from the one declared
 _SAME_STEP = 1.001  # two statements of one sampling interval differ by no more than this ratio
-#: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
+#: Largest possible time, which includes Unix time in ms [s]; larger ones may overflow.
 LATEST = 1e13
-#: Seconds in the units that may head a column of times.
+#: Seconds in each unit that a column of times may have.
 _SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MINUTES = 60.0
 _CLIMB = 20  # rows that no acceleration climbs without a fall, at equal steps
-#: A first column whose values fall at a smaller share of its changes than this can be no acceleration.
+#: Share of decreasing steps below which the first column cannot be an acceleration.
 TIME_FALLS = 0.05
 PAIRS_PER_ROW = 5
 _LONGEST_LINE = 400  # characters of what stands for a unit
@@ -47,7 +47,7 @@ _UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:on
 
 
 def _half_digit(times: np.ndarray) -> float:
-    """Half a unit of the last decimal that the times use [s]."""
+    """Return half a unit of the last decimal of the times [s]."""
     for decimals in range(9):
         if np.all(np.abs(times - np.round(times, decimals)) < 1e-9 * np.maximum(1.0, np.abs(times))):
             return 0.5 * 10.0**-decimals
@@ -55,13 +55,13 @@ def _half_digit(times: np.ndarray) -> float:
 
 
 def same_step(steps: Iterable[float]) -> bool:
-    """Whether some sampling intervals [s] are one, as printed with few digits."""
+    """Return whether sampling intervals [s] are equal within the rounding of few printed digits."""
     known = list(steps)
     return max(known) <= _SAME_STEP * min(known)
 
 
 def even_step(times: np.ndarray) -> float | None:
-    """Sampling interval [s] of increasing, even times (n,), as round as the printed digits allow; else None."""
+    """Return the interval [s] of increasing, equally spaced times (n,), rounded as their digits allow; else None."""
     if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]  # the digits of large times are of the first one
@@ -69,7 +69,7 @@ def even_step(times: np.ndarray) -> float | None:
 
 
 def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
-    """The interval of times that begin at 0, see `even_step`, each of them off by at most its rounding."""
+    """Return the interval of times that begin at 0 (see `even_step`) and deviate at most by their rounding."""
     steps = np.arange(times.size)
     mean = float(times[-1]) / (times.size - 1)
     tolerance = min(rounding, ROUNDING_SHARE * mean) + 0.01 * mean
@@ -81,7 +81,7 @@ def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
 
 
 def printed_at(times: np.ndarray, dt: float) -> bool:
-    """Whether times (n,) that never decrease are those of samples at interval `dt` [s], rounded however coarsely."""
+    """Return whether non-decreasing times (n,) are those of samples at interval `dt` [s], rounded to any precision."""
     if not (np.isfinite(dt) and dt > 0.0) or not np.all(np.abs(times) <= LATEST):
         return False
     times = times - times[0]
@@ -93,7 +93,7 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
 
 
 def long_step(times: np.ndarray) -> int | None:
-    """Index of the first long step, if increasing times (n,) are even once long steps are closed; else None."""
+    """Return the index of the first long step, if all other steps of increasing times (n,) are equal; else None."""
     if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]
@@ -112,10 +112,11 @@ def long_step(times: np.ndarray) -> int | None:
 def make_even(
     times: np.ndarray, samples: np.ndarray, name: str, first: int, per_row: int, gravity_per_unit: float
 ) -> tuple[np.ndarray, float, list[str]]:
-    """Equally spaced samples, the interval [s] and warnings, from times (n,) and samples (n,) of a digitised trace.
+    """Return equally spaced samples, interval [s] and warnings from times (n,) and samples (n,) of a digitised trace.
 
-    Unequal ones are interpolated linearly at the median interval; times that do not increase, and gaps, are refused.
-    Messages name a line, of `per_row` pairs from line `first` of `name` on, and peaks of `gravity_per_unit` g a unit.
+    Unequally spaced samples are interpolated linearly at the median interval; gaps and times that do not increase are
+    rejected. For messages, the file `name` contains `per_row` pairs per line from line `first`, and a unit is
+    `gravity_per_unit` g.
     """
     if times.size < 2:
         raise unexpected(f"{name}:{first}", "at least 2 samples", str(times.size), "the file may be truncated")
@@ -155,7 +156,7 @@ def make_even(
 
 @dataclass(frozen=True)
 class Block:
-    """Samples of one channel."""
+    """The samples of one channel with their interval and warnings."""
 
     samples: np.ndarray  # (n,) equally spaced accelerations [unit]
     dt: float  # sampling interval [s]
@@ -166,21 +167,21 @@ class Block:
 
     @property
     def peak(self) -> float:
-        """Largest absolute value as the file holds it [unit]."""
+        """Return the largest absolute value in the file [unit]."""
         return float(np.max(np.abs(self.values)))
 
     @property
     def duration(self) -> float:
-        """Time that the values of the file last, the step behind the last included [s]."""
+        """Return the duration of the values in the file, including the step after the last [s]."""
         return float(self.times[-1] - self.times[0]) + self.dt
 
     def noting(self, *warnings: str) -> "Block":
-        """The same samples with further warnings."""
+        """Return the same samples with further warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
 
 
 def declared_points(line: str, where: str) -> int:
-    """The number in a header line ``No. of Points = 11999``; RecordFormatError, with `where`, if there is none."""
+    """Return the number in a line ``No. of Points = 11999``; RecordFormatError, with `where`, if it is missing."""
     match = _POINTS.search(line)
     if not match:
         raise unexpected(where, "'No. of Points = N'", repr(line[:60].strip()))
@@ -188,13 +189,13 @@ def declared_points(line: str, where: str) -> int:
 
 
 def pair_unit(line: str, where: str) -> str:
-    """The key of `UNITS` in a header line ``Units are sec and g/10``; UnitError, with `where`, if there is none."""
+    """Return the key of `UNITS` in a line ``Units are sec and g/10``; UnitError, with `where`, if it is missing."""
     match = _UNIT.search(line)
     return canonical_unit((match[1] if match else line.strip())[:_LONGEST_LINE], where)
 
 
 def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
-    """Read the `count` pairs of one channel in ``lines[first:end]`` and make their spacing equal, see `make_even`."""
+    """Read the `count` pairs of one channel in ``lines[first:end]`` and make them equally spaced (see `make_even`)."""
     check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
     rows = -(-count // PAIRS_PER_ROW)
     block = lines[first : first + rows]
@@ -212,21 +213,22 @@ def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int
 
 
 def names_time(headings: Sequence[Heading]) -> bool:
-    """Whether the first column is headed as time."""
+    """Return whether the heading of the first column means time."""
     return bool(headings and headings[0].kind == "time")
 
 
 def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
-    """Whether the first column numbers the rows, 0 1 2 or 1 2 3, and is not headed as time."""
+    """Return whether the first column numbers the rows (0 1 2 or 1 2 3), and is not headed as time."""
     first = table[:, 0]
     counts = first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
     return bool(counts and not names_time(headings))
 
 
 def jitters(times: np.ndarray) -> bool:
-    """Whether rising times (n,) are those of a clock that jitters or drifts, none of them missing or damaged.
+    """Return whether rising times (n,) are those of a clock with jitter or drift, without missing or damaged ones.
 
-    No step is long or short as one beside a missing row, and many differ from the usual one, not one or two.
+    No step is as long as at a missing row or as short as at an additional one, and many steps differ from the usual
+    one.
     """
     steps = np.diff(times)
     usual = float(np.median(steps))
@@ -238,7 +240,7 @@ def jitters(times: np.ndarray) -> bool:
 
 
 def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, WarningText]:
-    """The columns (n, m) at equal steps from the first of rising times (n,) to the last, by splines; and the remark."""
+    """Return the columns (n, m), interpolated by splines at equal steps of the rising times (n,), and the warning."""
     from scipy.interpolate import CubicSpline
 
     step = float(times[-1] - times[0]) / (times.size - 1)
@@ -250,9 +252,10 @@ def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, War
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
 ) -> tuple[float | None, np.ndarray | None]:
-    """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded.
+    """Return the interval [s] of a first column that is time (equally spaced, or rounded at a `declared` interval).
 
-    The second value are the times [s] of a clock that jitters or drifts, whose mean interval the first is.
+    A column is time according to its heading, or if it hardly ever decreases. The second value contains the times [s]
+    of a clock with jitter or drift; the first is then their mean interval.
     """
     named = names_time(headings)
     unit = headings[0].unit.lower() if headings else ""
@@ -297,18 +300,19 @@ def time_column_step(
 
 
 def climbs(column: np.ndarray) -> bool:
-    """Whether a column runs like time, at equal steps."""
+    """Return whether a column increases in equal steps, as time does."""
     return bool(column.size >= _CLIMB and np.all(np.diff(column) > 0.0)) and even_step(column) is not None
 
 
 def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float:
-    """The one interval [s] that all sources, by name, give; refused where none does or they differ, with the advice."""
+    """Return the interval [s] on which all named sources agree; raise an error with `advice` if there is none."""
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(
             f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
             "none; give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or "
-            f"read(path, units='g', dt=0.01); beside files of other intervals {for_such_files(name, 'dt = 0.01')}"
+            "read(path, units='g', dt=0.01); if only some files have this interval, set it for them in "
+            f"{for_such_files(name, 'dt = 0.01')}"
         )
     for source, step in known.items():
         if not (np.isfinite(step) and step > 0.0):

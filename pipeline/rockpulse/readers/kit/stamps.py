@@ -1,4 +1,4 @@
-"""Times of day or dates and times in front of rows of numbers, turned into seconds from the first of them."""
+"""Converts times of day, or dates and times, before rows of numbers to seconds from the first of them."""
 
 import re
 from collections.abc import Sequence
@@ -6,7 +6,8 @@ from datetime import date, datetime
 
 from rockpulse.readers.kit.facts import written
 
-#: 2024-01-31T12:00:00.125Z, 2024/01/31,12:00:00,125, or the time of day alone, in quotes or not, and the delimiter.
+#: Pattern of 2024-01-31T12:00:00.125Z, 2024/01/31,12:00:00,125, or a time of day alone, quoted or not, with the
+#: delimiter.
 _STAMP = re.compile(
     r"[\s\"']{0,20}(?:(?:(?P<year>\d{4})[-/.](?P<month>\d\d)[-/.](?P<day>\d\d)|"
     r"(?P<first>\d\d)[/.-](?P<middle>\d\d)[/.-](?P<last>\d{4}))(?:T|[ ,;\t]\s{0,3}))?"
@@ -19,7 +20,7 @@ _NANO, _DIGITS = 10**9, 9
 
 
 def first_stamp(lines: Sequence[str]) -> int | None:
-    """Index of the first of several lines in a row that begin with a date and time, or a time of day."""
+    """Return the index of the first of several consecutive lines that begin with a date and time, or a time of day."""
     run = 0
     for index, line in enumerate(lines[:_LOOK_AT]):
         run = run + 1 if _STAMP.match(line) else 0
@@ -29,7 +30,7 @@ def first_stamp(lines: Sequence[str]) -> int | None:
 
 
 def without_stamps(lines: Sequence[str]) -> tuple[Sequence[str], datetime | None]:
-    """The lines with seconds from the first stamp in place of the stamps, and its time, UTC, if its zone is known."""
+    """Replace the stamps of lines by seconds from the first one; return also its UTC time if its zone is known."""
     first = first_stamp(lines)
     if first is None:
         return lines, None
@@ -50,7 +51,7 @@ def without_stamps(lines: Sequence[str]) -> tuple[Sequence[str], datetime | None
 
 
 def _nanoseconds(match: re.Match[str]) -> int | None:
-    """Nanoseconds of a stamp from the year 1, or from midnight; None where it is no date."""
+    """Return the nanoseconds of a stamp from the year 1, or from midnight; None if it is not a valid date."""
     try:
         day = date(int(match["year"]), int(match["month"]), int(match["day"])).toordinal() if match["year"] else 0
         if match["last"]:  # day first; a record that begins in the night of two days is rare

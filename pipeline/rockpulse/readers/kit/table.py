@@ -1,4 +1,4 @@
-"""Tables of plain numbers: layout, the numbers, lines of a count and an interval above them, one series in rows."""
+"""Reads tables of plain numbers: layout, numbers, count and interval above them, a series wrapped into rows."""
 
 import re
 from collections.abc import Sequence
@@ -9,13 +9,13 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.kit.text import check_count, free_numbers, unexpected
 
-#: Characters of the longest row of a table; a line beyond is none, whatever it holds.
+#: Length of the longest row of a table [characters]; a longer line is not a row.
 LINE_LIMIT = 10_000
 _HEADER_LIMIT = 60
 _LOOK_AHEAD = 5
-#: A field that is meant as a number, whether finite or not. Possessive: no field takes longer than its length.
+#: Pattern of a field that represents a number, finite or not. Its quantifiers are possessive, for linear time.
 NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eEdD][+-]?\d++)?|nan|[+-]?inf", re.IGNORECASE | re.ASCII)
-#: A line of words, as it stands behind numbers; one that begins with a number, or with nan, is a damaged row.
+#: Pattern of a line of words after numbers; a line that begins with a number, or with nan, is a damaged row.
 _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]{2}", re.IGNORECASE)
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
@@ -24,19 +24,19 @@ _OF_RSPMATCH = 3  # numbers of the line above the samples
 _PART = 2000  # rows that are read, and blamed, together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
-#: Rows that show how samples are written, and how a table runs on.
+#: Number of rows from which the layout of samples is recognised, and smallest number of rows of a series in rows.
 _LOOK_AT, FEWEST_ROWS = 50, 20
-#: Of a series in rows, the steps from value to value are smaller than those from row to row: their mean squares are
-#: in a ratio below this one, and above 1 for channels that have nothing to do with each other.
+#: Largest ratio of mean squares of the steps from value to value to those from row to row for a series wrapped into
+#: rows; for independent channels it exceeds 1.
 SMOOTHER = 0.5
-#: Of a series in rows, the step from the end of a row to the next is one like those in the row: the ratio of the mean
-#: squares is within this factor. Channels that move together have small steps in the row and larger ones behind it.
+#: For a series wrapped into rows, the ratio of mean squares of the steps between rows to those within rows is within
+#: this factor of 1. Channels that move together have small steps within a row and larger ones between rows.
 ALIKE = 1.8
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The beginning of the numbers and their separators."""
+    """The first row of the numbers, and their separators."""
 
     start: int  # index of the first row of numbers
     delimiter: str | None  # between the columns; None for blanks and tabs
@@ -45,7 +45,7 @@ class Layout:
 
 
 def split_row(line: str, delimiter: str | None) -> list[str]:
-    """Fields of a row without quotes; empty ones at the end, from a trailing delimiter, are dropped."""
+    """Return the fields of a row without quotes; empty fields after a trailing delimiter are dropped."""
     fields = [field.strip().strip('"') for field in line.strip().split(delimiter)]
     while len(fields) > 1 and not fields[-1]:
         fields.pop()
@@ -53,7 +53,7 @@ def split_row(line: str, delimiter: str | None) -> list[str]:
 
 
 def _find_delimiter(rows: Sequence[str]) -> str | None:
-    """The separator of the columns in rows of numbers; commas are decimal marks if blanks separate whole fields."""
+    """Return the delimiter of rows of numbers; commas are decimal marks if blanks separate complete fields."""
     if any(";" in row for row in rows):
         return ";"
     split = (split_row(row, None) for row in rows if "," in row)
@@ -62,7 +62,7 @@ def _find_delimiter(rows: Sequence[str]) -> str | None:
 
 
 def row_width(line: str, delimiter: str | None) -> int:
-    """Number of columns if the line holds numbers only, else 0."""
+    """Return the number of columns if the line contains only numbers, else 0."""
     if len(line) > LINE_LIMIT:
         return 0
     fields = split_row(line, delimiter)
@@ -70,7 +70,7 @@ def row_width(line: str, delimiter: str | None) -> int:
 
 
 def find_layout(lines: Sequence[str]) -> Layout | None:
-    """Find the first of the rows of numbers; the lines before it are the header."""
+    """Find the first row of numbers; the lines before it are the header."""
     for start in range(min(len(lines), _HEADER_LIMIT)):
         ahead = [line for line in lines[start + 1 : start + 1 + _LOOK_AHEAD] if line.strip()]
         rows = [lines[start], *ahead]
@@ -85,17 +85,17 @@ def find_layout(lines: Sequence[str]) -> Layout | None:
 
 
 def end_of_numbers(lines: Sequence[str], start: int) -> int:
-    """Index of the first line of words behind the numbers, which begin at `start`; the number of lines if none is."""
+    """Return the index of the first line of words after the numbers, which begin at `start`, or the number of lines."""
     return next((at for at in range(start, len(lines)) if _WORDS.match(lines[at])), len(lines))
 
 
 def as_float(text: str) -> float:
-    """The value of a field that is a `NUMBER`."""
+    """Return the value of a field that matches `NUMBER`."""
     return float(text.translate(_AS_PYTHON))
 
 
 def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, named: bool) -> None:
-    """Refuse commas that may be separators as well as decimal marks in rows from line `first` of a file on."""
+    """Raise an error if commas in the rows from line `first` may be delimiters as well as decimal marks."""
     points = any("." in row for row in rows)
     if layout.delimiter == "," and layout.width > 1 and not points and (layout.width == 2 or not named):
         expected = "to know whether a comma separates columns or marks decimals"
@@ -108,7 +108,7 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
 
 
 def read_table(name: str, rows: Sequence[str], layout: Layout, first: int) -> np.ndarray:
-    """The numbers (n, columns) of the rows; blank rows and separators at the end of a row do no harm."""
+    """Return the numbers (n, columns) of the rows; blank rows and trailing delimiters are ignored."""
     table = _numbers(rows, layout)
     if table is not None:
         return table
@@ -128,7 +128,7 @@ def _bare(row: str, layout: Layout) -> str:
 
 
 def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> RecordFormatError:
-    """The error for the first row that is not `width` finite numbers."""
+    """Return the error for the first row that does not consist of `width` finite numbers."""
     other = {",": ".", ".": ","}[layout.decimal]
     for index, line in enumerate(rows):
         row = _bare(line, layout)
@@ -144,7 +144,7 @@ def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> Recor
 
 
 def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
-    """All rows at once, (n, columns); None unless every row has its separators and its numbers."""
+    """Return all rows at once, (n, columns); None if a delimiter or a number is missing in any row."""
     if any(len(row) > LINE_LIMIT for row in rows):
         return None
     text = "\n".join(rows).replace('"', " ")
@@ -170,7 +170,7 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class Numbered:
-    """Index of the first row of samples, and the statements of the lines of numbers in front of it."""
+    """Index of the first row of samples, and the statements in the lines of numbers before it."""
 
     start: int
     count: int = 0  # rows, or values of a series in rows; 0 where no line says so
@@ -178,7 +178,7 @@ class Numbered:
 
 
 def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -> Numbered:
-    """Read ``N dt`` on one line (the DEEPSOIL layout) or two, in either order, or ``N`` alone; none of `timed` rows."""
+    """Read ``N dt`` on one line (DEEPSOIL) or two, in either order, or ``N`` alone; `timed` rows have no such lines."""
     # Of one column, the first value is the count if as many rows follow; of two, a line is a heading if the time would
     # run backwards after it.
     row = layout.start
@@ -208,7 +208,7 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
 
 
 def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
-    """Count and interval from one or two fields, in either order; 0 and None where they are no such numbers."""
+    """Return count and interval from one or two fields, in either order; 0 and None if they are not such numbers."""
     counts = [field for field in fields if _COUNT.fullmatch(field)]
     steps = [field for field in fields if _STEP.fullmatch(field)]
     if len(counts) > 1 or len(steps) > 1 or len(counts) + len(steps) != len(fields):
@@ -217,7 +217,7 @@ def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
 
 
 def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered | None:
-    """The count at the head of one column, with or without the interval."""
+    """Return the count at the start of a single column, with the interval if it is given."""
     rows = [index for index in range(layout.start, len(lines)) if lines[index].strip()]
     texts = [split_row(lines[index][:LINE_LIMIT], layout.delimiter)[0] for index in rows[:_LOOK_AT]]
     for used in (2, 1):
@@ -231,10 +231,11 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
 
 
 def runs_on(table: np.ndarray) -> bool:
-    """Whether the rows (n, columns) are one series in the order of reading, rather than channels side by side.
+    """Return whether the rows (n, columns) are one series wrapped into rows, rather than channels in columns.
 
-    Of m columns of one motion and noise, in mean squares of steps x to 1, the first ratio is (m + x)/(m (1 + x)), below
-    1/2 only for x > m/(m - 2), and the second 1 + x: both together refuse them.
+    For m columns of a common motion and noise, whose steps have mean squares in the ratio x, the first ratio is (m +
+    x)/(m (1 + x)), below 1/2 only for x > m/(m - 2), and the second is 1 + x, so that one of the two criteria is not
+    met.
     """
     if table.shape[0] < FEWEST_ROWS or table.shape[1] < 2:
         return False

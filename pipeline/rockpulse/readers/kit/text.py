@@ -1,4 +1,4 @@
-"""Text files: lines, statements by key, numbers of fixed width or between blanks, units, and the errors about them."""
+"""Reads text files: lines, statements by key, numbers of fixed width or separated by blanks, units; with errors."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -11,18 +11,18 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.source import NotAcceleration, OtherKind
 from rockpulse.record.record import STANDARD_GRAVITY
 
-#: Acceleration in m/s2 = value in the file x factor.
+#: Factor of each unit: acceleration in m/s2 = value in the file x factor.
 UNITS: dict[str, float] = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
 UNITS |= {"g": STANDARD_GRAVITY, "g/10": STANDARD_GRAVITY / 10.0}
 
-#: No line of a header is longer; a damaged one may be.
+#: Longest header line that is read [characters]; only damaged lines are longer.
 LONGEST_LINE = 200
-#: The advice in messages about a damaged header, another part of a file, its end.
+#: Advice in messages on a damaged header, on another damaged part of a file, and on a truncated file.
 HEADER_DAMAGED = "correct the line, or write the samples as columns with their unit"
 FILE_DAMAGED = "correct the file"
 LINE_DAMAGED = "correct the line"
 TRUNCATED = "the file may be truncated: download it again"
-#: The advice in messages about a file of another motion, or of another record too.
+#: Advice in messages on a file of velocity or displacement, and on a file of several records.
 ACCELERATION_FILE = "read the acceleration file of the same record"
 OWN_FILE = "write each record into a file of its own"
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
@@ -31,13 +31,13 @@ _EXPONENT_DIGITS = 4  # characters of the longest exponent of a number, its sign
 _NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
 _RAISED = str.maketrans("⁻²¹", "-21")
 _SECOND = r"s(?:ec(?:ond)?s?)?"
-#: Units of acceleration and velocity that are known wherever they stand; ``g`` and ``cm`` need a bracket.
+#: Pattern of units of acceleration and velocity in running text; ``g`` and ``cm`` are recognised only in brackets.
 _MENTIONED = re.compile(
     rf"(?<![a-z0-9])(?:(?:mm|cm|m)[ .·*]?{_SECOND}(?:\^|\*\*)?\(?-(?:(?P<squared>2)|1)\)?|"
     rf"(?:mm|cm|m)(?:/|p| per |/per/){_SECOND}(?P<again>[ /]?(?:\^|\*\*)?2| ?squared|[ /]{_SECOND})?|"
     rf"(?P<other>gals?|milli-?g|%g|(?:in|ft)/{_SECOND}(?:(?:\^|\*\*)?2|/{_SECOND}))|kines?)(?![a-z0-9])"
 )
-#: Spellings, as `_squeezed` leaves them, of the units that may head a column that is no acceleration.
+#: Units in headings of columns other than accelerations, in the spelling of `_squeezed`.
 _QUANTITIES = {
     "time": "s ms us µs min seg segundos sek sekunden secondi secondes sn saniye millis minutes minuten minuti",
     "velocity": "m/s cm/s mm/s in/s ft/s ms-1 cms-1 mms-1 m.s-1 cm.s-1 kine kines",
@@ -52,29 +52,29 @@ _CREDIBLE_PGA_G = (1e-3, 3.0)
 
 
 def unexpected(where: str, expected: str, found: str, advice: str = HEADER_DAMAGED) -> RecordFormatError:
-    """The error about a place of a file, ``file:line``, at which its format asks for something else."""
+    """Return the error for a place in a file, ``file:line``, at which the format requires something else."""
     return RecordFormatError(f"{where}: expected {expected}, found {found}; {advice}")
 
 
 def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELERATION_FILE) -> NotAcceleration:
-    """The error about a file, or a channel, of another motion; `where` is ``file:line``."""
+    """Return the error for a file or channel that contains velocity or displacement; `where` is ``file:line``."""
     return NotAcceleration(f"{where}: expected {expected}, found {found}; {advice}")
 
 
 def other_kind(where: str, kind: str) -> OtherKind:
-    """The error about a file whose name says that it holds another kind of motion, and whose content says none."""
+    """Return the error for a file whose name states another kind of motion and whose content states none."""
     advice = f"{ACCELERATION_FILE}, or give the file another name if it holds accelerations"
     return OtherKind(f"{where}: {kind}, as its name says, expected accelerations; {advice}")
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
-    """A group of a pattern that a text begins with; empty where the text begins otherwise."""
+    """Return a group of a pattern at the start of a text; empty if the text does not match."""
     match = pattern.match(text)
     return (match[group] or "") if match else ""
 
 
 class Entry(NamedTuple):
-    """The statement of a header about one key, and words in brackets behind the key."""
+    """The statement of a header for a key, and words in brackets after the key."""
 
     text: str = ""
     aside: str = ""
@@ -82,7 +82,7 @@ class Entry(NamedTuple):
 
 
 class Entries(dict[str, Entry]):
-    """The statements of a header by their keys; one that is missing is empty, in the line `end` of the file `name`."""
+    """The statements of a header by key; a missing one is empty, and is reported at line `end` of the file `name`."""
 
     def __init__(self, name: str, end: int = 1) -> None:
         super().__init__()
@@ -92,16 +92,16 @@ class Entries(dict[str, Entry]):
         return Entry(line=self.end)
 
     def text(self, key: str) -> str:
-        """The value of a key; empty where it is blank or missing."""
+        """Return the value of a key; empty if it is blank or missing."""
         return self[key].text
 
     def where(self, key: str) -> str:
-        """``file:line`` of a key."""
+        """Return ``file:line`` of a key."""
         return f"{self.name}:{self[key].line}"
 
 
 def text_lines(content: bytes) -> list[str]:
-    """Lines of a text file, at least one, in UTF-8 or else Latin-1, without blank ones and Ctrl-Z at the end."""
+    """Return the lines (at least one) of a file in UTF-8 or Latin-1, without blank lines and Ctrl-Z at the end."""
     content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
     if b"\r" in content:
         content = b"\n".join(line.rstrip(b"\r") for line in content.split(b"\n")).replace(b"\r", b"\n")
@@ -113,7 +113,7 @@ def text_lines(content: bytes) -> list[str]:
 
 
 def printed_number(text: str) -> tuple[float, float]:
-    """Value of a printed number and half a unit of its last digit: 39.1 and 0.05 of "3.91E+1"; else NaN and 0."""
+    """Return a printed number and half a unit of its last digit: 39.1 and 0.05 for "3.91E+1"; else NaN and 0."""
     mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
     value = float(text.lower().replace("d", "e") or "nan")
     # int() takes no thousands of digits.
@@ -123,7 +123,7 @@ def printed_number(text: str) -> tuple[float, float]:
 
 
 def check_count(where: str, declared: int, available: int, unit: str = "samples") -> None:
-    """Compare a declared count with what the file can hold, before anything is allocated."""
+    """Raise an error, before memory is allocated, if a declared count exceeds what the file can contain."""
     if declared < 1:
         raise RecordFormatError(f"{where}: expected a positive number of {unit} in the header, found {declared}")
     if available < declared:
@@ -131,7 +131,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
 
 
 def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
-    """Convert all fields at once, and look for the damaged one only if that fails."""
+    """Convert all fields at once; search for the damaged field only if this fails."""
     try:
         values = np.array(fields, dtype=float)
     except ValueError:
@@ -146,7 +146,7 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
-    """The first `count` numbers (n,) in columns of equal width; `lines[0]` is line `first` of the file `where`."""
+    """Return the first `count` numbers (n,) in columns of equal width; `lines[0]` is line `first` of file `where`."""
     if width < 1 or per_row < 1:
         found = f"{per_row} of {width} from line {first} on"
         raise unexpected(where, "fields of at least 1 character, at least 1 in a row", found)
@@ -161,7 +161,7 @@ def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, coun
 
 
 def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> None:
-    """Report a row whose length does not fit its fields or their number; rows come without blanks at the end."""
+    """Raise an error for a row whose length does not match its fields; rows have no trailing blanks."""
     rows = -(-count // per_row)
     full = width * per_row
     for index, row in enumerate(block):
@@ -178,7 +178,7 @@ def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, coun
 
 
 def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
-    """Numbers separated by blanks, any count per row, as one array (n,); `lines[0]` is line `first` of `where`."""
+    """Return the numbers (n,) of rows of any length, separated by blanks; `lines[0]` is line `first` of `where`."""
     joined = "\n".join(lines).encode("ascii", errors="replace")
     located = ((first + index, field) for index, line in enumerate(lines) for field in line.split())
     if joined.translate(None, _NUMBER_BYTES + b"\n\r\f\v"):
@@ -187,7 +187,7 @@ def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
 
 
 def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.ndarray:
-    """Rows of numbers separated by blanks as an array (rows, columns)."""
+    """Return rows of numbers separated by blanks as an array (rows, columns)."""
     row = next((row for row, line in enumerate(lines) if len(line.split()) != columns), None)
     if row is not None:
         raise unexpected(f"{where}:{first + row}", f"a row of {columns}", repr(lines[row][:60].strip()), LINE_DAMAGED)
@@ -195,7 +195,7 @@ def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.
 
 
 def canonical_unit(text: str, where: str) -> str:
-    """The key of `UNITS` that a spelling means; `where` is ``file:line`` or an option, for the UnitError."""
+    """Return the key of `UNITS` for a spelling; `where` is ``file:line`` or an option, for the UnitError."""
     unit = spelled_unit(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
@@ -212,14 +212,14 @@ def canonical_unit(text: str, where: str) -> str:
 
 
 def for_such_files(name: str, setting: str) -> str:
-    """The advice to give a property of files of one suffix only, as the configuration has it; many share its words."""
+    """Return the advice to give a property only for files of one suffix, in the form of the configuration."""
     last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
     pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
-    return f"for such files alone: [[records.file]], match = '{pattern}', {setting}"
+    return f"[[records.file]]: match = '{pattern}', {setting}"
 
 
 def for_other_files(option: str) -> str:
-    """The advice where an option of the command line contradicts a statement in a file."""
+    """Return the advice for an option of the command line that contradicts a statement in a file."""
     return (
         f"correct the wrong one; or, if {option} is meant for other files, give it for these alone ([[records.file]] "
         f"in the configuration), or convert them first, so that they state it (rockpulse convert FILE {option} -o "
@@ -233,18 +233,18 @@ def _squeezed(text: str) -> str:
 
 
 def spelled_unit(text: str) -> str:
-    """The spelling of a unit in `UNITS`, where it means one of them."""
+    """Return the key of `UNITS` that a spelling means, if there is one."""
     unit = re.sub(r"(?:/s/s|[.·]?s-2|/?per/?s2|ps2|(?<=m)/s/2|/s?squared)$", "/s2", _squeezed(text).replace("_", "/"))
     return {"gals": "gal", "(g)": "g", "g's": "g", "gs": "g"}.get(unit, unit)
 
 
 def quantity_of(text: str) -> str:
-    """Acceleration, velocity, displacement, time or frequency, which a unit alone measures; empty where it is none."""
+    """Return the quantity of a unit: acceleration, velocity, displacement, time or frequency; empty if unknown."""
     return "acceleration" if spelled_unit(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
 
 
 def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
-    """Units in running text such as ``acc_cm_s2``: "acceleration" or "velocity", the unit as written, its index."""
+    """Return each unit in running text such as ``acc_cm_s2``: "acceleration" or "velocity", its spelling, its index."""
     for match in _MENTIONED.finditer(text.lower().translate(_RAISED).replace("_", "/")):
         squared = match["again"] or match["squared"] or match["other"]
         wording = text[match.start() : match.end()] if text.isascii() else match[0]
@@ -252,7 +252,7 @@ def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
 
 
 def other_readings(peak: float, unit: str = "") -> str:
-    """The other units, in words, in which a peak in file units would be an ordinary acceleration, else the nearest."""
+    """Return, in words, the units in which a peak would be an ordinary acceleration, or the nearest unit."""
     low, high = _CREDIBLE_PGA_G
     own = UNITS.get(unit)
     others = {name: factor for name, factor in UNITS.items() if name != "gal" and factor != own}

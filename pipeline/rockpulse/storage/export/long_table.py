@@ -19,13 +19,13 @@ from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Dimensions that become columns, one for each label, if they are the only dimension beyond those of the table.
+#: Dimensions whose labels become columns, if a variable has no other dimension beyond those of the table.
 SPREAD = ("demand", "parameter")
 #: Dimension to which each index variable of a table refers.
 POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
 #: Coordinates of /summary to which an index may refer.
 LABELLED = ("record", "block", "model")
-#: Number of rows that are made at once.
+#: Largest number of rows that are built at once.
 CHUNK = 50_000
 
 
@@ -39,11 +39,11 @@ class TableColumn:
     words: dict[int, str]  # words of a flag; empty for other variables
     variable: xr.Variable  # not yet read
     labels: np.ndarray | None = None  # labels to which the values are an index; empty for -1
-    #: End of the part of each label along a ragged array; the value of the column is the label that owns the row.
+    #: End of the rows of each label in a ragged array; the value of the column is the label to which a row belongs.
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Return the values of rows, given by their positions along the dimensions of the table."""
+        """Return the values of rows, given by their indices along the dimensions of the table."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -56,7 +56,7 @@ class TableColumn:
 
 @dataclass(frozen=True, eq=False)
 class LongTable:
-    """A table whose rows are read on demand, while the file is open."""
+    """A table whose rows are read on demand while the file is open."""
 
     group: str
     dims: tuple[str, ...]  # one row per element along these
@@ -70,7 +70,7 @@ class LongTable:
 
     @property
     def per(self) -> str:
-        """Describe what each row stands for, such as "record and body"; empty if the group is a list of rows."""
+        """Describe what a row represents, such as "record and body"; empty if the group is a list of rows."""
         return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
 
     def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:
@@ -93,7 +93,7 @@ def long_table(
     selection: RowSelection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
-    """Make a long table of a group; the default dimensions are those of the largest variables."""
+    """Create a long table of a group; by default its dimensions are those of the variables with most dimensions."""
     selection = selection or RowSelection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
@@ -147,15 +147,15 @@ def results_table(
     group : str, optional
         Group of the file; by default the main one (`summary` of an assessment).
     dims : sequence of str, optional
-        Dimensions whose elements have a row each: ``["record"]`` lists the records; by default every result has a row.
+        Dimensions with one row for each element: ``["record"]`` lists the records; by default each result has a row.
     columns : sequence of str, optional
         Names of variables; all by default.
     record, block, model : str, optional
-        Keep only these names; * and ? stand for any letters.
+        Keep only these names; * and ? are wildcards.
     where : sequence of str
-        Conditions that all must hold: ``["outcome = overturns", "safety_factor < 0.5"]``.
+        Conditions that a row must meet: ``["outcome = overturns", "safety_factor < 0.5"]``.
     sort : str, optional
-        Variable by which the rows are sorted, smallest first; unknown values come last.
+        Variable by which the rows are sorted, smallest first; unknown values are last.
     descending : bool
         Sort the largest first.
     limit : int, optional
@@ -196,7 +196,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
 
 
 def _answers_to(column: TableColumn, name: str) -> bool:
-    """Whether a name is the heading of a column, or its variable without the label of the column."""
+    """Return whether a name is the heading of a column, or the name of its variable without the label."""
     return name in (column.name, column.name.partition("[")[0])
 
 
@@ -205,7 +205,7 @@ def _texts(variable: xr.DataArray) -> np.ndarray:
 
 
 def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """Return a column with the label or index along each dimension; none if the table is a plain list."""
+    """Return a column with the label or index for each dimension; none if the table is a plain list."""
     for dim in dims:
         if dim in dataset.coords:
             yield _column(dim, dataset.variables[dim])
@@ -215,7 +215,7 @@ def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableCo
 
 
 def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """Return columns with the owners of the rows of a ragged array."""
+    """Return columns with the labels to which the rows of a ragged array belong."""
     for variable in dataset.data_vars.values():
         dim = str(variable.attrs.get("sample_dimension", ""))
         if dim in dims:
@@ -262,7 +262,7 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 def _masks(
     dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: RowSelection
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], RowSelection]:
-    """Split off filters by names to which rows refer only by index, and return them with the rest of the selection."""
+    """Return masks for filters by names to which rows refer by index only, and the rest of the selection."""
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:

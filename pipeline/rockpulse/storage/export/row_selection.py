@@ -18,7 +18,7 @@ from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
 #: Largest number of known names in a message.
 LISTED = 12
 
-#: Variables by the headings that tables show.
+#: Variables by their headings in tables.
 SHOWN = {
     "P": "overturning_probability",
     "SF": "safety_factor",
@@ -67,7 +67,7 @@ class Condition:
         return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """Mask of the values that meet the condition; raises ResultsError if it does not fit the variable's type."""
+        """Return a mask of the values that meet the condition; raise ResultsError if it does not fit their type."""
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
                 alike = self._named(values.astype(str))
@@ -80,7 +80,7 @@ class Condition:
         return np.asarray(_COMPARISONS[self.comparison](values, self._number(self.value, flag_words(variable))))
 
     def _named(self, texts: np.ndarray) -> np.ndarray:
-        """Mask of the texts that equal or match one of the values, which are separated by "|"."""
+        """Return a mask of the strings that equal or match one of the values separated by "|"."""
         every, inverse = np.unique(texts, return_inverse=True)
         known = every.tolist()
         # A text may contain pattern characters, such as the brackets of "wall [north]" or the "|" of "A|B".
@@ -118,7 +118,7 @@ class RowSelection:
 
     @property
     def words(self) -> list[str]:
-        """Describe each part of the selection, for a heading or a README."""
+        """Describe each part of the selection in words, for a heading or a README."""
         told = [f"{dim} {' or '.join(patterns)}" for dim, patterns in self.names.items() if patterns]
         told += [f"{item.name} {item.comparison} {item.value}" for item in self.conditions]
         if self.sort is not None:
@@ -129,7 +129,7 @@ class RowSelection:
 
 
 def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Return positions of the labels that equal or match one of the patterns, or of all labels without patterns."""
+    """Return indices of the labels that equal or match one of the patterns, or of all labels without patterns."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}
@@ -145,13 +145,13 @@ def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str)
 
 
 def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
-    """Return an error that lists the known names in place of an unknown one; `what` is their kind."""
+    """Return an error for an unknown name that lists the known names; `what` is their kind."""
     within = [label for label in known if name.lower() in label.lower()]
     told = "there are:"
     if within:
         start = within[0].lower().index(name.lower())
         pattern = f"*{within[0][start : start + len(name)]}*"
-        told = f"{len(within)} of {len(known)} hold it, the pattern '{pattern}' takes:"
+        told = f"{len(within)} of {len(known)} names contain it; the pattern '{pattern}' selects:"
     listed = within or known
     shown = "\n".join(f"  {label}" for label in listed[:LISTED])
     more = f"\n  and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
@@ -164,10 +164,10 @@ def rows(
     selection: RowSelection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """Return positions (r,) of the rows of a table along each of `dims`, and their number without the limit.
+    """Return indices (r,) of the selected rows along each of `dims`, and their number without the limit.
 
-    A condition on a variable with more dimensions must hold at one position along them at least; such a variable sorts
-    by its smallest value (largest if `descending`) among those that meet all conditions and `masks`.
+    A condition on a variable with further dimensions must be met by at least one value along them; rows are sorted by
+    the smallest (largest if `descending`) of the values of such a variable that meet all conditions and `masks`.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
     key = None if selection.sort is None else _variable(dataset, selection.sort)
@@ -178,7 +178,7 @@ def rows(
     for dim in [*every, *(dim for dim in selection.names if dim not in every and selection.names[dim])]:
         patterns = selection.names.get(dim, ())
         if patterns and dim not in dataset.coords:
-            raise ResultsError(f"this table has no {dim}, by which it could be filtered")
+            raise ResultsError(f"this table has no {dim} to filter by")
         if patterns:
             among[dim] = positions_matching([str(label) for label in dataset[dim].values], patterns, dim)
         else:
@@ -189,7 +189,7 @@ def rows(
         if values.dtype.kind == "f" and values.size and np.isnan(values).all():
             beside = "; use factor_10, or assess with [search] intervals = true"
             why = beside if item.name == "safety_factor" else ""
-            raise ResultsError(f"{item.name}: expected a variable with values, found it unknown in every answer{why}")
+            raise ResultsError(f"{item.name}: all its values are unknown{why}")
         mask &= xr.DataArray(item.holds(variable, values), dims=variable.dims)
     for along, held in masks:
         mask &= xr.DataArray(held[np.ix_(*(among[dim] for dim in along))], dims=along)

@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-#: Largest number of rows of a sheet, including the headings.
+#: Largest number of rows of a worksheet, including the headings.
 SHEET_ROWS = 1_048_576
-#: The library that writes each kind of file, from the extra "tables".
+#: Suffix of each kind of file, and the library in the extra "tables" that writes it.
 TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
 
 def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
-    """Write all rows to the workbook or Parquet file `part`; call `seen` with every frame."""
+    """Write all rows to the workbook or Parquet file `part`; call `seen` with every frame of rows."""
     import pandas as pd
 
     if kind == ".parquet":
@@ -55,7 +55,7 @@ def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.Data
 
 #: Suffixes of CSV tables; the second is compressed.
 SUFFIXES = (".csv", ".csv.gz", *TYPED)
-#: Replacement of a line break inside a text, and the pattern of line breaks.
+#: Replacement of a line break inside a string, and the pattern of line breaks.
 LINE = " | "
 LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 
@@ -93,8 +93,8 @@ def write_table(
 ) -> tuple[Path, Path]:
     """Write a table and its README atomically, CSV in bounded memory, and return the paths of both.
 
-    `about` is the origin in the README, `on_rows` is called with numbers of rows written; `decimal_comma` writes
-    semicolons, decimal commas and a byte order mark; `raw` changes only the line breaks in texts.
+    `about` is the origin in the README, `on_rows` is called with the number of rows written; `decimal_comma` writes
+    semicolons, decimal commas and a byte order mark; `raw` changes only the line breaks in strings.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)
@@ -141,7 +141,7 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
 
 
 def _mark_encoding(path: Path, compressed: bool) -> None:
-    """Put a byte order mark, by which spreadsheets recognise UTF-8, before a text that is not ASCII."""
+    """Put a byte order mark, from which spreadsheets recognise UTF-8, before text that is not ASCII."""
     opened = gzip.open if compressed else open
     marked = path.with_name(f"{path.name}.marked")
     with ExitStack() as stack:
@@ -157,12 +157,12 @@ def _mark_encoding(path: Path, compressed: bool) -> None:
 
 
 def one_line(frame: pd.DataFrame) -> pd.DataFrame:
-    """Join texts of several lines into one line, so that each row is one line of the file."""
+    """Join strings with several lines into one line, so that each row is one line of the file."""
     return frame.assign(**{name: frame[name].str.replace(LINE_ENDS, LINE, regex=True) for name in _texts(frame)})
 
 
 def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
-    """Put texts on one line, escape control characters, and put an apostrophe before texts that look like formulas."""
+    """Join lines, escape control characters, and put an apostrophe before strings that look like formulas."""
     frame = one_line(frame)
     return frame.assign(
         **{
@@ -173,16 +173,16 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def table_csv(table: pd.DataFrame) -> bytes:
-    """Return a table as CSV with one header line, all digits of numbers, and texts made safe by :func:`safe_texts`.
+    """Return a table as CSV with one header line, all digits of numbers, and the strings of :func:`safe_texts`.
 
-    A text that is not ASCII begins with a byte order mark, by which spreadsheets recognise UTF-8.
+    Text that is not ASCII begins with a byte order mark, from which spreadsheets recognise UTF-8.
     """
     text = safe_texts(table).to_csv(index=False)
     return text.encode("utf-8" if text.isascii() else "utf-8-sig")
 
 
 def _texts(frame: pd.DataFrame) -> list[str]:
-    """Return the columns that contain texts."""
+    """Return the columns that contain strings."""
     return [str(name) for name, kind in frame.dtypes.items() if kind.kind in "OU" or str(kind) == "str"]
 
 

@@ -1,4 +1,4 @@
-"""Atomic writing: a file is written beside its target, flushed and renamed, and replaces only results."""
+"""Atomic writing: a temporary file is written beside the target, flushed and renamed; only results are replaced."""
 
 import glob
 import os
@@ -13,24 +13,24 @@ from rockpulse.errors import ResultsError
 
 #: Root attribute `kind` of the results of an assessment; files without it are assessments.
 ASSESSMENT = "assessment"
-#: Upper bound of the size of a file beyond its values, mostly names and attributes [bytes].
+#: Upper bound of the size of a file in addition to its values, mostly names and attributes [bytes].
 LAYOUT = 1024**2
 
-#: Suffixes of files that other verbs make of results, and the verb.
+#: Suffixes of files that other commands create from results, and the command.
 OTHERS = {
     **dict.fromkeys((".csv", ".tsv", ".txt", ".xls", ".xlsx"), ("a table", "export", ".csv")),
     **dict.fromkeys((".htm", ".html"), ("a report", "report", ".html")),
     **{suffix: ("a picture", "plot", suffix) for suffix in (".svg", ".png", ".pdf")},
 }
 
-#: Suffixes of other files that a user may name by mistake.
+#: Suffixes of other files that a user may give by mistake.
 TEXTS = (".toml", ".json", ".md", ".parquet")
 DAMAGED = "damaged file"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
-    """Return the file to write results to, links resolved; raise ResultsError if it cannot be written."""
+    """Return the path of a results file to write, with links resolved; raise ResultsError if it cannot be written."""
     target = Path(os.path.realpath(path))
     try:
         if target.exists():
@@ -50,13 +50,13 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
 def replacing(
     path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT, size: int = 0
 ) -> Iterator[Path]:
-    """Context manager that gives a temporary path; the file written there replaces the target at the end."""
+    """Yield a temporary path; the file written there replaces the target at the end of the ``with`` block."""
     target = check_target(path, overwrite, kind)
     free = shutil.disk_usage(target.parent).free
     if free < size + LAYOUT:
         raise ResultsError(
             f"{path}: the results take {(size + LAYOUT) / 1e6:.0f} MB, {free / 1e6:.0f} MB are free in "
-            f"{target.parent}; make room there"
+            f"{target.parent}; free some space there"
         )
     part = _part(target)
     try:
@@ -77,20 +77,20 @@ def replacing(
 
 
 def remove_parts(path: str | os.PathLike[str]) -> None:
-    """Remove temporary files of killed writers; call only if no other writer of this file can be running."""
+    """Remove temporary files left by killed writers; call only if no other process can be writing this file."""
     target = Path(os.path.realpath(path))
     for left in target.parent.glob(f".{glob.escape(target.name)}.{'[0-9a-f]' * 8}.part"):
         left.unlink()
 
 
 def journal_path(target: str | os.PathLike[str]) -> Path:
-    """Return the path of the journal of the run that writes a file (`rockpulse.run.journal`); links are followed."""
+    """Return the path of the journal (`rockpulse.run.journal`) of the run that writes a file; links are followed."""
     return Path(os.path.realpath(target) + ".journal")
 
 
 def kind_in_words(kind: str) -> str:
-    """Return a kind of file with its article."""
-    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+    """Return the name of a kind of file, with its article."""
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind} file"
 
 
 def _part(target: Path) -> Path:
@@ -105,20 +105,20 @@ def _check_name(path: Path) -> None:
         results = plain.with_suffix(".h5")
         raise ResultsError(
             f"{path}: expected the name of a results file (HDF5), such as {results}, found that of {what}, which is "
-            f"made of results afterwards: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+            f"made from results: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
         )
     if plain.suffix.lower() in TEXTS:
         results = plain.with_suffix(".h5")
         raise ResultsError(
             f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix}, "
-            "which says that the file holds something else"
+            "which is that of another kind of file"
         )
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
     """Raise ResultsError unless the target is a results file, so that a mistyped name never destroys other files."""
     if not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
+        raise ResultsError(f"{path}: expected the name of a results file, found something that is not a regular file")
     if not overwrite:
         journal = journal_path(target)
         going_on = f"; --overwrite together with --resume goes on with the run of {journal}" if journal.exists() else ""
@@ -137,13 +137,13 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
         )
     if found not in (kind, DAMAGED):
         raise ResultsError(
-            f"{path}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}, which is not replaced "
+            f"{path}: expected {kind_in_words(kind)}, found {kind_in_words(found)}, which is not replaced "
             "even with --overwrite; choose another name, or remove it by hand"
         )
 
 
 def _kind(target: Path) -> str | None:
-    """Return the kind of results in a file of rockpulse of any schema version; None for another file."""
+    """Return the kind of a results file of any schema version; None for any other file."""
     import h5py
 
     with target.open("rb") as file:
@@ -158,7 +158,7 @@ def _kind(target: Path) -> str | None:
 
 
 def flush(path: Path, mode: int) -> None:
-    """Flush a file or a folder from the system's buffers to the disk."""
+    """Flush a file or a folder from the buffers of the operating system to the disk."""
     handle = os.open(path, mode)
     try:
         os.fsync(handle)

@@ -14,19 +14,19 @@ from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
 from rockpulse.storage.variables.site import SITE_GROUPS, SITE_KIND
 
-#: Declared variables by kind of file and group; the sort of results of a group follows a comma.
+#: Declared variables by kind of file and group; a variant of a group is named after a comma.
 GROUPS: dict[str, dict[str, Declared]] = {
     ASSESSMENT: ASSESSMENT_GROUPS,
     FRAGILITY: FRAGILITY_GROUPS,
     SITE_KIND: SITE_GROUPS,
 }
 
-#: Groups that every file of a kind contains.
+#: Groups that every file of each kind contains.
 ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/records"}}
 
 
 def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
-    """Return a sentence on each variable (by path) whose type, shape or, with `units`, unit is not as declared."""
+    """Return a message for each variable (by path) whose type, shape or, with `units`, unit is not as declared."""
     for path, variable in variables.items():
         if is_bare_dimension(variable.attrs.get("NAME")):
             continue
@@ -42,7 +42,7 @@ def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: boo
 
 
 def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Iterator[str]:
-    """Return a sentence on each required variable that is missing in a file."""
+    """Return a message for each required variable that is missing in a file."""
     found = {path.replace(f"/{NOT_A_COORDINATE}", "/") for path in variables}
     present = {path.rpartition("/")[0] for path in found}
     for title, declared in GROUPS[kind].items():
@@ -73,16 +73,16 @@ def _difference(found: h5py.Dataset, expected: StoredVariable, units: bool) -> s
     return ""
 
 
-#: Largest number of groups and variables in a file; results have some hundreds.
+#: Largest number of groups and variables in a file; results have a few hundred.
 OBJECTS = 10_000
-#: Largest compression ratio of deflate, and size up to which a variable may be absent from the file [bytes].
+#: Largest compression ratio of deflate, and largest variable whose values may be absent from the file [bytes].
 PACKED, FREE = 1100, 1024**2
-#: HDF5 filters used in results; for others HDF5 would load plugins of the machine.
+#: HDF5 filters used in results; for others HDF5 would load plugins installed on the machine.
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
 
 
 def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
-    """Return every dataset of an open file by path; raise ResultsError for unsafe content before it is read."""
+    """Return every dataset of an open file by path; raise ResultsError for unsafe content before reading any."""
     found: dict[str, h5py.Dataset] = {}
     waiting, seen = [hdf5["/"]], {h5py.h5o.get_info(hdf5["/"].id).addr}
     while waiting:
@@ -91,7 +91,9 @@ def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
             path = f"{group.name.rstrip('/')}/{name}"
             where = f"{hdf5.filename}: {path}"
             if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                raise ResultsError(f"{where}: a link to somewhere else, which results do not have; it is not followed")
+                raise ResultsError(
+                    f"{where}: a link to another place, which results files do not contain; it is not followed"
+                )
             item = group[name]
             if isinstance(item, h5py.Dataset):
                 _check_dataset(where, item)
@@ -102,10 +104,12 @@ def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
                 raise ResultsError(f"{where}: expected a group or a variable, found a type")
             address = h5py.h5o.get_info(item.id).addr
             if address in seen:
-                raise ResultsError(f"{where}: this object stands in the file under another name too")
+                raise ResultsError(f"{where}: this object appears in the file under another name too")
             seen.add(address)
             if len(seen) > OBJECTS:
-                raise ResultsError(f"{hdf5.filename}: more than {OBJECTS} groups and variables, which no results have")
+                raise ResultsError(
+                    f"{hdf5.filename}: more than {OBJECTS} groups and variables, more than any results file has"
+                )
     return found
 
 

@@ -1,7 +1,7 @@
 """Reads netCDF-4 variables, dimensions and attributes from HDF5 with h5py only.
 
-A dimension is a dimension scale: the variable of the same name, or a dataset without values. xarray with h5netcdf takes
-several times as long for a hundred variables (docs/decisions/005).
+A dimension is stored as a dimension scale: the variable of the same name, or a dataset without values. xarray with
+h5netcdf takes several times as long for a hundred variables (docs/decisions/005).
 """
 
 from collections.abc import Hashable, Iterator, Mapping
@@ -29,7 +29,7 @@ class _Stored(BackendArray):
 
 
 def dataset_of(group: h5py.Group) -> xr.Dataset:
-    """Return a group of an open file, texts read and numbers read on demand; ValueError for an unnamed dimension."""
+    """Return a group of an open file; numbers are read on demand. Raise ValueError for an unnamed dimension."""
     variables: dict[Hashable, xr.Variable] = {
         one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
         for one in variables_of(group)
@@ -39,7 +39,7 @@ def dataset_of(group: h5py.Group) -> xr.Dataset:
 
 
 def read_tree(hdf5: h5py.File) -> xr.DataTree:
-    """Read all groups of an open file into memory; errors of h5py and :func:`dataset_of` are passed on."""
+    """Read all groups of an open file into memory; raise the errors of h5py and :func:`dataset_of`."""
     # Times stay plain seconds; xarray must not turn them into time deltas.
     return xr.DataTree.from_dict(
         {
@@ -67,9 +67,9 @@ HIDDEN = {
     "_nc3_strict",
 }
 
-#: Start of the NAME of a scale that is only a dimension; its size follows in ten columns.
+#: Start of the NAME of a scale that is a dimension without a variable; its size follows in ten columns.
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
-#: Prefix of a variable that has the name of a dimension but does not run along it.
+#: Prefix of a variable that has the name of a dimension but not that dimension.
 NOT_A_COORDINATE = "_nc4_non_coord_"
 
 
@@ -82,7 +82,7 @@ class Variable:
     scales: Mapping[h5py.Dataset, str]  # scales of its group and their names, which HDF5 is slow to find
 
     def dimensions(self) -> tuple[str, ...]:
-        """Names of its dimensions, from the attached scales; raises ValueError if one has no scale."""
+        """Return the names of its dimensions, from the attached scales; raises ValueError if one has no scale."""
         stored = self.stored
         if not stored.shape:
             return ()
@@ -115,13 +115,13 @@ def variables_of(group: h5py.Group) -> list[Variable]:
 
 
 def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
-    """Return the attributes of an object except the linking ones; an array of one value becomes this value."""
+    """Return the attributes of an object except links; an array with one value becomes this value."""
     held = item.attrs
     return {name: _plain(held[name]) for name in held if name not in HIDDEN}
 
 
 def is_bare_dimension(name: Any) -> bool:
-    """Whether the attribute NAME of a dataset marks it as a dimension without a variable."""
+    """Return whether the attribute NAME of a dataset marks it as a dimension without a variable."""
     return isinstance(name, bytes) and name.startswith(NO_VARIABLE.encode())
 
 
@@ -134,19 +134,19 @@ def _plain(value: Any) -> Any:
 
 
 def slab(variable: xr.Variable, positions: Mapping[Any, Any]) -> np.ndarray:
-    """Read values at positions (integers or a slice) along each dimension; unknown dimensions are ignored."""
+    """Read values at indices (integers or a slice) along each dimension; unknown dimensions are ignored."""
     box, inside = _box(variable, positions)
     return np.asarray(box.isel(inside).values)
 
 
 def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Read r single values, given by (r,) positions along each dimension."""
+    """Read r single values, given by (r,) indices along each dimension."""
     box, inside = _box(variable, places)
     return np.asarray(box.values[tuple(inside[dim] for dim in box.dims)])
 
 
 def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
-    """Return the box around positions, which HDF5 reads fast, and the positions relative to it."""
+    """Return the box around indices, which HDF5 reads fast, and the indices relative to it."""
     box: dict[Any, slice] = {}
     inside = {}
     for dim in variable.dims:
@@ -168,7 +168,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
 
 
 def flags_as_words(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Replace integer values of a flag by the words of :func:`flag_words`; numbers without a word stay numbers."""
+    """Replace integer values of a flag by the words of :func:`flag_words`; numbers without a word are unchanged."""
     codes, inverse = np.unique(values, return_inverse=True)
     names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
     return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-#: Version of the layout in docs/schema.md; files with another version are refused.
+#: Version of the layout in docs/schema.md; files with another version are rejected.
 SCHEMA_VERSION = "2.0"
-#: Kinds of files that can be read, and a group that each contains.
+#: Kinds of files that can be read, and a group that identifies each.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
-#: Command that makes each kind of file.
+#: Command that creates each kind of file.
 VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility"}
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
@@ -87,13 +87,13 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def given_results(results: xr.DataTree | str | os.PathLike[str]) -> xr.DataTree:
-    """A tree of results as it is, or that of a file, as of :func:`load`."""
+    """Return a tree of results unchanged, or read it from a file with :func:`load`."""
     return load(results) if isinstance(results, str | os.PathLike) else results
 
 
 @contextmanager
 def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict[str, h5py.Dataset]]]:
-    """Open a results file of this schema; return it with its kind (a key of `KINDS`) and its datasets by path."""
+    """Open a results file of this schema version; return it, its kind (a key of `KINDS`) and its datasets by path."""
     import h5py
 
     from rockpulse.storage.hdf5.layout import checked_datasets
@@ -113,8 +113,8 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
             ) from error
         except (OSError, RuntimeError, KeyError) as error:
             raise ResultsError(
-                f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file "
-                f"({error}); records are assessed with 'rockpulse assess'"
+                f"{path}: not a rockpulse results file, or damaged (HDF5: {error}); create one with 'rockpulse "
+                "assess', or restore a copy"
             ) from error
         if not known:
             raise ResultsError(
@@ -131,22 +131,20 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
-    """Open a results file and check its variables against docs/schema.md; return it and its kind; errors as `load`."""
+    """Open a results file and check its variables (docs/schema.md); return it and its kind; errors as in `load`."""
     from rockpulse.storage.hdf5.layout import wrong_variables
 
     with checked(path) as (hdf5, kind, datasets):
         with damage_reported(path):
             wrong = next(wrong_variables(datasets, kind, units=False), "")
         if wrong:
-            raise ResultsError(
-                f"{path}: {wrong}; 'rockpulse verify' says what else is not as it was written, run the assessment again"
-            )
+            raise ResultsError(f"{path}: {wrong}; 'rockpulse verify' lists every change; run the assessment again")
         yield hdf5, kind
 
 
 @contextmanager
 def damage_reported(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Context manager that turns errors from a damaged file into ResultsError."""
+    """Convert errors from a damaged file to ResultsError in a ``with`` block."""
     try:
         yield
     except RockpulseError:
@@ -155,12 +153,12 @@ def damage_reported(path: str | os.PathLike[str]) -> Iterator[None]:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
-#: Separator of time and version in a line of the attribute `history`.
+#: Separator between time and version in a line of the attribute `history`.
 WRITTEN_BY = " written by rockpulse "
 
 
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return root attributes that state the origin of a file; existing ones, such as a title, are kept."""
+    """Return root attributes that state the origin of a file; existing attributes, such as a title, are kept."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}{WRITTEN_BY}{__version__}"
     before = attrs.get("history")
     return {
@@ -182,7 +180,7 @@ def _versions() -> dict[str, str]:
 
 
 def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
-    """Restore a dataset as it was saved: strings without object type, no encoding of the old file, no checksums."""
+    """Restore a dataset to its state before saving: strings without object type, no old encoding, no checksums."""
     from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
 
     strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
@@ -219,13 +217,13 @@ class ResultsFile:
                     self._opened[group] = dataset_of(self._hdf5[group])
             except (KeyError, ValueError) as error:  # a dimension is missing
                 raise ResultsError(
-                    f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
-                    "the assessment again"
+                    f"{self.path}: /{group} was changed or damaged ({error}); 'rockpulse verify' lists every change; "
+                    "run the assessment again"
                 ) from error
         return self._opened[group]
 
     def tree(self, *groups: str) -> xr.DataTree:
-        """Return those of the named groups that exist (by default all) as a tree whose values are not yet read."""
+        """Return the existing groups among the named ones (by default all) as a tree; values are read on demand."""
         import xarray as xr
 
         chosen = [name for name in groups or self.groups if name in self.groups]
@@ -235,7 +233,7 @@ class ResultsFile:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Context manager that turns errors of HDF5 from a damaged file into ResultsError."""
+        """Convert errors of HDF5 from a damaged file to ResultsError in a ``with`` block."""
         try:
             yield
         except (OSError, RuntimeError) as error:
@@ -247,7 +245,7 @@ class ResultsFile:
 
 
 def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:
-    """A tree of results as a results file that is open; `name` is its path in messages."""
+    """Return a tree of results in memory as an open results file; messages use `name` as its path."""
     groups = {str(group): node.to_dataset() for group, node in tree.children.items()}
     attrs = {str(key): value for key, value in tree.attrs.items()}
     return ResultsFile(Path(name), str(attrs.get("kind", ASSESSMENT)), attrs, tuple(groups), None, groups)
@@ -255,7 +253,7 @@ def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:
 
 @contextmanager
 def open_results(path: str | Path) -> Iterator[ResultsFile]:
-    """Open a results file for reading on demand; errors as :func:`rockpulse.load`."""
+    """Open a results file for reading on demand; errors as in :func:`rockpulse.load`."""
     import h5py
 
     with opened(path) as (hdf5, kind):

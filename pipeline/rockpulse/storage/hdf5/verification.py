@@ -1,4 +1,4 @@
-"""Verification that a results file, and with `inputs` its input files, are unchanged."""
+"""Verification that a results file, and on request its input files, are unchanged."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -22,13 +22,13 @@ from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
 from rockpulse.storage.hdf5.results_file import checked, damage_reported
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
 
-#: Size of values that are read at once [bytes].
+#: Amount of data that is read at once [bytes].
 CHUNK = 32 * 1024**2
 
 
 @dataclass(frozen=True)
 class Verification:
-    """The result of comparing a results file and its inputs with their checksums."""
+    """The result of the comparison of a results file and its inputs with their checksums."""
 
     kind: str  # kind of results
     schema: str  # schema version
@@ -74,7 +74,7 @@ def verify(
 
 
 def _listed(hdf5: h5py.File) -> _Listed:
-    """List the content of a file; "?" stands for a dimension without a name, as other programs may write it."""
+    """List the content of a file; a dimension without a name, as other programs may write, is listed as "?"."""
     file = _Listed()
     for group in groups_of(hdf5):
         file.attrs[group.name] = attributes(group)
@@ -105,14 +105,14 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
             found.append(f"variable {path}: it cannot be read ({error})")
             continue
         if not same:
-            found.append(f"variable {path}: its values are not what was written")
+            found.append(f"variable {path}: its values were changed")
     if attributes_checksum(file.attrs, file.dimensions) != of_all:
-        found.append("attributes, or names and dimensions of variables, are not what was written")
+        found.append("attributes, or names and dimensions of variables, were changed")
     return found, len(file.variables)
 
 
 def _checksum(variable: h5py.Dataset) -> str:
-    """Compute the checksum of the present values, read in pieces."""
+    """Compute the checksum of the current values, read in pieces."""
     dtype = np.dtype(object) if h5py.check_string_dtype(variable.dtype) else np.dtype(variable.dtype)
     shape = variable.shape
     checksum = VariableChecksum(dtype, shape)
@@ -126,7 +126,7 @@ def _checksum(variable: h5py.Dataset) -> str:
 
 
 def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
-    """Return the stored files of every record of an open results file and their SHA-256."""
+    """Return the stored input files of every record in an open results file, and their stored SHA-256."""
     groups = [
         item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
     ]
@@ -148,7 +148,7 @@ def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
 
 
 def record_folders(configuration: str) -> list[Path]:
-    """Return folders to which the file names of a run may be relative, from the stored configuration."""
+    """Return folders to which stored file names may be relative, from the stored configuration."""
     try:
         named = stored_sections(configuration).get("records", {}).get("paths", ())
     except ResultsError:
@@ -158,13 +158,13 @@ def record_folders(configuration: str) -> list[Path]:
 
 
 def existing_path(source: str, folders: Iterable[Path]) -> str:
-    """Return a file's path as stored, or its path below one of the folders if it exists only there."""
+    """Return the stored path of a file, or its path below one of the folders if the file exists only there."""
     named = (source, *(str(folder / source) for folder in folders))
     return next((name for name in named if _there(_location(name)[0])), source)
 
 
 def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
-    """Split the files of a record and their checksums; equal checksums are stored once."""
+    """Split the stored files of a record and their checksums; equal checksums are stored once."""
     checksums = checksum.split(BETWEEN)
     names = [source] if len(checksums) == 1 and _there(_location(source)[0]) else source.split(BETWEEN)
     if len(checksums) == 1:
@@ -175,12 +175,12 @@ def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
 
 
 def _there(path: str | Path) -> bool:
-    """Whether a file exists; a name that is too long or an unreadable folder counts as missing."""
+    """Return whether a file exists; a name that is too long or an unreadable folder counts as missing."""
     return os.path.exists(path)  # noqa: PTH110 - Path.exists raises for these
 
 
 def _location(source: str) -> tuple[Path, str | None]:
-    """Return the file on disk, and the member if it is an archive; file names may also contain "!"."""
+    """Return the file on disk, and the member if the file is an archive; file names may also contain "!"."""
     if "!" in source and not _there(source):
         archive, _, member = source.partition("!")
         while not _there(archive) and "!" in member:
@@ -191,7 +191,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield each of the sorted files with its present SHA-256, the error on reading it, or None if it is missing."""
+    """Yield each of the sorted files with its current SHA-256, the error on reading it, or None if it is missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

@@ -64,7 +64,7 @@ class TreeWriter:
         self._set(path, group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
-        """Add a variable, such as "/summary/pga", without its values; `dtype` may be a text type."""
+        """Add a variable, such as "/summary/pga", without its values; `dtype` may be a string type."""
         group, _, name = path.rpartition("/")
         group = group or "/"
         if dtype.kind == "b":
@@ -107,14 +107,14 @@ class TreeWriter:
             self._variables[path][begin : begin + len(values)] = values
 
     def read(self, path: str, begin: int, end: int) -> np.ndarray:
-        """Read written values along the first dimension from `begin` to before `end`; texts as numpy strings."""
+        """Read written values from index `begin` to `end` - 1 of the first dimension, strings as numpy strings."""
         variable = self._variables[path]
         if h5py.check_string_dtype(variable.dtype):
             return np.asarray(variable.asstr()[begin:end]).astype(str)
         return np.asarray(variable[begin:end])
 
     def _complete(self) -> None:
-        """Set the checksums, and mark the file with its writer."""
+        """Write the checksums and the name of the writer to the file."""
         for path, checksum in self._checksums.items():
             shape = self._shapes[path]
             if shape and self._written[path] != shape[0]:
@@ -125,19 +125,19 @@ class TreeWriter:
         self._hdf5.attrs["_NCProperties"] = np.bytes_(versions)
 
     def _create(self, path: str, shape: tuple[int, ...], dtype: Any, fill: np.ndarray | None = None) -> h5py.Dataset:
-        """Create an HDF5 dataset; a dimension of size zero becomes unlimited."""
+        """Create an HDF5 dataset; a dimension with size zero becomes unlimited."""
         most = {"maxshape": tuple(size or None for size in shape)} if 0 in shape else {}
         value = None if fill is None else fill[0]
         return self._hdf5.create_dataset(path, shape, dtype, fillvalue=value, track_order=True, **most)
 
     def _make_scale(self, group: str, dim: str, scale: h5py.Dataset, name: str) -> None:
-        """Make a dataset the scale of a dimension."""
+        """Turn a dataset into the scale of a dimension."""
         scale.attrs["_Netcdf4Dimid"] = np.int32(self._numbers[group, dim])
         scale.make_scale(name)
         self._scales[group, dim] = scale
 
     def _take_place(self, group: str, dim: str, dtype: Any, fill: np.ndarray | None) -> h5py.Dataset:
-        """Replace the dataset of a dimension by the variable of the same name, and keep what was attached to it."""
+        """Replace the dataset of a dimension by the variable of the same name, and keep the attached datasets."""
         before = self._scales[group, dim]
         attached = [
             (self._variables[path].id, dims.index(dim))
@@ -155,7 +155,7 @@ class TreeWriter:
         return scale
 
     def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
-        """Write attributes of a group or variable; a number becomes a list of one, as netCDF requires."""
+        """Write attributes of a group or variable; a number becomes a list with one element, as netCDF requires."""
         held, stored = self._attrs.setdefault(path, {}), item.attrs
         for key, value in attrs.items():
             name = str(key)
@@ -201,7 +201,7 @@ def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
 def add_dataset(
     writer: TreeWriter, path: str, dataset: xr.Dataset, attrs: Mapping[str, Any], sizes: Mapping[str, int] | None = None
 ) -> None:
-    """Add a group with the variables of a dataset, without their values; `sizes` replaces those of the dataset."""
+    """Add a group with the variables of a dataset, without values; `sizes` overrides dimensions of the dataset."""
     writer.add_group(path, {**{str(dim): size for dim, size in dataset.sizes.items()}, **(sizes or {})}, attrs)
     # CF: variables name their coordinates that are not dimensions.
     further = {name: set(dataset[name].dims) for name in dataset.coords if name not in dataset.dims}
@@ -216,7 +216,7 @@ def add_dataset(
 
 
 def in_utf8(text: str) -> str:
-    """Return the text for HDF5: bytes outside UTF-8, possible in file names, become the replacement character."""
+    """Return a string for HDF5: bytes that are not UTF-8, possible in file names, become the replacement character."""
     return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\0", "\ufffd")
 
 
@@ -231,7 +231,7 @@ CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 
 class VariableChecksum:
-    """Checksum of a variable whose values, numbers or texts (dtype of kind U or O), are added in pieces."""
+    """Checksum of a variable whose values, numbers or strings (dtype of kind U or O), are added in pieces."""
 
     def __init__(self, dtype: np.dtype[Any], shape: tuple[int, ...]) -> None:
         self._text = dtype.kind in "UO"
@@ -251,7 +251,7 @@ class VariableChecksum:
 
 
 def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapping[str, Sequence[str]]) -> str:
-    """Return the checksum of all attributes by path, including the checksums of variables, and of dimension names."""
+    """Return the checksum of all attributes, including the checksums of variables, and of dimension names."""
     lines = [f"{path} {' '.join(dimensions[path])}" if path in dimensions else path for path in attrs]
     for path, own in attrs.items():
         for name, value in own.items():

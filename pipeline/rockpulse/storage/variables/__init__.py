@@ -1,4 +1,4 @@
-"""Declarations of the variables of results files, shared by writing, checking and documentation."""
+"""Declarations of the variables of results files, used by the writer, the checks and the documentation."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class StoredVariable:
     kind: type  # str, int, float, or int8 for flags
     units: str
     long_name: str
-    #: Function that gives the values in an assessment: from a `RecordAssessment` if the first dimension grows with the
-    #: records, else from bodies and configuration. None if they are computed from other variables.
+    #: Function that returns the values in an assessment: from a `RecordAssessment` if the first dimension grows with
+    #: the records, else from bodies and configuration. None if they are computed from other variables.
     take: Callable[..., Any] | None = None
     _: KW_ONLY
     dims: tuple[str, ...] = ()  # without `case` if every block has one restitution
@@ -42,7 +42,7 @@ class StoredVariable:
 
     @property
     def absent(self) -> Any:
-        """Value for missing data: NaN, an empty text or -1."""
+        """Value for missing data: NaN, an empty string or -1."""
         return {float: np.nan, str: ""}.get(self.kind, -1)
 
     def values(self, values: Any) -> np.ndarray:
@@ -69,7 +69,7 @@ Declared = Mapping[str, StoredVariable]
 
 
 def text(long_name: str, take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
-    """Declare a variable of texts."""
+    """Declare a variable of strings."""
     return StoredVariable(str, "1", long_name, take, **more)
 
 
@@ -86,7 +86,7 @@ def whole(long_name: str, take: Callable[..., Any] | None = None, **more: Any) -
 def flag(
     words: Iterable[str], long_name: str, take: Callable[..., Any] | None = None, first: int = 0, **more: Any
 ) -> StoredVariable:
-    """Declare a variable whose integer values, counted up from `first`, stand for words."""
+    """Declare a variable whose integer values, starting at `first`, represent words."""
     return StoredVariable(np.int8, "1", long_name, take, words=tuple(words), first=first, **more)
 
 
@@ -97,7 +97,7 @@ def along(
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """Declare variables along the same dimensions; `by` makes the `take` of each from its name unless it has one."""
+    """Declare variables along the same dimensions; `by` creates a missing `take` of a variable from its name."""
     return {
         name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()
@@ -105,7 +105,7 @@ def along(
 
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:
-    """Return every declared variable with its values; raise KeyError for a variable without values or vice versa."""
+    """Return every declared variable with its values; raise KeyError for a missing or an undeclared variable."""
     if unmatched := declared.keys() ^ values.keys():
         raise KeyError(f"not both declared and given: {', '.join(sorted(unmatched))}")
     return {name: variable.variable(values[name]) for name, variable in declared.items()}
@@ -115,13 +115,13 @@ FAILURE = along(
     ("failure",),
     file=text("file"),
     stage=text("step at which it was left"),
-    reason=text("why, and what to do"),
+    reason=text("reason, and what to do"),
     kind=text("failed, skipped, duplicate, depth, vertical or structural"),
 )
 
 
 def failure_table(failures: Iterable[Failure]) -> xr.Dataset:
-    """Make the node /failures of a file of any kind."""
+    """Create the node /failures of a file of any kind."""
     import xarray as xr
 
     rows = list(failures)

@@ -15,7 +15,7 @@ GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "
 
 
 def _column(table: str, pick: Callable[[Any], np.ndarray]) -> Callable[[Any], np.ndarray]:
-    """Make a function that returns a column of a table of an assessed record, joined over its models."""
+    """Return a function that reads a column of a table of an assessed record, joined over its models."""
 
     def taken(one: Any) -> np.ndarray:
         found = [pick(rows) for rows in getattr(one, table)]
@@ -64,12 +64,12 @@ OVERTURNING = along(
     open=flag(NO_YES, "whether the block still overturns at the end of the search"),
     resolved=flag(
         NO_YES,
-        "whether the model can answer at the lower end",
-        explanation="no: from `lower` on it cannot, as in free flight, which counts as overturning",
+        "whether the model gives a result at the lower end",
+        explanation="no: from `lower` on it gives none, as in free flight, which counts as overturning",
     ),
 )
 
-#: Variables of each pair of channels in a sweep over direction, computed from those of /summary.
+#: Variables of each pair of channels in a sweep over direction, computed from the variables of /summary.
 DIRECTIONS: Declared = {
     "pair": text("the two channels that were rotated", dims=("pair",)),
     "direction_azimuth": real(
@@ -99,7 +99,7 @@ DIRECTIONS: Declared = {
             "NaN where one has no answer"
         ),
         largest_azimuth=real(
-            "azimuth of the largest rotation; of several that overturn, of the first to do so", "degree"
+            "azimuth of the largest rotation; of the first to overturn if there are several", "degree"
         ),
         overturning_share=real("share of all directions that overturn"),
         unanswered_count=whole("directions without an answer"),
@@ -156,7 +156,7 @@ _HISTORIES = along(
     velocity=real("its rate", "rad s-1"),
 )
 
-#: Ragged arrays: the values of all records in sequence, with the count of each record.
+#: Ragged arrays: the values of all records one after the other, with the number of values of each record.
 _RECORDS: Declared = {
     "record": SUMMARY["record"],
     "half_wave_row_size": whole(
@@ -167,7 +167,7 @@ _RECORDS: Declared = {
     **{name: replace(one, stored=lambda config: config.models.histories) for name, one in _HISTORIES.items()},
 }
 
-#: Every variable of an assessment, by its group, in the order of the file.
+#: Every variable of an assessment, by group, in the order of the file.
 ASSESSMENT_GROUPS: dict[str, Declared] = {
     "/summary": SUMMARY,
     "/half_cycles": HALF_CYCLE,

@@ -8,15 +8,15 @@ from rockpulse.storage.variables.summary import FACTS, RECORD
 
 #: Root attribute `kind` of a fragility file, and its first group.
 FRAGILITY = "fragility"
-#: Unit entry for values in the unit of the measure.
+#: Entry in place of a unit, for values in the unit of the measure.
 OWN = "see measure_units"
-#: Name of the property that depends on the measure: the factor that scales a record to a level.
+#: Name of the property that depends on the measure: the scale factor from a record to a level.
 STRENGTH = "strength"
-#: Properties that only some record files state, by the names of the facts.
+#: Properties that only some record files state, by the names of their fields.
 STATED = ("magnitude", "epicentral_distance", "vs30")
-#: Properties, besides intensity, that are known for every record.
+#: Properties other than intensity that are known for every record.
 QUALITIES = ("duration", "period", "strong_half_waves")
-#: Properties on which the dependence of capacity is tested, in the order of the results.
+#: Properties for which the dependence of capacity is tested, in the order of the results.
 TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 
@@ -64,7 +64,7 @@ _FIT: Declared = {
     "beta_high": real("upper confidence limit of the dispersion"),
 }
 _JUDGED: Declared = {
-    "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level looked at"),
+    "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level analysed"),
     "statement": text("status, band and extrapolation in words where there is something to say"),
     "statement_values": text("the same by codes and values, as JSON"),
 }
@@ -136,7 +136,7 @@ STRIPES: Declared = {
     ),
     "reached": flag(
         ("not_known", "not_reached", "reached"),
-        "whether the limit state was reached; -1 where the model cannot say",
+        "whether the limit state was reached; -1 where the model gives no result",
         first=NOT_KNOWN,
         dims=("record", "block", "limit_state", "stripe"),
     ),
@@ -162,7 +162,7 @@ CAPACITIES: Declared = {
 }
 
 _RATIO: Declared = {
-    "beta_ratio": real("dispersion over that in p PGV/(g tan alpha_c)"),
+    "beta_ratio": real("dispersion divided by that for p PGV/(g tan alpha_c)"),
     "beta_ratio_low": real("lower confidence limit of the ratio of dispersions"),
     "beta_ratio_high": real("upper confidence limit of the ratio of dispersions"),
 }
@@ -180,7 +180,7 @@ def _pooled(declared: Declared) -> Declared:
     return {f"pooled_{name}": variable for name, variable in declared.items()}
 
 
-#: Variables of each body, then of all bodies together, for which only dimensionless measures have values.
+#: Variables of each body and then of all bodies together, which have values only for dimensionless measures.
 EFFICIENCY: Declared = {
     **along(_LANES, **_RATIO),
     **along((*_LANES, "quality"), **_QUALITY),
@@ -200,7 +200,7 @@ def _with(names: str, declared: Declared) -> Declared:
     return {name: COORDINATES[name] for name in names.split()} | dict(declared)
 
 
-#: Every variable of a fragility file, by its group.
+#: Every variable of a fragility file, by group.
 FRAGILITY_GROUPS: dict[str, Declared] = {
     "/fragility": _with("block limit_state measure", CURVES),
     "/capacities, ida": _with("record block limit_state measure", {**IDA, **CAPACITIES}),

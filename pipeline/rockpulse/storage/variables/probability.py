@@ -43,7 +43,7 @@ def _comment(config: Config) -> str:
 
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
-    """Declare a value and the ends of its interval of 90 %."""
+    """Declare a value and the ends of its 90 % interval."""
     told = {
         name: long_name,
         f"{name}_low": f"lower end of the interval of 90 % of {name}",
@@ -96,14 +96,14 @@ PROBABILITY: Declared = {
 #: Variables at the demands of the site, along `demand`.
 AT_DEMAND: Declared = {
     "demand_factor": real(
-        "scale factor on the record that brings it to the demand",
+        "scale factor that scales the record to the demand",
         take=_of_lanes("demand_factor"),
         of_ground=True,
-        explanation="the demand over the strength of the motion, of a pair of horizontal channels over the geometric "
-        "mean of theirs",
+        explanation="the demand divided by the intensity of the motion, of a pair of horizontal channels over the "
+        "geometric mean of theirs",
     ),
     "demand_probability": real(
-        "probability that the body overturns under the record brought to the demand; NaN where not computed",
+        "probability that the body overturns under the record scaled to the demand; NaN where not computed",
         take=_of_lanes("demand_probability"),
         of_ground=True,
         explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",
@@ -114,12 +114,12 @@ AT_DEMAND: Declared = {
 
 #: Nominal restitutions of a stored spectrum [-].
 RESTITUTIONS = np.linspace(0.75, 1.0, 6)
-#: Scale factors over the mean capacity at which the probability is stored [-], from 0.2 to 5.
+#: Scale factors divided by the mean capacity at which the probability is stored [-], from 0.2 to 5.
 LEVELS = np.exp(np.linspace(-1.6, 1.6, 65))
 #: Limit states of rotation with separate spectra, as theta/alpha_c [-].
 ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 
-#: Variables of a spectrum along its axes, which are equal for all records, so that all spectra form one array.
+#: Variables of a spectrum along its axes, which are the same for all records, so that all spectra form one array.
 SPECTRUM_AXES: Declared = {
     "p": real("frequency parameter of the blocks", "s-1", _fixed(RATES), dims=("p",)),
     "restitution": real(
@@ -170,7 +170,7 @@ def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
     return replace(variable, dims=("record", *variable.dims), take=take, stored=_has, of_ground=True)
 
 
-#: The group /spectra of an assessment without record names; NaN at values of p that no body needs.
+#: The group /spectra of an assessment without record names; values are NaN at a p that no body needs.
 SPECTRA: Declared = {
     **{name: replace(axis, stored=_has) for name, axis in SPECTRUM_AXES.items()},
     **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},

@@ -10,23 +10,23 @@ RiskStatus = IntEnum("RiskStatus", "GIVEN NO_CURVE NO_LIMIT NOT_COVERED", start=
 
 OWN = "unit of the measure in SI"
 
-#: Variables over the bodies, and over the levels that contribute to each.
+#: Variables along the bodies, and along the levels that contribute to each.
 RISK: Declared = {
     **along(
         ("block",),
         frequency=real("annual frequency of the limit state", "year-1"),
         frequency_low=real("lower limit of the frequency, by the records of the fragility", "year-1"),
         frequency_high=real("upper limit of the frequency", "year-1"),
-        probability=real("probability of the limit state in the years that were asked for"),
+        probability=real("probability of the limit state in the given number of years"),
         probability_low=real("lower limit of that probability"),
         probability_high=real("upper limit of that probability"),
         survival=real("probability that the body stands for so many years"),
-        below=real("share of the frequency from levels below all that were looked at"),
-        above=real("share of the frequency from levels above all that were looked at"),
+        below=real("share of the frequency from levels below all that were analysed"),
+        above=real("share of the frequency from levels above all that were analysed"),
         events=whole("earthquakes of the fragility"),
         status=flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
         statement=text("why there is no frequency or no band, and what is to be known of the band"),
-        warning=text("what comes from levels that nothing was looked at; empty for a tenth and less"),
+        warning=text("share of the frequency from levels that were not analysed, in words; empty up to a tenth"),
     ),
     **along(
         ("block", "bin"),
@@ -36,13 +36,13 @@ RISK: Declared = {
     ),
 }
 
-#: Variables over the bodies of an inventory.
+#: Variables along the bodies of an inventory.
 INVENTORY: Declared = along(
     ("body",),
     frequency=real("annual frequency of overturning", "year-1"),
     frequency_low=real("lower limit of the frequency, over earthquakes", "year-1"),
     frequency_high=real("upper limit of the frequency", "year-1"),
-    probability=real("probability of overturning in the years that were asked for"),
+    probability=real("probability of overturning in the given number of years"),
     survival=real("probability that the body stands for so many years"),
     median=real("level at which the body overturns with probability 1/2", OWN),
     dispersion=real("standard deviation of ln(S/measure), S the overturning spectrum"),
@@ -53,7 +53,7 @@ INVENTORY: Declared = along(
     status=flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
 )
 
-#: Variables over free bodies and levels of a measure.
+#: Variables along free bodies and levels of a measure.
 FREE_FRAGILITY: Declared = {
     **along(
         ("body", "level"),
@@ -67,18 +67,18 @@ FREE_FRAGILITY: Declared = {
     ),
 }
 
-#: Variables of the standing test, over the bodies of either.
+#: Variables of the survival test of a hazard, along the bodies.
 STANDING: Declared = {
     "chance": real("probability that the body has stood for its age, exp(-frequency age)"),
     "chance_low": real("the same at the upper limit of the frequency"),
     "chance_high": real("the same at the lower limit of the frequency"),
-    "largest": real("largest annual frequency that its age leaves at the confidence", "year-1"),
-    "factor": real("factor on the rates of the hazard at which the frequency would be the largest one"),
+    "largest": real("largest annual frequency that is compatible with its age at the confidence", "year-1"),
+    "factor": real("multiplier of the rates of the hazard at which the frequency would equal the largest one"),
     "contradicted": flag(("not_known", "no", "yes"), "whether the frequency is above the largest one", first=NOT_KNOWN),
 }
 
 
-#: Variables of code checks over the bodies, and over bodies and codes; a ratio of 1 or more passes.
+#: Variables of code checks along the bodies, and along bodies and codes; a ratio of 1 or more passes.
 CHECK: Declared = {
     **along(
         ("block",),
@@ -91,12 +91,12 @@ CHECK: Declared = {
     **along(
         ("block", "code"),
         activation=real("acceleration that opens the mechanism", "m s-2"),
-        activation_demand=real("acceleration that the code asks it to bear", "m s-2"),
-        activation_ratio=real("acceleration that opens the mechanism over what is asked"),
+        activation_demand=real("acceleration demand of the code", "m s-2"),
+        activation_ratio=real("acceleration that opens the mechanism, divided by the demand"),
         displacement=real("spectral displacement that the code allows", "m"),
-        period=real("period at which the displacement is asked for", "s"),
-        displacement_demand=real("spectral displacement that the code asks for", "m"),
-        displacement_ratio=real("displacement that is allowed over what is asked"),
+        period=real("period at which the displacement demand is taken", "s"),
+        displacement_demand=real("spectral displacement demand of the code", "m"),
+        displacement_ratio=real("allowed displacement divided by the demand"),
         statement=text("why something is not known, in words"),
         activation_sense=text("sense that the acceleration is of, empty where both are alike"),
         displacement_sense=text("sense that the displacement is of, empty where both are alike"),

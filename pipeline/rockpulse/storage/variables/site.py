@@ -1,4 +1,4 @@
-"""The variables of a site file, for a design by sequences or by overturning spectra."""
+"""The variables of a site file, with a design sequence or a design spectrum."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from rockpulse.storage.variables.summary import FACTS
 #: Root attribute `kind` of a site file.
 SITE_KIND = "site calibration"
 
-#: Unit and meaning of the parameters of a sequence.
+#: Unit and description of each parameter of a sequence.
 PARAMETER: dict[str, tuple[str, str]] = {
     "main": ("m s-1", "main impulse I"),
     "ratio": ("1", "secondary impulse over main impulse, I_s/I"),
@@ -19,7 +19,7 @@ PARAMETER: dict[str, tuple[str, str]] = {
     "duration": ("s", "time within which main impulses act; NaN without a limit"),
 }
 
-#: Unit entry for values whose unit depends on the parameter.
+#: Entry in place of a unit, for values whose unit depends on the parameter.
 _OF_PARAMETER = "parameter_unit"
 
 #: Variables of every record, for both methods.
@@ -37,8 +37,7 @@ OF_RECORDS: Declared = along(
     **FACTS,
 )
 
-#: Variables of a design by sequences: of the site, its parameters, records, blocks and events, in the order of the
-#: file.
+#: Variables of a design sequence: of the site, its parameters, records, blocks and events, in the order of the file.
 VARIABLES: Declared = {
     "quantile": real("share of the recorded rotations that the design is to cover"),
     "confidence": real("confidence of all intervals"),
@@ -63,9 +62,7 @@ VARIABLES: Declared = {
     "coverage_in_sample": real("the same share by the design made of all records: no test of it"),
     "coverage_all": real("as coverage, with the blocks that the design overturns, which it always covers"),
     "standing_share": real("share of the pairs that count on blocks that the design leaves standing"),
-    "site_warnings": text(
-        "what the numbers of this file do not say, one warning a line", explanation="the gravest first"
-    ),
+    "site_warnings": text("warnings on the calibration, one per line", explanation="the most serious first"),
     "site_warning_values": text("the same warnings by their codes and values, as JSON"),
     **along(
         ("parameter",),
@@ -153,7 +150,7 @@ def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -
     }
 
 
-#: Of a site by the overturning spectra of its records. What rests on too few earthquakes is NaN; see `site_warnings`.
+#: Variables of a design spectrum. Values from too few earthquakes are NaN; see `site_warnings`.
 SITE: Declared = {
     "quantile": real("share of the weight of the records at or below the design spectrum"),
     **{name: VARIABLES[name] for name in ("confidence", "resamples", "record_count", "event_count")},
@@ -219,7 +216,7 @@ SPECTRA_AXES: Declared = {
     "restitution": real("restitution C of the blocks", dims=("restitution",)),
 }
 
-#: Every variable of a site file, by its group.
+#: Every variable of a site file, by group.
 SITE_GROUPS: dict[str, Declared] = {
     "/site, by the statistics": {**COORDINATES, **VARIABLES},
     "/site, by the spectrum": {**SITE_AXES, **SITE},

@@ -23,12 +23,12 @@ def _of_record(name: str) -> Callable[[Any], Any]:
     return lambda one: getattr(one.record, name)
 
 
-#: Facts about earthquake and site from the file of a record, by the field names of a record, taken from any object with
-#: a `record`; stored for every record in every study.
+#: Earthquake and site data from the file of a record, by the fields of a record: functions of an object with a
+#: `record`; stored for every record in every study.
 FACTS: Declared = along(
     ("record",),
     _of_record,
-    event_id=text("identifier of the earthquake at the agency"),
+    event_id=text("event ID of the agency"),
     origin_time=text(
         "UTC time of the earthquake, ISO 8601",
         lambda one: "" if one.record.origin_time is None else one.record.origin_time.isoformat(),
@@ -56,7 +56,7 @@ def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable
     return lambda one: absent if one.sequence is None else take(one.sequence)
 
 
-#: Functions that take values other than record fields from an assessed record.
+#: Functions that return values other than record fields from an assessed record.
 _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "event": None,  # known only after all records are read
     "event_title": _of_record("event"),
@@ -80,7 +80,7 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    """Arrange the values that `pick` gives for each of k models in (b x c, ...) lanes as (b, c, k, ...)."""
+    """Arrange values (b x c, ...) that `pick` returns for each of k models as (b, c, k, ...)."""
     return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 
@@ -89,13 +89,13 @@ def _of_search(name: str) -> Callable[[Any], Any]:
 
 
 def _where_searched(name: str) -> Callable[[Any], Any]:
-    """Return a whole number of the search, or -1 without a search."""
+    """Return an integer from the search for scale factors, or -1 without a search."""
     return _per_model(
         lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
     )
 
 
-#: Functions that take values other than those of the response.
+#: Functions that return values other than those of the response.
 _OF_ANSWER: dict[str, Callable[[Any], Any]] = {
     "safety_factor": _of_search("safety_factor"),
     "factor_resolved": _where_searched("factor_resolved"),
@@ -112,7 +112,7 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
 
 
 def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
-    """Declare the variable of each measure, followed by a flag of doubt due to a drifting baseline."""
+    """Declare the variable of each measure, followed by a flag for values in doubt due to baseline drift."""
     found = {}
     for one in measures:
         long_name = f"{one.meaning or one.long_name}{one.stored}"
@@ -135,7 +135,7 @@ RECORD = along(
     format=text("file format"),
     event=text(
         "earthquake that the record is counted to, by the user's table, the title or the time",
-        explanation="the table is `[records] events`; records that tell none of these are counted as one",
+        explanation="the table is `[records] events`; records that state none of these are counted as one",
     ),
     event_title=text("event as the file names it"),
     network=text("network code"),
@@ -176,13 +176,13 @@ DEMAND = along(
     impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
     floor_amplification=real("peak acceleration of the floor over that of the ground; 1 on the ground", of_ground=True),
     friction_required=real(
-        "largest coefficient of friction that the motion without sliding asks for",
+        "largest coefficient of friction that the motion without sliding requires",
         of_ground=True,
         explanation="of the nonlinear model, impacts aside; inf where the normal force vanishes; NaN where the "
         "body has no `friction`, a wall behind it, ties, loads or thrusts",
     ),
     friction_share=real(
-        "share of the samples that ask for more than `friction`", of_ground=True, explanation="NaN as above"
+        "share of the samples that require more than `friction`", of_ground=True, explanation="NaN as above"
     ),
 )
 
@@ -194,7 +194,7 @@ ANSWER = along(
         explanation="theta_max/alpha_c; NaN: unresolved",
     ),
     outcome=flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
-    reason=flag((reason.name.lower() for reason in Reason), "why a model cannot say"),
+    reason=flag((reason.name.lower() for reason in Reason), "why a model gives no result"),
     overturning_time=real("time at which overturning is certain, from the start of the model's input", "s"),
     overturning_half_cycle=whole("1 + impacts before overturning; -1 where it does not overturn"),
     impacts=whole("impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
@@ -203,14 +203,14 @@ ANSWER = along(
         explanation="inf: none up to the end of the search",
         comment=lambda config: (
             f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf "
-            "if none; a factor at which the model cannot answer counts as overturning (factor_resolved)"
+            "if none; a factor at which the model gives no result counts as overturning (factor_resolved)"
         ),
     ),
     factor_resolved=flag(
         ("not_computed", "no", "yes"),
-        "whether the model answers at safety_factor; no: a lower bound, from there on it cannot answer",
+        "whether the model gives a result at safety_factor; no: a lower bound, from there on it gives none",
         first=-1,
-        explanation="it cannot answer in free flight, for one, which counts as overturning: what follows from "
+        explanation="it gives none in free flight, for example, which counts as overturning: what follows from "
         "`safety_factor` is a lower bound then too. Where `outcome` is unresolved the factor is at most 1, unless "
         "the bound that the search begins at already rules overturning out",
     ),
@@ -238,7 +238,7 @@ def _of_demands(pick: Callable[[Any], Any]) -> Callable[[Bodies, Config], Any]:
 
 
 CAPACITY_RATIO = real(
-    "safety factor over demand_factor; NaN where not computed",
+    "safety factor divided by demand_factor; NaN where not computed",
     take=_per_model(
         lambda one, model: one.scales[model].safety_factor[:, np.newaxis] / one.probability["demand_factor"]
     ),
@@ -248,7 +248,7 @@ CAPACITY_RATIO = real(
 
 COORDINATES = {
     "block": text("name of the body", lambda bodies, config: bodies.names, dims=("block",)),
-    "model": text("model, from the cheapest to the dearest", lambda bodies, config: config.models.use, dims=("model",)),
+    "model": text("model, in order of rising cost", lambda bodies, config: config.models.use, dims=("model",)),
 }
 
 SITE_DEMAND = along(
@@ -256,15 +256,15 @@ SITE_DEMAND = along(
     None,
     _demanded,
     demand_acceleration=real(
-        "ground acceleration that the site asks for, a_g S; NaN for another measure",
+        "ground acceleration of the demand, a_g S; NaN for another measure",
         "m s-2",
         _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
     ),
-    demand_measure=text("measure of the strength that the site asks for", _of_demands(lambda demand: demand.measure)),
-    demand_value=real("strength asked for, in demand_units", take=_of_demands(lambda demand: demand.strength)),
+    demand_measure=text("intensity measure of the demand", _of_demands(lambda demand: demand.measure)),
+    demand_value=real("value of the demand, in demand_units", take=_of_demands(lambda demand: demand.strength)),
     demand_units=text("unit of demand_value", _of_demands(lambda demand: ROWS[demand.measure].unit)),
     demand_period=real(
-        "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",
+        "period of the oscillator whose pseudo-acceleration is the demand; NaN for another measure",
         "s",
         _of_demands(lambda demand: np.nan if demand.period is None else demand.period),
     ),

@@ -1,4 +1,4 @@
-"""The check of the bodies of a configuration by codes, compared with time histories of the same bodies."""
+"""The code checks of the bodies of a configuration, compared with time histories of the same bodies."""
 
 import math
 import os
@@ -31,26 +31,26 @@ def check(
     config: Config | str | os.PathLike[str] | None = None,
     code: str | Sequence[str] = CODES,
 ) -> xr.Dataset:
-    """Check the bodies of a configuration by codes, from their geometry and the demand of [check].
+    """Check the bodies of a configuration according to codes, from their geometry and the demand of [check].
 
     Parameters
     ----------
     results : xarray.DataTree or path, optional
-        Of :func:`rockpulse.assess` on the same bodies, to compare with.
+        Results of :func:`rockpulse.assess` for the same bodies, for comparison.
     config : Config or path, optional
-        With [[block]] and [check]; by default that of the results.
+        Configuration with [[block]] and [check]; by default that of the results.
     code : str or sequence of str
-        Of "circolare_2009", "circolare_2019", "en_1998".
+        Codes to check: "circolare_2009", "circolare_2019", "en_1998".
 
     Returns
     -------
     xarray.Dataset
         Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
         [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
-        `displacement_ratio`, and `statement`, the reason for NaN. A ratio of 1 or more passes; it is the worse of the
-        two directions of rotation, which `activation_sense` and `displacement_sense` name. If results are given, over
-        (block): `probability` of overturning and `factor_50`, the median over the records, for the worst of several
-        restitutions; and `beside`, the reason for NaN.
+        `displacement_ratio`, and `statement`, the reason for NaN. A ratio of 1 or more passes; it is for the worse
+        direction of rotation, named in `activation_sense` and `displacement_sense`. If results are given, over (block):
+        `probability` of overturning and `factor_50`, the median over the records, for the worst of several
+        restitutions; and `beside`, the reason for NaN in these.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def check(
     tree = None if results is None else given_results(results)
     if tree is not None and (kind := str(tree.attrs.get("kind", ASSESSMENT))) != ASSESSMENT:
         name = "results" if isinstance(results, xr.DataTree) else results
-        raise ResultsError(f"{name}: expected {kind_in_words(ASSESSMENT)} of rockpulse, found {kind_in_words(kind)}")
+        raise ResultsError(f"{name}: expected {kind_in_words(ASSESSMENT)}, found {kind_in_words(kind)}")
     stored = "" if tree is None else str(tree.attrs.get("configuration", ""))
     config = config_from_text(stored) if config is None else given_config(config)
     if not config.bodies:
@@ -127,7 +127,7 @@ def _checked(
 
 
 def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies found equal in the results."""
+    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies from equal ones in the results."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]
@@ -141,14 +141,14 @@ def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) 
             medians = [np.nanmedian(column) for column in motions.T[lanes] if not np.isnan(column).all()]
             factor[place] = min(medians, default=math.nan)
             if few := [one for one in (every[lane].deciding for lane in lanes) if one is not None and one.few]:
-                beside[place] = f"records of {few[0].earthquakes} earthquakes can be brought to {few[0].name}: no P"
+                beside[place] = f"only records of {few[0].earthquakes} earthquakes can be scaled to {few[0].name}: no P"
             else:
                 probability[place] = np.fmax.reduce([every[lane].decides.value for lane in lanes])
     return {"probability": probability, "factor_50": factor, "beside": np.array(beside, dtype=object)}
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name, with and without their pedestals."""
+    """Return the bodies of a configuration by name, each with and without its pedestal."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 
@@ -158,7 +158,7 @@ def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: Blo
     if not answers.probable:
         return "the results hold no probability"
     if there is None:
-        return "the results do not tell the geometry of their bodies"
+        return "the results do not contain the geometry of their bodies"
     others = [key for key in sorted({*here.keys()} - NOT_OF_A_CODE) if here[key] != there[key]]
     told = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
     return f"the results have another body of this name ({told})" if others else ""

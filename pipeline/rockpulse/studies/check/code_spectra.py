@@ -1,9 +1,9 @@
-"""Elastic response spectra of codes, of tables and of functions.
+"""Elastic response spectra from codes, tables and functions.
 
-.. note:: With the plateau F_0 (2.5 in EN 1998-1), the corners T_B, T_C, T_D, the soil factor S and eta =
-   sqrt(10/(5 + xi)), at least 0.55, xi the damping in percent: S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B, a_g S
-   eta F_0 up to T_C, falling with T_C/T up to T_D and with T_C T_D/T^2 from there (EN 1998-1, 3.2.2.2, (3.2)-(3.6);
-   NTC 2018, 3.2.3.2.1). NTC: S = S_S S_T, T_C = C_C T_C*, T_B = T_C/3, T_D = 4 a_g/g + 1.6 s.
+.. note:: With the plateau F_0 (2.5 in EN 1998-1), the corners T_B, T_C, T_D, the soil factor S and eta = sqrt(10/(5 +
+   xi)), at least 0.55, xi the damping in percent: S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B, a_g S eta F_0 up to
+   T_C, decreasing with T_C/T up to T_D and with T_C T_D/T^2 beyond (EN 1998-1, 3.2.2.2, (3.2)-(3.6); NTC 2018,
+   3.2.3.2.1). NTC: S = S_S S_T, T_C = C_C T_C*, T_B = T_C/3, T_D = 4 a_g/g + 1.6 s.
 """
 
 import math
@@ -37,8 +37,8 @@ EN_1998 = {
     },
 }
 
-#: Ground types of NTC 2018 (Table 3.2.IV): limits of S_S, and the two numbers of S_S = first - second F_0 a_g/g;
-#: factor and power of C_C = factor (T_C*)^power.
+#: Ground types of NTC 2018 (Table 3.2.IV): limits of S_S, numbers first and second in S_S = first - second F_0 a_g/g,
+#: and factor and power in C_C = factor (T_C*)^power.
 NTC = {
     "A": ((1.0, 1.0, 1.0, 0.0), (1.0, 0.0)),
     "B": ((1.0, 1.2, 1.4, 0.4), (1.1, -0.2)),
@@ -54,7 +54,7 @@ PERIODS = 401
 
 
 def damping_factor(damping: float) -> float:
-    """Damping correction factor eta for a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
+    """Return the damping correction factor eta for a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
     return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
 
 
@@ -77,7 +77,7 @@ class CodeSpectrum:
     words: str = "spectrum"
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]; beyond T_D the displacement is constant."""
+        """Return S_e [m/s2] at a period [s]; beyond T_D the displacement is constant."""
         first, second, third = self.corners
         most = damping_factor(damping) * self.plateau
         if period < first:
@@ -85,13 +85,13 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Largest S_De [m] up to a period [s], which is the value at the period, as S_De never decreases."""
+        """Return the largest S_De [m] up to a period [s], which is the value at the period, as S_De never decreases."""
         return displacement_of(period, self(period, damping))
 
 
 @dataclass(frozen=True, eq=False)
 class TabledSpectrum:
-    """A spectrum of 5 % damping interpolated in a table; eta gives other dampings, except at period 0."""
+    """A spectrum for 5 % damping, interpolated in a table; eta converts it to other damping except at period 0."""
 
     period: np.ndarray  # (n,) T [s] from 0, ascending
     acceleration: np.ndarray  # (n,) S_e [m/s2], positive
@@ -119,7 +119,7 @@ class TabledSpectrum:
         return float(self.acceleration[0])
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]; raises TableEnds beyond the table."""
+        """Return S_e [m/s2] at a period [s]; raise TableEnds beyond the table."""
         if period > self.period[-1]:
             raise TableEnds(
                 f"{self.words}: the table ends at {self.period[-1]:g} s, and {period:.3g} s are asked for; continue it"
@@ -128,24 +128,24 @@ class TabledSpectrum:
         return value * damping_factor(damping) if period > 0.0 else value
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """The largest S_De [m] up to a period [s]."""
+        """Return the largest S_De [m] up to a period [s]."""
         periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest period first, as it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
 
 
 @dataclass(frozen=True)
 class GivenSpectrum:
-    """A spectrum of 5 % damping given as a function of (k,) periods."""
+    """A spectrum for 5 % damping given as a function of (k,) periods."""
 
     elastic: Callable[[np.ndarray], np.ndarray]
     ground: float  # a_g S [m/s2]
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]."""
+        """Return S_e [m/s2] at a period [s]."""
         return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
 
 
-#: A spectrum with a method for the largest displacement, and any elastic spectrum.
+#: Types: a spectrum with a method for the largest displacement, and any elastic spectrum.
 DemandSpectrum: TypeAlias = CodeSpectrum | TabledSpectrum
 ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
@@ -178,7 +178,7 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
 
 def _tabled(path: Path) -> TabledSpectrum:
     if not path.exists() or path.is_dir():
-        raise ConfigError(f"{path}: expected a table of a spectrum, found no file")
+        raise ConfigError(f"{path}: no such file; expected a table of a spectrum")
     table = table_of(str(path), read_text(path, what="a table of a spectrum"))
     heads = [str(name).lower() for name in table.columns]
     units = {"sa [g]": STANDARD_GRAVITY, "sa [m/s2]": 1.0}

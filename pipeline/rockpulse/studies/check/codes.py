@@ -1,4 +1,4 @@
-"""Code checks: formulas from the geometry of a body and an elastic spectrum, on the ground and on floors.
+"""Code checks from the geometry of a body and an elastic spectrum, on the ground and on floors.
 
 .. note:: With the multiplier alpha_0, e* and d_0 of :mod:`rockpulse.studies.check.mechanism`, q, FC and the modes T_k,
    xi_k, gamma_k psi_k of the building. Circolare 617/2009, C8A.4: a_0* = alpha_0 g/(e* FC) (C8A.4.4); linear, a_0* >=
@@ -31,16 +31,16 @@ from rockpulse.studies.check.code_spectra import (
 )
 from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
 
-#: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
+#: Circolare 617/2009: d_u*/d_0* and d_s*/d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
-#: Circolare 7/2019 by limit state: d over d_0 [-], the factor of T [pi], and the damping of the mechanism [-].
+#: Circolare 7/2019, for each limit state: d/d_0 [-], the factor in T [pi], and the damping of the mechanism [-].
 STATES = {"slv": (0.4, 1.68, 0.08), "slc": (0.6, 1.56, 0.1)}
-#: a and b of Circolare 7/2019, C7.2.6: the periods over T_k between which the floor spectrum has its plateau.
+#: a and b of Circolare 7/2019, C7.2.6: the plateau of the floor spectrum is between periods of a T_k and b T_k.
 PLATEAU = (0.8, 1.1)
 
 
 class Checked(NamedTuple):
-    """The check of one body by a code; values that are not needed or unknown are NaN."""
+    """The check of one body according to one code; values that are not needed or unknown are NaN."""
 
     activation: float = math.nan  #: spectral acceleration that activates the mechanism, with FC [m/s2]
     activation_demand: float = math.nan  #: its demand, with q [m/s2]
@@ -54,14 +54,14 @@ class Checked(NamedTuple):
 
     @property
     def activation_ratio(self) -> float:
-        """Activation acceleration of the mechanism over its demand [-]; passes if at least 1."""
+        """Activation acceleration of the mechanism divided by its demand [-]; 1 or more passes."""
         return self.activation / self.activation_demand
 
 
 def circolare_2009(
     body: Mechanism, spectrum: ElasticSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
-    """Linear and nonlinear kinematic analysis of Circolare 617/2009, C8A.4."""
+    """Run the linear and the nonlinear kinematic analysis of Circolare 617/2009, C8A.4."""
     activation = _activation(body, settings)
     asked = spectrum.ground
     if floors:
@@ -70,7 +70,8 @@ def circolare_2009(
         return Checked(
             activation,
             asked / settings.q,
-            statement="of Circolare 617/2009 the displacement aloft is left out: its formula could not be established",
+            statement="the displacement check of Circolare 617/2009 for bodies on a floor is left out: its formula "
+            "could not be established",
         )
     allowed = ULTIMATE * body.collapse_displacement
     slowest = SECANT * allowed
@@ -86,7 +87,7 @@ def circolare_2009(
 def circolare_2019(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
-    """Analysis with q, and displacement check, of Circolare 7/2019, C8.7.1.2.1."""
+    """Run the analysis with q and the displacement check of Circolare 7/2019, C8.7.1.2.1."""
     activation, asked = _activation(body, settings), max(spectrum.ground, floor_peak(spectrum, floors))
     part, factor, damping = STATES[settings.limit_state]
     allowed = part * body.collapse_displacement
@@ -104,18 +105,18 @@ def circolare_2019(
         displacement_demand=demand,
         # A mechanism that is not activated passes (C8.7.1.2.1.8).
         displacement_ratio=max(allowed / demand, activation / asked),
-        statement="" if linear else "the analysis with q is of SLV",
+        statement="" if linear else "the analysis with q is for SLV only",
     )
 
 
 def en_1998(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
-    """The force on a non-structural element of EN 1998-1, 4.3.5.2, against the moment of its weight."""
+    """Check the force on a non-structural element (EN 1998-1, 4.3.5.2) against the restoring moment of its weight."""
     levels = [one.level for one in floors if one.level is not None]
     opens = body.multiplier * body.gravity
     if floors and not levels:
-        return Checked(opens, statement="level, the height of the floor over that of the building, was not given")
+        return Checked(opens, statement="level, the height of the floor divided by that of the building, was not given")
     height = max(levels, default=0.0)
     seismic = spectrum.ground * max(1.0, 3.0 * (1.0 + height) / 2.0 - 0.5)
     return Checked(opens, seismic * settings.gamma_a / settings.q_a)
@@ -126,7 +127,7 @@ def _activation(body: Mechanism, settings: CheckSettings) -> float:
 
 
 def floor_peak(spectrum: DemandSpectrum, floors: Sequence[FloorSettings]) -> float:
-    """Peak floor acceleration a_Z(z) [m/s2] of Circolare 7/2019, (C7.2.7) and (C7.2.8); 0 on the ground."""
+    """Return the peak floor acceleration a_Z(z) [m/s2] of Circolare 7/2019, (C7.2.7) and (C7.2.8); 0 on the ground."""
     return math.hypot(*(_mode_peak(spectrum, one) for one in floors)) if floors else 0.0
 
 
@@ -137,7 +138,7 @@ def _mode_peak(spectrum: DemandSpectrum, floor: FloorSettings) -> float:
 
 
 def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Floor spectrum S_eZ(T, xi, z) [m/s2] of Circolare 7/2019, (C7.2.5) and (C7.2.6)."""
+    """Return the floor spectrum S_eZ(T, xi, z) [m/s2] of Circolare 7/2019, (C7.2.5) and (C7.2.6)."""
     parts = []
     for floor in floors:
         # xi_k as a ratio: in percent, as printed, the spectrum would have a minimum at the floor's period.
@@ -152,7 +153,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
 
 
 def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Largest S_De up to a period [m] (C8.7.1.2.1.8); on floors by Circolare 7/2019, (C8.7.1.12)."""
+    """Return the largest S_De up to a period [m] (C8.7.1.2.1.8); on floors from (C8.7.1.12)."""
     if not floors:
         return spectrum.displacement(period, damping)
     own = max(one.period for one in floors)
@@ -161,14 +162,14 @@ def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], per
     return max(found, least) if period > PLATEAU[1] * own else found
 
 
-#: The check functions by the names of the codes.
+#: The check function of each code, by its name.
 CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], CheckSettings], Checked]] = dict(
     zip(CODES, (circolare_2009, circolare_2019, en_1998), strict=True)
 )
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Combine the worse acceleration check and the worse displacement check of the two senses of a body."""
+    """Combine the worse acceleration check and the worse displacement check of both directions of rotation."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:
@@ -199,13 +200,13 @@ class KinematicCheck(NamedTuple):
     activation : (m,) ndarray
         a_0*, spectral acceleration that activates the mechanism [m/s2].
     linear : (m,) ndarray
-        a_0* over a_g S/q [-]; passes if at least 1.
+        a_0* divided by a_g S/q [-]; 1 or more passes.
     ultimate : (m,) ndarray
         d_u*, allowed displacement of the centre of mass [m].
     secant_period : (m,) ndarray
         T_s [s].
     nonlinear : (m,) ndarray
-        d_u* over S_De(T_s) [-]; passes if at least 1.
+        d_u* divided by S_De(T_s) [-]; 1 or more passes.
     """
 
     activation: np.ndarray
@@ -225,14 +226,14 @@ def kinematic_check(
     behaviour: float = 2.0,
     confidence_factor: float = 1.0,
 ) -> KinematicCheck:
-    """Check blocks on the ground by the linear and the nonlinear kinematic analysis of Circolare 617/2009.
+    """Check blocks on the ground with the linear and the nonlinear kinematic analysis of Circolare 617/2009.
 
     Parameters
     ----------
     block : Block
         (m,) blocks; each result is for the worse direction of rotation. Ties need a yield force.
     spectrum : callable
-        Elastic spectrum S_e of 5 % damping [m/s2] at (k,) periods [s].
+        Elastic spectrum S_e for 5 % damping [m/s2] at (k,) periods [s].
     ground : float
         a_g S, the peak ground acceleration on the soil of the site [m/s2].
     behaviour, confidence_factor : float

@@ -1,10 +1,10 @@
 """A body as the kinematic mechanism of the codes: weights and forces on a body that turns about a corner.
 
 .. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. A virtual rotation moves it by z_i
-   sideways and lifts it by x_i minus z_i times the rotation (small rotations, as in codes). The multiplier of
-   the horizontal forces at the rotation theta is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the
-   last sum over the weights whose mass goes with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond
-   their gap they act with their yield force until they break.
+   sideways and lifts it by x_i minus z_i times the rotation (small rotations, as in codes). The multiplier of the
+   horizontal forces at the rotation theta is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the last
+   sum over the weights whose mass moves with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond
+   their gap they resist with their yield force until they break.
 """
 
 import math
@@ -33,7 +33,7 @@ class Weight(NamedTuple):
 
 
 class Force(NamedTuple):
-    """A horizontal force that resists the rotation within a range of displacements of its point."""
+    """A horizontal force that resists the rotation within a range of displacements of its point of action."""
 
     force: float  #: [N]; negative if it drives the rotation
     height: float  #: [m]
@@ -43,7 +43,7 @@ class Force(NamedTuple):
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Overturning about one corner."""
+    """The mechanism of overturning about one corner."""
 
     weights: tuple[Weight, ...]  # the body first
     forces: tuple[Force, ...] = ()  # ties, friction and thrusts
@@ -67,11 +67,11 @@ class Mechanism:
 
     @property
     def _lever(self) -> float:
-        """Spectral displacement over the rotation [m]: Circolare 7/2019, (C8.7.1.4)."""
+        """Spectral displacement divided by the rotation [m]: Circolare 7/2019, (C8.7.1.4)."""
         return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
 
     def at(self, rotation: float, lasting: bool = False) -> float:
-        """Return alpha at a rotation [rad]; `lasting` leaves out the forces that end before d_0."""
+        """Return alpha at a rotation [rad]; `lasting` omits forces that cease to act before d_0."""
         held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
         for force in self.forces:
             acts = force.begins <= force.height * rotation <= force.ends
@@ -91,7 +91,7 @@ class Mechanism:
         return math.inf
 
     def capacity(self, displacement: float) -> float:
-        """Return alpha at the rotation that belongs to a spectral displacement [m], which is e* a/g [-]; at least 0."""
+        """Return alpha = e* a/g [-] at the rotation that corresponds to a spectral displacement [m]; at least 0."""
         return max(0.0, self.at(displacement / self._lever))
 
 
@@ -117,7 +117,7 @@ def _bearing(load: Load, base: float) -> float:
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
-    """Return the mechanisms towards theta > 0 and theta < 0; only one if both are equal or a wall prevents the other.
+    """Return the mechanisms towards theta > 0 and theta < 0, only one if they are equal or a wall prevents the other.
 
     Lanes may differ only in restitution. If loads move with the block, `alone` is the body without them and `carried`
     lists them as separate weights. Raises ValueError for a tie without a yield force.

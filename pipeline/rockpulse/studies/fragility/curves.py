@@ -1,7 +1,7 @@
-"""A fragility curve: the observed capacities, the fit, and its band over events.
+"""A fragility curve: the observed capacities, the fit, and its confidence band over events.
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
-   capacity. Records of one event are not independent, so a band comes from leaving out each event in turn
+   capacity. Records of one event are not independent, so a band is computed by leaving out each event in turn
    (docs/decisions/012). If the data do not determine a number, a statement gives the reason.
 """
 
@@ -27,7 +27,7 @@ from rockpulse.warning_text import as_stored
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A fragility curve, or a statement of the reason for its absence; undetermined numbers are NaN."""
+    """A fragility curve, or a statement of why there is none; undetermined numbers are NaN."""
 
     status: Status  # status of the curve: present, or reason for its absence
     band: Band  # status of the band: present, or reason for its absence
@@ -51,7 +51,7 @@ class Curve:
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Probability, low and high end of the band [-] at levels (k,) of the measure; NaN without curve or band."""
+        """Return the probability and both ends of its band [-] at levels (k,) of the measure; NaN if undetermined."""
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
             nothing = np.full(levels.shape, np.nan)
@@ -63,7 +63,7 @@ class Curve:
 
     @cached_property
     def log_beta(self) -> np.ndarray:
-        """ln beta from all rows, then with each event left out, (1 + events,)."""
+        """ln beta (1 + events,) from all rows, then with each event left out."""
         with np.errstate(invalid="ignore"):  # without one event the fitted curve may decrease
             return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
 
@@ -76,7 +76,7 @@ def fit_capacities(
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:
-    """Fragility curve from the capacities of an incremental dynamic analysis, truncated or not.
+    """Fit a fragility curve to the capacities from an incremental dynamic analysis, truncated or not.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def fit_capacities(
     capacities = np.asarray(capacities, dtype=float)
     open_ended = np.isposinf(capacities)
     if limits is None and np.any(open_ended):
-        raise ConfigError("fragility: capacities that are inf need limits: the measure up to which was looked")
+        raise ConfigError("fragility: infinite capacities need limits: the largest measure that was analysed")
     levels = np.where(open_ended, capacities if limits is None else np.asarray(limits, dtype=float), capacities)
     rows = Observations.of(levels, np.where(open_ended, ABOVE, EXACT), clusters, records)
     return fit_curve(rows, model, confidence)
@@ -129,7 +129,7 @@ def fit_stripes(
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:
-    """Fragility curve from records that reached a limit state or not: stripes, or unscaled records.
+    """Fit a fragility curve to records that did or did not reach a limit state: stripes, or unscaled records.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def fit_stripes(
 
 
 def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 0.9) -> Curve:
-    """Fit a fragility curve to any observations; options and errors as in :func:`fit_capacities`.
+    """Fit a fragility curve to observations of any kind; options and errors as in :func:`fit_capacities`.
 
     The band of eta = a + b ln x, of ln median and of ln beta is the estimate plus or minus Student's t with K - 1
     degrees of freedom times the jackknife error over the K events, s^2 = (K - 1)/K sum (estimate without event k -
@@ -221,7 +221,7 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
 
 
 def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Scale values (n,), not all equal, to mean zero and standard deviation one; return them, mean and deviation."""
+    """Scale values (n,), not all equal, to zero mean and unit deviation; return them, the mean and the deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
 

@@ -1,8 +1,9 @@
 """The capacities of all records and bodies, the curves fitted to them, and the efficiency of each measure.
 
-.. note:: A measure is efficient if the capacities in it scatter little (beta), and sufficient if they depend on no
-   other property of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of the curve with a
-   further covariate, z = a + b ln x + c ln u, for the records whose property u, such as a magnitude, is known.
+.. note:: A measure is efficient if the dispersion beta of capacities in it is small, and sufficient if they depend on
+   no other property of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The test of sufficiency adds a
+   covariate to the likelihood of the curve, z = a + b ln x + c ln u, for the records whose property u, such as the
+   magnitude, is known.
 """
 
 from collections.abc import Sequence
@@ -27,7 +28,7 @@ from rockpulse.studies.fragility.statements import missing
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """Ratio of beta to that of a reference measure [-], with limits from the jackknife over the same events; or NaN."""
+    """Return beta divided by beta of a reference measure [-], with jackknife limits over the same events; or NaN."""
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
@@ -35,7 +36,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
-    """Slope d ln median/d ln u [-] for a property u, and its p-value, from the jackknife over events; or NaN."""
+    """Return the slope d ln median/d ln u [-] for a property u, and its p-value (jackknife over events); or NaN."""
     nothing = np.nan, np.nan
     known = rows.with_property(column)
     if not np.all(known):
@@ -76,7 +77,7 @@ class Ensemble:
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Return the observations of one limit state in one measure, given by index, for one or several lanes."""
+        """Return the observations of one limit state in one measure, both by index, for one or several lanes."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -101,7 +102,7 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """Properties given in record files (n, c), in the order of STATED, with exp(magnitude); NaN if not given."""
+        """Properties (n, c) stated in record files, in the order of STATED, with exp(magnitude); NaN if not stated."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
@@ -155,7 +156,7 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """Curves (g, s, k) of g sets of lanes, with slopes and p-values (g, s, k, c) for the properties in TESTED."""
+    """Curves (g, s, k) of g groups of lanes, with slopes and p-values (g, s, k, c) for the properties in TESTED."""
 
     curves: np.ndarray
     slope: np.ndarray
@@ -167,7 +168,7 @@ class Fits:
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit curves and sufficiency for all limit states and measures; groups of lanes only in dimensionless measures."""
+    """Fit curves and test sufficiency for all limit states and measures, for groups only in dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

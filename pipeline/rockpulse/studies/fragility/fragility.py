@@ -25,8 +25,8 @@ from rockpulse.storage.variables import fragility as stored
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble
 from rockpulse.studies.fragility.motion_capacity import BodyLanes, empty_capacity, motion_capacity
 
-#: Number of points of a curve, its extent beyond the outermost medians of a body in dispersions, and logarithm of the
-#: farthest level, which keeps a nearly flat curve within the range of numbers.
+#: Number of points of a curve, its extent beyond the outermost medians of a body in dispersions, and largest absolute
+#: logarithm of a level, which prevents overflow for a nearly flat curve.
 POINTS, REACH, FARTHEST = 41, 3.0, 600.0
 
 
@@ -40,16 +40,17 @@ def fragility(
     units: str | None = None,
     dt: float | None = None,
 ) -> xr.DataTree:
-    """Fragility curves of bodies, with confidence bands over events, and the most efficient intensity measure.
+    """Compute fragility curves of bodies, with confidence bands over events, and the efficiency of intensity measures.
 
     Parameters
     ----------
     records : path, Record, or iterable of either
-        Paths or all channels; read, selected, rotated and conditioned as by :func:`rockpulse.assess`, in any order.
+        Paths or all channels; read, selected, rotated and conditioned as in :func:`rockpulse.assess`, in any order.
     config : Config or path, optional
-        Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies.
+        Configuration with the sections records, conditioning, half_waves, intense_phase, search, fragility and the
+        bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies, instead of those of the configuration; full sizes in m.
+        The bodies, in place of those of the configuration; full sizes in m.
     failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
@@ -69,8 +70,8 @@ def fragility(
     -----
     With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
     probability of reaching the limit state at a level. With ``data = "ida"`` the capacity is the first scale factor
-    that reaches it, and the curve the probability of reaching it at or below a level, which is larger, as rotation need
-    not grow with the factor (docs/decisions/012).
+    that reaches it, and the curve is the probability of reaching it at or below a level, which is larger, as the
+    rotation need not increase with the factor (docs/decisions/012).
 
     Examples
     --------
@@ -105,11 +106,11 @@ class FragilityAnalysis(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Empty arrays of capacities, for a record without results."""
+        """Return empty arrays of capacities, for a record without results."""
         return empty_capacity(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Fits the curves and builds the tree."""
+        """Fit the curves and build the tree."""
         block, names, settings = self.lanes.block, self.block_names, self.config.fragility
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
@@ -130,7 +131,7 @@ class FragilityAnalysis(Analysis):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan the records, limited to those of a selection; raise ConfigError for a missing selection."""
+        """Plan the records, limited to those of a selection; raise ConfigError if a required selection is missing."""
         plan = super().plan(records, failures)
         if self.selection is None:
             return plan
@@ -162,7 +163,7 @@ def _curves(
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return common levels for all limit states of a body, and the curves and bands at these levels."""
+    """Return levels common to all limit states of a body, and the curves and bands at these levels."""
     groups, states, measures = fits.curves.shape
     level = np.full((groups, measures, POINTS), np.nan)
     tables = [np.full((groups, states, measures, POINTS), np.nan) for _ in range(3)]

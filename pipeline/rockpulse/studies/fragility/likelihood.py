@@ -1,10 +1,9 @@
 """Observations of capacities (exact, above or below a level), and maximum-likelihood fits of fragility curves.
 
-.. note:: The logarithm x of a capacity has the distribution F(a + b x), F normal or logistic. A capacity that is known
-   adds log f(a + b x) + log b to the log-likelihood; one that is above x (the limit state was not reached there) adds
-   log (1 - F), and one that is not above x adds log F. Incremental analysis, truncated or not, and stripes have the
-   same likelihood. It is concave in (a, b) (Olsen 1978), so that Newton's method with halved steps finds its only
-   maximum.
+.. note:: The logarithm x of a capacity has the distribution F(a + b x), F normal or logistic. A known capacity adds log
+   f(a + b x) + log b to the log-likelihood, a capacity above x (the limit state was not reached at x) adds log (1 - F),
+   and a capacity not above x adds log F. Incremental analysis, truncated or not, and stripes have the same likelihood.
+   It is concave in (a, b) (Olsen 1978), so that Newton's method with halved steps finds its only maximum.
 """
 
 from collections.abc import Callable
@@ -36,7 +35,7 @@ class Observations:
     def of(
         cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None, weight: Any = None
     ) -> Self:
-        """Make observations from arrays; by default each row has weight one and its own event and record.
+        """Create observations from arrays; by default each row has weight one and its own event and record.
 
         Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
         """
@@ -67,23 +66,23 @@ class Observations:
         return int(np.unique(self.record).size)
 
     def with_property(self, column: int) -> np.ndarray:
-        """Mask (n,) of the rows whose property in a column has a finite logarithm."""
+        """Return a mask (n,) of the rows whose property in a column has a finite logarithm."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
 
     def only(self, kept: np.ndarray) -> "Observations":
-        """Keep the rows of a mask (n,), and only their events."""
+        """Select the rows of a mask (n,), and only their events."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Weights (1 + events, n): of all rows, then with each event left out."""
+        """Return weights (1 + events, n): for all rows, then with each event left out."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 
 
-#: Largest number of Newton steps and of halvings of one, and step that ends the search, in standard errors.
+#: Largest numbers of Newton steps and of halvings of a step, and step that ends the search, in standard errors.
 STEPS, HALVINGS, CLOSE = 60, 30, 1e-8
 #: Rounding error of a sum of logarithms, and largest usable condition number of the second derivatives.
 ROUNDING, LARGEST_CONDITION = 1e-12, 1e14
@@ -121,7 +120,7 @@ def _logistic_cdf(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return log_expit(z), down, -up * down
 
 
-#: Distributions by the value of ``[fragility] model``.
+#: Distribution for each value of ``[fragility] model``.
 FAMILIES: dict[str, Family] = {
     "lognormal": Family(ndtr, _normal_density, _normal_cdf, 1.0),
     "logistic": Family(expit, _logistic_density, _logistic_cdf, float(np.pi / np.sqrt(3.0))),
@@ -129,11 +128,11 @@ FAMILIES: dict[str, Family] = {
 
 
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Mask (q,) of data sets whose likelihood has a maximum at finite a and b, so that a curve can be fitted.
+    """Return a mask (q,) of data sets whose likelihood has a maximum at finite a and b, so that a curve can be fitted.
 
     `x` (n,) are logarithms of levels of a `kind` (n,), `weights` (q, n) the weights of q data sets. Without exact
-    capacities both kinds of rows have to overlap (Albert & Anderson 1984). With exact ones, b is unbounded only if they
-    are all equal and no other row contradicts that value.
+    capacities the levels reached and not reached must overlap (Albert & Anderson 1984). With exact capacities, b is
+    unbounded only if they are all equal and no other row contradicts that value.
     """
 
     def extremes(of: int) -> tuple[np.ndarray, np.ndarray]:
@@ -150,7 +149,7 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Log-likelihood of each row and its first two derivatives by z (without the terms of log b), each (q, n).
+    """Return the log-likelihood of each row and its first two derivatives by z, each (q, n), without the log b terms.
 
     `design` (n, k) has the columns 1, ln x and any covariates, z = design @ theta; `theta` (q, k) are the parameters
     (a, b, ...) of q data sets, b > 0 if a row is EXACT.
@@ -168,7 +167,7 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Maximum-likelihood parameters (q, k) for weights (q, n) and centred columns; NaN if there is no maximum."""
+    """Return maximum-likelihood parameters (q, k) for weights (q, n) and centred columns; NaN without a maximum."""
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0
     exact = np.where(kind == EXACT, 1.0, 0.0)

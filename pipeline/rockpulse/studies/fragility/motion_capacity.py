@@ -44,7 +44,7 @@ def scale_capacities(
 
     Returns factors (s, m) [-], inf if none is found; larger factors may not reach the limit state. The step (m,) is the
     ratio of neighbouring factors of the scan [-]; narrower intervals may be missed, which makes the factor larger. It
-    is one for uplift alone.
+    is 1 for uplift alone.
     """
     record = scene.record
     solved, vertical = _acting(scene, equation)
@@ -71,7 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Whether a record reaches the states at factors (r, m), r per lane: (s, r, m) of 1, 0 or :data:`NOT_KNOWN`."""
+    """Return (s, r, m) whether a record reaches the states at factors (r, m): 1, 0 or :data:`NOT_KNOWN`."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)
@@ -92,7 +92,7 @@ def reached_at(
 
 
 def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
-    """Return the equation of motion of a model, and the vertical acceleration that it uses."""
+    """Return the equation of motion of a model, and the vertical acceleration that it uses, if any."""
     equation = MODELS[model].equation
     assert equation is not None
     return equation, MODELS[model].vertical_of(scene)
@@ -113,12 +113,13 @@ def motion_capacity(
 
     "measures" (1, k, m) are the intensity measures of the unscaled ground motion in the direction of each body, in the
     order of ``[fragility] measures``, "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
-    "factors" (1, s, m), the first that reaches each limit state, else inf, and "step" (1, m) of its scan; other methods
-    add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), from the rows of the record in a `selection`.
-    Beyond ``[fragility] factors`` an incremental analysis ends, and a stripe is unknown.
+    "factors" (1, s, m), the first factor that reaches each limit state, else inf, and "step" (1, m) of its scan; other
+    methods add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), for the rows of the record in a
+    `selection`. An incremental analysis ends at the limits of ``[fragility] factors``, and a stripe beyond them is
+    unknown.
 
     For a body beside a wall the record and its reverse are two rows of one earthquake. Raises ValueError for a record
-    without an intense phase or refused by the model, TooWeak below the smallest PGA or outside the selection.
+    without an intense phase or rejected by the model, TooWeak below the smallest PGA or outside the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -159,7 +160,7 @@ def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.nd
 
 
 def record_qualities(scene: Scene) -> dict[str, float]:
-    """Return the properties in QUALITIES of a record, of which capacity in a sufficient measure is independent."""
+    """Return the properties in QUALITIES of a record; capacity in a sufficient measure does not depend on them."""
     sizes = np.abs(scene.waves.between(scene.phase.start, scene.phase.end).impulse)
     return {
         "duration": scene.phase.duration,
@@ -169,13 +170,13 @@ def record_qualities(scene: Scene) -> dict[str, float]:
 
 
 def _reversed(scene: Scene) -> Scene:
-    """Return the scene with the reversed record."""
+    """Return the scene with the record reversed in sign."""
     waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
 def _stripes(config: Config, selection: Selection | None) -> int:
-    """Return the number r of scale factors of a record."""
+    """Return the number r of scale factors applied to a record."""
     if selection is not None:
         return selection.most
     return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
@@ -194,7 +195,7 @@ def _weights(record: str, config: Config, selection: Selection | None) -> dict[s
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
 ) -> dict[str, np.ndarray]:
-    """Return the arrays of (m,) lanes under one scene, with the measures of the ground motion below it."""
+    """Return the arrays of (m,) lanes for one scene, with the measures of its ground motion, also for a floor."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
@@ -218,7 +219,7 @@ def _capacity(
 
 
 def empty_capacity(lanes: int, config: Config, selection: Selection | None = None) -> Part:
-    """Return every array of :func:`motion_capacity`, and "event", with zero rows."""
+    """Return the arrays of :func:`motion_capacity`, and "event", with zero rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
     stripes = _stripes(config, selection)

@@ -1,4 +1,4 @@
-"""Tests of whether the data determine a fragility curve and a band, and statements of the reason if not."""
+"""Tests of whether the data determine a fragility curve and its band, and statements of the reason if not."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """Return the status of the data before a fit."""
+    """Return the status of a curve that follows from its data alone, before a fit."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -38,7 +38,7 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
-    """Explain a missing band; `slopes` (1 + events,) are b from all rows, then with each event left out."""
+    """State why a band is missing; `slopes` (1 + events,) are b from all rows, then with each event left out."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:
@@ -57,7 +57,7 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
 
 
 def extrapolation_statement(median: float, rows: Observations) -> list[WarningText]:
-    """Explain a median outside the range of levels; empty if it is inside."""
+    """Return a statement on a median outside the range of levels; empty if it is inside."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return []

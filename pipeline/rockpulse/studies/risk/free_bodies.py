@@ -1,9 +1,9 @@
-"""Fragility of free bodies over an intensity measure, from the stored overturning spectra of records.
+"""Fragility of free bodies in terms of an intensity measure, from the stored overturning spectra of records.
 
-.. note:: At the level x of a measure a record of the value m acts with the factor x/m, so its effective impulse on a
+.. note:: A record with the value m of a measure is scaled by x/m to reach the level x, so its effective impulse on a
    body is S x/m, and the body overturns if that exceeds g tan(alpha)/p. With the mean and standard deviation of ln(S/m)
    over records, equal for all earthquakes, P(overturning | x) is the normal distribution of (ln x + mean - ln(g
-   tan(alpha)/p))/deviation. The mean of the probabilities of the records needs no assumed distribution.
+   tan(alpha)/p))/deviation. The mean of the records' probabilities assumes no distribution.
 """
 
 import math
@@ -21,12 +21,12 @@ from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.storage.variables.risk import FREE_FRAGILITY
 
-#: Number of pairs of body and record that are computed at once.
+#: Largest number of pairs of body and record that are computed at once.
 AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
-    """The curves of m bodies under r records at l levels each; logarithms of levels are in SI units."""
+    """Probability of overturning of m bodies under r records at l levels each; logarithms are of SI values."""
 
     at: np.ndarray  #: (m, r, l) logarithms of the levels, with the same step for all
     probability: np.ndarray  #: (m, r, l) probability of overturning [-]
@@ -37,7 +37,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Read the curves of (m,) bodies that the spectra cover; raise ResultsError for gaps at their p."""
+        """Read the curves of (m,) bodies from the spectra; raise ResultsError if a spectrum is missing at their p."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -53,29 +53,29 @@ class BodyCurves(NamedTuple):
 
     @property
     def spacing(self) -> float:
-        """Step of the logarithms of the levels."""
+        """Step between the logarithms of successive levels."""
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Index (m, r) of the step between stored levels that contains or is nearest to a level (m or 1, r or 1)."""
+        """Return the index (m, r) of the interval between stored levels nearest to a level (m or 1, r or 1)."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
-        """Interpolate values (m, r, l) at levels (m or 1, r or 1): (m, r), constant beyond the ends."""
+        """Interpolate values (m, r, l) at levels (m or 1, r or 1), constant beyond the ends; return (m, r)."""
         step = self.step_of(log_level)
         share = np.clip((log_level - values_at(self.at, step)) / self.spacing, 0.0, 1.0)
         low = values_at(values, step)
         return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Weighted mean over records of ln of the level (m,) at which S = g tan(alpha)/p, and deviation of ln S."""
+        """Return mean ln level (m,) at which S = g tan(alpha)/p, and deviation of ln S, both weighted over records."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Logarithms (m,) of the levels at which the weighted mean over records, weights (r,), is 1/2."""
+        """Return logarithms (m,) of the levels at which the mean P over records, with weights (r,), is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -90,7 +90,7 @@ def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return the overturning spectra of results and the summaries of their records; ConfigError for another measure."""
+    """Return the overturning spectra of results and the summary of their records; ConfigError for other measures."""
     measured = [one.name for one in STORED_LEVELS]
     if measure not in measured:
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, which results hold, got {measure}")
@@ -103,7 +103,7 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 def curves_in_parts(
     spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
 ) -> Iterator[tuple[np.ndarray, BodyCurves]]:
-    """Yield indices and curves of the (m,) bodies that the spectra cover, in parts of limited size."""
+    """Yield the indices and the curves of the bodies that the spectra cover, in parts of limited size."""
     own = np.log(summary[measure].values.astype(float))
     covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
     for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):
@@ -117,13 +117,13 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     Parameters
     ----------
     results : xarray.DataTree
-        Of :func:`rockpulse.assess`, with the spectra at the p of these bodies (``[uncertainty] spectrum = "all"``).
+        Results of :func:`rockpulse.assess` with spectra at the p of these bodies (``[uncertainty] spectrum = "all"``).
     block : Block
         (m,) slender free-standing bodies.
     levels : (n,) array_like
         Levels of the measure, positive [m/s2 or m/s].
     measure : str
-        "pga" or "pgv", of one component.
+        "pga" or "pgv" of one component.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     Raises
     ------
     ResultsError
-        For results without spectra, or with gaps at the p of the bodies.
+        For results without spectra, or if a spectrum is missing at the p of the bodies.
     ConfigError
         For another measure, or levels that are not positive.
 

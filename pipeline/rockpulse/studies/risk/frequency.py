@@ -1,10 +1,9 @@
 """Annual frequency of a limit state at a site: the fragility integrated over the hazard, with bands.
 
 .. note:: lambda = integral of P(x) (-dH/dx) dx; the shares from levels outside the range of the records or of the
-   hazard are given. In PGA, levels below the uplift of a body on the ground do not count.
-
-   A body that overturns lambda times a year survives T years with the probability exp(-lambda T). At a confidence
-   q frequencies up to -ln(1 - q)/T are possible; a larger one contradicts the hazard, to which it is proportional.
+   hazard are reported. In PGA, levels below the uplift PGA of a body on the ground contribute nothing. A body that
+   overturns lambda times a year survives T years with the probability exp(-lambda T). At a confidence q, survival
+   allows frequencies up to -ln(1 - q)/T; a larger one contradicts the hazard, to which it is proportional.
 """
 
 import math
@@ -18,6 +17,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.variables.fragility import FRAGILITY, Status
 from rockpulse.storage.variables.risk import RISK, STANDING, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
@@ -26,29 +26,29 @@ from rockpulse.studies.fragility.statements import STATEMENTS, missing
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
 from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integral, band_of, fitted_lines, integrate
 
-#: Horizontal component for which the hazard must hold, by [records] components.
+#: Horizontal component to which the hazard must refer, for each value of [records] components.
 COMPONENTS = {
-    "horizontal": "any single horizontal component, as each channel is a motion of its own, not the larger of two",
+    "horizontal": "an arbitrary horizontal component, not the larger of two",
     "azimuth": "a single horizontal component in a given direction, not the larger of two",
-    "strongest": "the horizontal component in the direction of the strongest motion, not of any single one",
-    "sweep": "any single horizontal component, as each direction is a motion of its own, not the larger of two",
+    "strongest": "the horizontal component in the direction of the strongest motion, not an arbitrary one",
+    "sweep": "an arbitrary horizontal component, not the larger of two",
 }
 
-#: Descriptions of the data of a fragility, by [fragility] data.
+#: Description of the data of a fragility, for each value of [fragility] data.
 DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
         "the first level at which each record reaches the limit state (ida); a body may stand at higher ones, so the "
-        "frequency is none too small"
+        "frequency is not underestimated"
     ),
     "cloud": "records as they are, not scaled (cloud)",
 }
 
-#: A share of the frequency from levels beyond the data above this gives a warning.
+#: A larger share of the frequency from levels beyond the data gives a warning.
 OUTSIDE = 0.1
 #: Number of bins of the contributions by level, and the share of the frequency that they cover.
 BINS, HELD = 16, 0.998
-#: A and B of a fragility that is 1 at every level above the floor.
+#: A and B in the fragility F(A + B ln x) that is 1 at every level above the floor.
 CERTAIN = (40.0, 1e-9)
 
 
@@ -58,21 +58,23 @@ def several_events(count: int) -> str:
 
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
-    """Return the warnings on a hazard, and the ground and component for which it must hold."""
-    wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
+    """Return the warnings on a hazard, and the ground and component to which it must refer."""
+    wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
     """Describe the data and the distribution of a fragility."""
     settings, chosen = config.fragility, config.fragility.selection is not None
-    of, alike = ("records chosen elsewhere", "by their weights") if chosen else (DATA[settings.data], "alike")
+    of, alike = (
+        ("records chosen elsewhere", "weighted as given") if chosen else (DATA[settings.data], "equally weighted")
+    )
     shown = f"{records} record{'' if records == 1 else 's'} of {several_events(events)}"
-    return f"of {of}; {model}, {settings.equation} equation, {shown}, in which records count {alike}"
+    return f"of {of}; {model}, {settings.equation} equation, {shown}, {alike}"
 
 
 class _RiskOptions(NamedTuple):
-    """The arguments that hold for every body."""
+    """The arguments that are the same for every body."""
 
     family: Family
     hazard: Hazard
@@ -92,11 +94,14 @@ def fragility_frequency(
     resamples: int,
     seed: int,
 ) -> xr.Dataset:
-    """Compute the annual frequency at which each body reaches a limit state; see :func:`rockpulse.risk`."""
+    """Compute the annual frequency at which each body reaches a limit state, see :func:`rockpulse.risk`."""
     if not isinstance(hazard, PowerLawHazard | HazardCurve):
-        raise ConfigError(f"hazard: expected one of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}")
+        raise ConfigError(
+            f"hazard: expected the hazard of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}"
+        )
     if fragility.attrs.get("kind") != FRAGILITY:
-        raise ResultsError("fragility: expected the tree or file of rockpulse fragility; results of assess have none")
+        kind = kind_in_words(str(fragility.attrs.get("kind", ASSESSMENT)))
+        raise ResultsError(f"fragility: expected {kind_in_words(FRAGILITY)}, found {kind}")
     table = fragility["fragility"].to_dataset()
     states, measures = ([str(name) for name in table[dim].values] for dim in ("limit_state", "measure"))
     if limit_state not in states:
@@ -138,7 +143,7 @@ def fragility_frequency(
 
 
 def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Compute the variables of one body, which does not move below the level exp(floor)."""
+    """Compute the variables of one body, which stays at rest below the level exp(floor)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
@@ -161,15 +166,15 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
     if not math.isfinite(whole.frequency):
         return found | {
             "status": RiskStatus.NO_LIMIT,
-            "statement": "no frequency: the fragility falls towards small levels less than the hazard rises; it would "
-            "rest on levels that nothing was looked at",
+            "statement": "no frequency: towards small levels the fragility falls less than the hazard rises; the "
+            "frequency would depend on levels that were not analysed",
         }
     found |= _frequency(whole, low, high, asked)
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return a frequency with its contributions by level, and a warning of those beyond ln levels `low` and `high`."""
+    """Return a frequency by level, and a warning of large contributions from beyond ln levels `low` and `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -190,14 +195,14 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
     for share, limit, side, end in ends:
         if share > OUTSIDE:
             curve = math.isclose(math.exp(limit), end)
-            of = "where the hazard curve ends" if curve else "beyond which no record was looked at"
+            of = "where the hazard curve ends" if curve else "beyond which no record was analysed"
             shown = f"{math.exp(limit) / hazard.unit_in_si:.3g} {hazard.unit}"
             told.append(f"{share:.0%} of its frequency comes from levels {side} {shown}, {of}")
     return "; ".join(told)
 
 
 def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the limits of the frequency and of the probability, with a statement if they are missing."""
+    """Return the limits of the frequency and of the probability, and a statement of the reason if they are missing."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
         return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}
@@ -205,7 +210,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     limits = band_of(
         rows, asked.family, asked.hazard, lines, estimate, asked.confidence, asked.resamples, asked.seed, floor
     )
-    lost = f"{limits.lost:.0%} of the draws of the earthquakes make no curve, or none without one of them"
+    lost = f"{limits.lost:.0%} of the resamples of the earthquakes give no curve, or none without one of them"
     if math.isnan(limits.low):
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
     told = []
@@ -220,14 +225,14 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
 
 
 def _uplift_level_known(rows: Observations, floor: float) -> bool:
-    """Whether the uplift level is known and no observation contradicts it."""
+    """Return whether the uplift level is known and no observation contradicts it."""
     lifted, level = math.exp(floor), rows.level
     against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
     return lifted > 0.0 and not np.any(against)
 
 
 def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
-    """Logarithms of the levels below which each body stays at rest; -inf if unknown, as in measures other than PGA."""
+    """Return logarithms of the levels below which each body stays at rest; -inf if unknown or not in PGA."""
     if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
     lifting = np.log(table["uplift_acceleration"].values)
@@ -235,7 +240,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:
-    """Bins of equal width in the logarithm of the level that cover nearly all of a frequency, and their shares."""
+    """Return bins, equal in the logarithm of the level, that cover nearly all of a frequency, and their shares."""
     summed = np.cumsum(whole.contribution) / np.sum(whole.contribution)
     low, high = np.interp([0.5 - 0.5 * HELD, 0.5 + 0.5 * HELD], summed, whole.log_level).tolist()
     edges = np.linspace(low, high, BINS + 1)
@@ -249,7 +254,7 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     Parameters
     ----------
     risk : xarray.Dataset
-        Of :func:`rockpulse.risk` for overturning, or of :func:`rockpulse.inventory_frequency`.
+        Result of :func:`rockpulse.risk` for overturning, or of :func:`rockpulse.inventory_frequency`.
     age : float
         Time that the bodies have survived [years].
     confidence : float

@@ -1,8 +1,8 @@
-"""Seismic hazard, the annual rate of exceedance of an intensity measure: a power law, a table, or one per body.
+"""Seismic hazard, the annual rate of exceedance of an intensity measure: a power law, a table, or a hazard per body.
 
 .. note:: A hazard is an annual rate of exceedance H over levels x in SI units. A curve is linear in the logarithms
-   between its points, and continues with its outermost slopes. With the soil factor S the rate of x at the ground of a
-   site is that of x/S on rock.
+   between its points, and is extrapolated with its outermost slopes. With the soil factor S, the rate of x at the
+   ground surface of a site is the rate of x/S on rock.
 """
 
 import math
@@ -29,7 +29,7 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """Return the measure; raise ConfigError if it is not a measure of a hazard."""
+    """Return the measure; raise ConfigError if it is not a known measure of a hazard."""
     if measure not in HAZARD:
         told = f"found {measure!r}{hint(measure, HAZARD)}"
         raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {told}")
@@ -37,7 +37,7 @@ def known_measure(measure: str, where: str) -> str:
 
 
 class _Hazard(ABC):
-    """The common base of a power law and a curve."""
+    """The base class of a power law and a curve."""
 
     measure: str
     unit: str
@@ -54,7 +54,7 @@ class _Hazard(ABC):
 
     @property
     def unit_in_si(self) -> float:
-        """Factor from the unit to SI."""
+        """Factor that converts the unit to SI."""
         return MEASURES[self.measure].known_units[self.unit]
 
     @property
@@ -63,12 +63,12 @@ class _Hazard(ABC):
         return f"{self.measure} in {self.unit}{on_soil}"
 
     def rate(self, level: np.ndarray | float) -> np.ndarray:
-        """Annual rate of exceedance [1/year] at levels in SI units."""
+        """Return the annual rate of exceedance [1/year] at levels in SI units."""
         return np.exp(self.log_rate(np.log(np.asarray(level, dtype=float))))
 
     @abstractmethod
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """ln of the rate at logarithms of levels in SI units."""
+        """Return ln of the rate at logarithms of levels in SI units."""
 
 
 @dataclass(frozen=True)
@@ -78,20 +78,20 @@ class PowerLawHazard(_Hazard):
     Attributes
     ----------
     k0, k : float
-        Rate at the level 1 in the unit [1/year], and slope in the logarithms [-].
+        Annual rate at x = 1 (in `unit`) and log-log slope [-].
     measure : str
         Intensity measure of :data:`rockpulse.record.measures.HAZARD`, such as "pga".
     unit : str
-        Unit of the level of k0: "m/s2", "g", "cm/s2", or for a velocity "m/s", "cm/s"; SI by default.
+        Unit of x: "m/s2", "g", "cm/s2", or for a velocity "m/s", "cm/s"; SI by default.
     soil_factor : float
-        Levels at the ground of the site over those of k0 and k [-].
+        Ratio of levels at the site surface to those for which k0 and k were given [-].
     warnings : tuple of str
         Warnings on the hazard.
 
     Raises
     ------
     ConfigError
-        For numbers that are not positive, an unknown measure or unit.
+        For numbers that are not positive, or an unknown measure or unit.
 
     Examples
     --------
@@ -119,30 +119,30 @@ class PowerLawHazard(_Hazard):
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazard."""
+        """First and last level of the hazard, between which it is valid."""
         return 0.0, math.inf
 
     @property
     def words(self) -> str:
-        """The hazard in words."""
+        """Description of the hazard."""
         return f"power law {self.k0:g} x^-{self.k:g} of {self._levels}"
 
     @property
     def slopes(self) -> np.ndarray:
-        """The slopes in the logarithms, from low levels to high ones."""
+        """The log-log slopes, from low levels to high ones."""
         return np.array([self.k])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """ln of the rate at logarithms of levels in SI units."""
+        """Return ln of the rate at logarithms of levels in SI units."""
         one = math.log(self.unit_in_si * self.soil_factor)
         return np.asarray(math.log(self.k0) - self.k * (log_level - one))
 
     def log_density(self, log_level: np.ndarray) -> np.ndarray:
-        """ln of -dH/d ln x [1/year] at logarithms of levels in SI units."""
+        """Return ln of -dH/d ln x [1/year] at logarithms of levels in SI units."""
         return math.log(self.k) + self.log_rate(log_level)
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
+        """Return the integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
         return np.exp(self.log_rate(log_level)) / self.k
 
 
@@ -155,17 +155,17 @@ class HazardCurve(_Hazard):
     level, rates : (n,) ndarray
         Levels in SI units, ascending, and annual rates of exceedance [1/year], positive and not increasing.
     source : str
-        Name of the source in messages.
+        Name of the source for messages.
     unit : str
-        Unit of levels in texts; SI by default.
+        Unit of levels in messages; SI by default.
     measure, soil_factor, warnings
         As for :class:`PowerLawHazard`.
 
     Raises
     ------
     ConfigError
-        For fewer than two points, levels or rates that are not positive or not in order, an unknown measure or unit, or
-        equal last rates.
+        For fewer than two points, levels or rates that are not positive or not in order, equal last rates, or an
+        unknown measure or unit.
 
     Examples
     --------
@@ -200,7 +200,7 @@ class HazardCurve(_Hazard):
         slopes = -np.diff(np.log(rates)) / np.diff(np.log(level))
         if slopes[-1] == 0.0:
             raise ConfigError(
-                f"{self.source}: the last two rates are alike, {rates[-1]:g}: nothing says how it falls beyond them"
+                f"{self.source}: the last two rates are alike, {rates[-1]:g}: the slope beyond them is unknown"
             )
         knots = np.log(level * self.soil_factor)
         for name, value in (("level", level), ("rates", rates), ("knots", knots), ("slopes", slopes)):
@@ -209,29 +209,29 @@ class HazardCurve(_Hazard):
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazard, at the ground of the site."""
+        """First and last level of the hazard, at the ground surface of the site."""
         return float(self.level[0] * self.soil_factor), float(self.level[-1] * self.soil_factor)
 
     @property
     def words(self) -> str:
-        """The hazard in words."""
+        """Description of the hazard."""
         return f"{self.source}: {self.level.size} points of {self._levels}"
 
     def _piece(self, log_level: np.ndarray) -> np.ndarray:
         return np.clip(np.searchsorted(self.knots, log_level, side="right") - 1, 0, self.slopes.size - 1)
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """ln of the rate at logarithms of levels in SI units."""
+        """Return ln of the rate at logarithms of levels in SI units."""
         piece = self._piece(log_level)
         return np.asarray(np.log(self.rates[piece]) - self.slopes[piece] * (log_level - self.knots[piece]))
 
     def log_density(self, log_level: np.ndarray) -> np.ndarray:
-        """ln of -dH/d ln x [1/year] at logarithms of levels in SI units; -inf if the rate is constant."""
+        """Return ln of -dH/d ln x [1/year] at logarithms of levels in SI units; -inf if the rate is constant."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(self.slopes[self._piece(log_level)]) + self.log_rate(log_level))
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
+        """Return the integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
         piece = self._piece(log_level)
         ends = np.append(self.knots[1:-1], np.inf)
         level = self.slopes == 0.0  # excludes the last piece
@@ -253,19 +253,19 @@ Hazard: TypeAlias = PowerLawHazard | HazardCurve
 
 @dataclass(frozen=True, eq=False)
 class SiteHazards:
-    """A hazard for each of m bodies, made by :func:`rockpulse.load_site_hazards`.
+    """A hazard for each of m bodies, from :func:`rockpulse.load_site_hazards`.
 
     Attributes
     ----------
     hazards : tuple of PowerLawHazard or HazardCurve
         The distinct hazards, all of one measure and unit.
     of_body, distance : (m,) ndarray
-        Index of the hazard of each body, and the distance of its place from the site [m]; NaN if unknown.
+        Index of the hazard of each body, and the distance of its grid point from the site [m]; NaN if unknown.
 
     Raises
     ------
     ConfigError
-        For no hazard, several measures or units, or invalid numbers of hazards.
+        If there is no hazard, for different measures or units, or invalid indices of hazards.
     """
 
     __repr__ = one_line
@@ -291,7 +291,7 @@ class SiteHazards:
 
     @classmethod
     def distinct(cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None) -> Self:
-        """Make the hazards of m bodies by calling `hazard` for each distinct row of the keys (m, k)."""
+        """Create the hazards of m bodies by calling `hazard` for each distinct row of the keys (m, k)."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
         return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)
@@ -303,24 +303,24 @@ class SiteHazards:
 
     @property
     def unit(self) -> str:
-        """Unit of levels in texts."""
+        """Unit of levels in messages."""
         return self.hazards[0].unit
 
     @property
     def unit_in_si(self) -> float:
-        """Factor from the unit to SI."""
+        """Factor that converts the unit to SI."""
         return self.hazards[0].unit_in_si
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazards; NaN if the hazards differ in it."""
+        """First and last level of the hazards; NaN if the hazards differ in them."""
         ends = np.array([one.covered for one in self.hazards])
         low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
         return low, high
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings on the hazards, and the largest distance of their places."""
+        """Warnings on the hazards, and the largest distance of their grid points."""
         told = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
             return told
@@ -338,11 +338,11 @@ class SiteHazards:
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """ln of the annual rate of each body at logarithms (m, ...) of levels in SI units."""
+        """Return ln of the annual rate of each body at logarithms (m, ...) of levels in SI units."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Integral of each rate over ln x from logarithms (m, ...) of levels in SI units to infinity [1/year]."""
+        """Return the integral of each rate over ln x from logarithms (m, ...) of SI levels to infinity [1/year]."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
@@ -353,7 +353,7 @@ class SiteHazards:
         return found
 
     def log_ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Logarithms (m, 1) of the first and last level of the hazard of each body."""
+        """Return logarithms (m, 1) of the first and the last level of the hazard of each body."""
         with np.errstate(divide="ignore"):
             ends = np.log([self.hazards[number].covered for number in self.of_body.tolist()])
         return ends[:, :1], ends[:, 1:]

@@ -1,4 +1,4 @@
-"""Readers of hazard curves for one or many places: levels with rates or probabilities, OpenQuake, return periods."""
+"""Readers of hazard curves at one or many points: levels with rates or probabilities, OpenQuake, return periods."""
 
 import re
 from collections.abc import Callable
@@ -37,7 +37,7 @@ OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """Levels in the unit of the file and annual rates [1/year], (k,) for all places or (n, k)."""
+    """Levels in the unit of the file and annual rates [1/year], (k,) for all points or (n, k)."""
 
     path: str
     measure: str
@@ -66,7 +66,7 @@ class _Sheet(NamedTuple):
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """Return the row of a site, and the distance of its place as text; raise ConfigError if none can be chosen."""
+        """Return the row of the point nearest to a site, and its distance in words; raise ConfigError for none."""
         if self.places is None:
             if site is None:
                 return 0, ()
@@ -91,15 +91,15 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     Parameters
     ----------
     path : str or Path
-        A table of two columns, the level with its measure and unit ("pga [g]", "pgv [cm/s]", "si [m/s]", "sa(1.0)
-        [g]") and "rate" [1/year] or "probability in 50 years"; OpenQuake's hazard curves of one measure; return periods
-        of Italian practice, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, one row per node with
-        "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with the periods in the line above. With
-        the delimiters ; or tab, commas are decimal commas.
+        A table of two columns, the level with its measure and unit ("pga [g]", "pgv [cm/s]", "si [m/s]", "sa(1.0) [g]")
+        and "rate" [1/year] or "probability in 50 years"; OpenQuake's hazard curves of one measure; return periods of
+        Italian practice, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, one row per grid point
+        with "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with the periods in the line above.
+        If the delimiter is ";" or a tab, a comma is a decimal comma.
     site : (float, float), optional
-        Longitude and latitude [degrees], for a file of several places: the nearest one up to 50 km away.
+        Longitude and latitude [degrees], for a file of several points: the nearest point up to 50 km away is used.
     soil_factor : float
-        S, levels at the ground of the site over those of the file [-].
+        S, ratio of levels at the site surface to those of the file [-].
 
     Returns
     -------
@@ -109,7 +109,7 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     Raises
     ------
     ConfigError
-        For a file of another format, a file of several sites without `site`, or no place near the site.
+        For a file of another format, a file of several points without `site`, or no point near the site.
     """
     sheet = _read(path)
     row, warnings = sheet.at(site)
@@ -117,26 +117,26 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
 
 
 def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike = 1.0) -> SiteHazards:
-    """Read a hazard for each of many bodies from a CSV file with the curves of many places.
+    """Read a hazard for each of many bodies from a CSV file with the curves of many points.
 
     Parameters
     ----------
     path : str or Path
         OpenQuake's hazard curves of one measure, or the grid of NTC 2008, as for :func:`load_hazard`.
     sites : (m, 2) array_like
-        Longitude and latitude of each body [degrees], for the nearest place up to 50 km away.
+        Longitude and latitude of each body [degrees]; the nearest point up to 50 km away is used.
     soil_factor : float or (m,) array_like
         S, as for :func:`load_hazard`.
 
     Returns
     -------
     SiteHazards
-        One curve for each place and soil factor.
+        One curve for each pair of point and soil factor.
 
     Raises
     ------
     ConfigError
-        As :func:`load_hazard`; for a file without places, or invalid sites or soil factors.
+        As :func:`load_hazard`; also for a file without coordinates, or invalid sites or soil factors.
     """
     sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:
@@ -173,7 +173,7 @@ def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """Return the hazards of several bodies; sites and soil factors come from either the bodies or the configuration."""
+    """Return the hazards of several bodies; sites and soil factors are those of the bodies or of the configuration."""
     for key, told, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil_factor != 1.0, soil_factor),
@@ -201,7 +201,7 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
         return lambda factor: law(soil_factor=factor)
     if settings.file is None:
         raise ConfigError(
-            "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
+            "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found none of these"
         )
     sheet = _read(folder / settings.file)
     row, warnings = sheet.at(site)
@@ -211,7 +211,7 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
 def _read(path: str | Path) -> _Sheet:
     where, name = Path(path), str(path)
     if not where.exists() or where.is_dir():
-        raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
+        raise ConfigError(f"{path}: no such file; expected a hazard curve")
     lines = read_text(where, what="a hazard curve").splitlines()
     if lines and lines[0].startswith("#") and "investigation_time" in lines[0]:
         return _openquake(name, lines)
@@ -256,7 +256,9 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     named = {name.lower().partition("[")[0].strip(): place for place, name in enumerate(heads)}
     unit = re.fullmatch(r"ag\s*\[(.+?)\]", heads[named["ag"]].lower()) if "ag" in named else None
     if unit is None:
-        raise ConfigError(f'{path}: expected the column "ag [g]" beside the return periods, found {", ".join(heads)}')
+        raise ConfigError(
+            f'{path}: expected the column "ag [g]" in addition to the return periods, found {", ".join(heads)}'
+        )
     period, level = column_numbers(path, table, heads[0]), column_numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
@@ -284,8 +286,8 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
     units = {told[3] or ANNEX for _, told in columns}
     if len(columns) < 2 or len(units) > 1:
         raise ConfigError(
-            f"{path}: expected beside LON and LAT a_g of several return periods in one unit (T30ag, T50ag, ...), found "
-            f"{', '.join(heads)}"
+            f"{path}: expected, in addition to LON and LAT, a_g of several return periods in one unit (T30ag, T50ag, "
+            f"...), found {', '.join(heads)}"
         )
     period = np.array([float(told[1] or told[2]) for _, told in columns])
     if np.any(period <= 0.0):
@@ -322,12 +324,12 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
     return _Sheet(path, measure, unit, level, _rates(path, probability, years), places)
 
 
-#: Largest distance of a site from the place of its hazard [km].
+#: Largest distance of a site from the point of its hazard curve [km].
 FARTHEST = 50.0
 
 
 def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
-    """Longitude and latitude (n, 2) of each row [degrees], None without these columns; ConfigError without rows."""
+    """Return longitude and latitude (n, 2) of each row [degrees], None without these columns; ConfigError if empty."""
     columns = {str(name).lower(): str(name) for name in table.columns}
     if not {"lon", "lat"} <= columns.keys():
         return None
@@ -337,7 +339,7 @@ def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Index (m,) of the place (n, 2) nearest to each site (m, 2) [degrees], and distance [m] (ConfigError > 50 km)."""
+    """Return index (m,) and distance [m] of the point (n, 2) nearest to each site (m, 2); ConfigError above 50 km."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 
@@ -348,18 +350,18 @@ def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np
     if not distance[far] <= FARTHEST:
         raise ConfigError(
             f"{path}: the place nearest to the site {place_in_words(*sites[far])} is {place_in_words(*near[far])}, "
-            f"{distance[far]:,.0f} km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
+            f"{distance[far]:,.0f} km away; expected one within {FARTHEST:g} km; longitude comes before latitude"
         )
     return rows, 1e3 * distance
 
 
 def place_in_words(longitude: float, latitude: float) -> str:
-    """Format a place by longitude and latitude."""
+    """Format a longitude and a latitude."""
     return f"{longitude:.4g} E {latitude:.4g} N"
 
 
 def _on_sphere(places: np.ndarray) -> np.ndarray:
-    """Convert places (n, 2) to points (n, 3) on the unit sphere, which has no jump at the date line."""
+    """Convert longitudes and latitudes (n, 2) to points (n, 3) on the unit sphere, without a jump at the date line."""
     longitude, latitude = np.radians(places).T
     level = np.cos(latitude)
     return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

@@ -1,13 +1,14 @@
-"""The integral of fragility over hazard, the annual frequency of a limit state, and its band over earthquakes.
+"""The annual frequency of a limit state as the integral of fragility and hazard, and its band over earthquakes.
 
 .. note:: With a fragility F(A + B u) over u = ln x and a hazard H, lambda = integral of F(A + B u) (-dH/du) du. It is
    computed by Gauss-Legendre quadrature on short pieces between the changes of slope of the hazard, and in closed form
-   beyond them: far above its median a fragility is 1, and H remains; far below it a logistic one is an exponential.
+   beyond them: far above its median the fragility is 1, so that only H remains; far below it a logistic fragility is an
+   exponential.
 
 The band is a bootstrap-t over earthquakes, since records of one earthquake are not independent. Each bootstrap sample
-has a frequency and, from leaving out each of its earthquakes in turn, a standard error; the quantiles of (ln lambda -
-its estimate)/standard error over the samples are used for the estimate itself. The hazard counts as exact. Efron, B.,
-Tibshirani, R. (1993), An Introduction to the Bootstrap, chapter 12.
+has a frequency and, from leaving out each of its earthquakes in turn, a standard error; the quantiles of (ln lambda of
+the sample - estimate)/standard error over the samples give the band of the estimate. The hazard counts as exact. Efron,
+B., Tibshirani, R. (1993), An Introduction to the Bootstrap, chapter 12.
 """
 
 import itertools
@@ -22,11 +23,11 @@ from rockpulse.studies.fragility.curves import standardised
 from rockpulse.studies.fragility.likelihood import Family, Observations, maximise
 from rockpulse.studies.risk.hazard import Hazard
 
-#: Number of nodes of a piece, and its length over the shortest scale of fragility and hazard.
+#: Number of nodes of a piece, and its length divided by the shortest scale of fragility and hazard.
 NODES, SHARE = 8, 0.5
-#: Logarithm at which tails are truncated, and standard units beyond which a distribution is 0 or 1 to rounding.
+#: Logarithm at which tails are truncated, and standard deviations beyond which a distribution rounds to 0 or 1.
 TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
-#: Logarithm of the largest level; if levels below its inverse contribute, the frequency is undetermined.
+#: Logarithm of the largest level; if levels below its reciprocal contribute, the frequency is undetermined.
 FARTHEST = 300.0
 #: Smallest number of earthquakes for a band with correct coverage, and for any band.
 LEAST_EVENTS, FEWEST_EVENTS = 14, 4
@@ -36,7 +37,7 @@ CAPACITY = np.arange(-60.0, 40.0, STEP)
 
 
 class Integral(NamedTuple):
-    """A frequency with its contributions by level."""
+    """An annual frequency with its contributions by level."""
 
     frequency: float  #: [1/year]; inf if towards low levels the hazard rises faster than the fragility falls
     log_level: np.ndarray  #: (n,) nodes
@@ -51,7 +52,7 @@ class Integral(NamedTuple):
 def integrate(
     family: Family, line: tuple[float, float], hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
 ) -> Integral:
-    """Integrate the fragility of `line` (A, B > 0), zero below exp(floor), over a hazard, split at the `breaks`."""
+    """Integrate the fragility F(A + B ln x) of `line` (A, B), 0 below exp(floor), over a hazard split at `breaks`."""
     a, b = line
     lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
     logistic, middle = family.deviation != 1.0, -a / b
@@ -90,27 +91,27 @@ def integrate(
 
 
 def _decay(rate: float, length: float) -> float:
-    """Integral of exp(-rate t) over t from 0 to a length, which may be infinite if the rate is positive."""
+    """Return the integral of exp(-rate t) over t from 0 to a length, which may be inf if the rate is positive."""
     if rate == 0.0:
         return length
     return 1.0 / rate if length == math.inf else -math.expm1(-rate * length) / rate
 
 
 def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
-    """A and B (1 + events, 2) in ln of the level, fitted to all rows and with each earthquake left out."""
+    """Return A and B (1 + events, 2) of F(A + B ln x), fitted to all rows, then with each earthquake left out."""
     events = len(rows.events)
     return _lines(rows, family, np.vstack([np.ones(events), 1.0 - np.eye(events)]))
 
 
 def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
-    """A and B (q, 2) in ln of the level, fitted with weights (q, events) of the earthquakes; NaN without a fit."""
+    """Return A and B (q, 2) of F(A + B ln x), fitted with weights (q, events) of earthquakes; NaN without a fit."""
     u, centre, spread = standardised(np.log(rows.level))
     theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
     return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
 
 
 def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """ln of the frequencies of q fits, integrals of H(exp((z - A)/B)) f(z) dz, to about 1e-4; NaN for B <= 0."""
+    """Return ln of the frequencies of q fits, integral of H(exp((z - A)/B)) f(z) dz, to 1e-4; NaN for B <= 0."""
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
     density = family.log_density(CAPACITY)[0] + math.log(STEP)
@@ -131,7 +132,7 @@ def band_of(
     seed: int,
     floor: float = -math.inf,
 ) -> Limits:
-    """Limits of the frequency exp(estimate), from :func:`fitted_lines`, without samples that have no standard error."""
+    """Return limits of the frequency exp(estimate), from the samples of :func:`fitted_lines` with a standard error."""
     events = len(rows.events)
     error = jackknife_error(_frequencies(family, lines, hazard, floor)[:, np.newaxis])[0]
     counts = draw_earthquakes(events, resamples, seed)

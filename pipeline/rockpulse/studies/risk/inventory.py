@@ -1,9 +1,9 @@
 """Tables of free bodies, and the annual frequency of overturning of many bodies from one set of overturning spectra.
 
 .. note:: The overturning spectrum S(p, C) of a record gives the probability that any slender free body overturns at any
-   scale factor: P_r(x) at the level x of a measure is the probability at the scale factor x over the record's value.
-   The mean over records, with equal weight of earthquakes, is the fragility, without a fit; the frequency is the mean
-   of the frequencies of the records.
+   scale factor: P_r(x) at the level x of a measure is the probability at the scale factor x divided by the record's
+   value. The fragility is the mean over records, with equal weight of earthquakes, without a fit; the frequency is the
+   mean of the records' frequencies.
 """
 
 import math
@@ -33,7 +33,7 @@ DEGREES = {"longitude": (-180.0, 360.0), "latitude": (-90.0, 90.0)}
 
 
 class Inventory(NamedTuple):
-    """Free bodies with their sites."""
+    """A table of free bodies with their sites."""
 
     names: list[str]
     block: Block  #: (m,)
@@ -46,14 +46,14 @@ def read_inventory(path: str | Path) -> Inventory:
     """Read free rectangular bodies from a CSV table with the columns NEEDED and OPTIONAL, or raise ConfigError."""
     where = Path(path)
     if not where.exists() or where.is_dir():
-        raise ConfigError(f"{path}: expected a table of bodies, found no file")
+        raise ConfigError(f"{path}: no such file; expected a table of bodies")
     table = table_of(str(path), read_text(where, what="a table of bodies"))
     table.columns = [_known(str(name)) for name in table.columns]
     if missing := [name for name in NEEDED if name not in table.columns]:
         raise ConfigError(f"{path}: expected the columns {', '.join(NEEDED)}; no column {' and '.join(missing)}")
     names = table["name"].tolist()
     if not names or "" in names or len(set(names)) < len(names):
-        raise ConfigError(f"{path}: expected a name for each body, no two alike")
+        raise ConfigError(f"{path}: expected a unique name for each body")
     known = {name: column_numbers(str(path), table, name) for name in (*NEEDED[1:], *OPTIONAL) if name in table.columns}
     for name, values in known.items():
         low, high = DEGREES.get(name, (0.0, np.inf))
@@ -92,11 +92,11 @@ def inventory_frequency(
     Parameters
     ----------
     results : xarray.DataTree
-        Of :func:`rockpulse.assess`, with the spectra at the p of these bodies (``[uncertainty] spectrum = "all"``).
+        Results of :func:`rockpulse.assess` with spectra at the p of these bodies (``[uncertainty] spectrum = "all"``).
     block : Block
         (m,) slender free-standing bodies.
     hazard : PowerLawHazard, HazardCurve or SiteHazards
-        One hazard for all bodies, or one for each (:func:`rockpulse.load_site_hazards`), of "pga" or "pgv" of one
+        One hazard for all bodies, or one for each (:func:`rockpulse.load_site_hazards`), in "pga" or "pgv" of one
         component.
     years : float
         Exposure time for `probability` and `survival` [years].
@@ -106,17 +106,17 @@ def inventory_frequency(
     Returns
     -------
     xarray.Dataset
-        Over (body): `frequency` [1/year] with `frequency_low` and `frequency_high` (for lognormal frequencies of the
-        earthquakes; NaN below four), `probability` and `survival` in `years`, `median` [unit of the measure in SI] at
-        which the fragility is 1/2, `dispersion`, the standard deviation of ln(S/measure) over earthquakes and records
-        [-], the shares of the frequency `below` and `above` the levels of the hazard, and `far`, from scale factors
-        beyond ``[fragility] factors``; `hazard_distance` [m] from the site to the place of its hazard. NaN for a body
-        that the spectra do not cover. In PGA, levels below g tan(alpha) do not count.
+        Over (body): `frequency` [1/year] with `frequency_low` and `frequency_high` (if the frequencies of earthquakes
+        are lognormal; NaN for fewer than four), `probability` and `survival` in `years`, `median` [unit of the measure
+        in SI] at which the fragility is 1/2, `dispersion`, the standard deviation of ln(S/measure) over earthquakes and
+        records [-], the shares of the frequency `below` and `above` the levels of the hazard, and `far`, from scale
+        factors beyond ``[fragility] factors``; `hazard_distance` [m] from the site to the point of its hazard. NaN for
+        a body that the spectra do not cover. In PGA, levels below g tan(alpha) contribute nothing.
 
     Raises
     ------
     ResultsError
-        For results without spectra, or with gaps at the p of the bodies.
+        For results without spectra, or if a spectrum is missing at the p of the bodies.
     ConfigError
         For a hazard of another measure or number of bodies, or invalid years or confidence.
 
@@ -158,7 +158,7 @@ def inventory_frequency(
         hazard=hazard.words,
         hazard_conditions=hazard_conditions(hazard.warnings, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
-        f"{several_events(events.shape[0])}, in which earthquakes count alike",
+        f"{several_events(events.shape[0])}, earthquakes equally weighted",
         measure=hazard.measure,
         unit=hazard.unit,
         unit_in_si=hazard.unit_in_si,
@@ -176,7 +176,7 @@ def inventory_frequency(
 def _of_bodies(
     curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
-    """Variables of (m,) bodies that the spectra cover; `events` (k, r) are the weights of records by event."""
+    """Return variables of (m,) bodies that the spectra cover; `events` (k, r) are the weights of records by event."""
     # P is linear in ln x between two levels: its increase is multiplied by the mean of H between them.
     whole_above = hazards.integral_above(curves.at)
     slope = np.diff(curves.probability, axis=2) / curves.spacing

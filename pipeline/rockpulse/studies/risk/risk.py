@@ -1,4 +1,4 @@
-"""The annual frequency of a limit state: a fragility, or results and a table of bodies, over the hazard of a site."""
+"""The annual frequency of a limit state at a site, from the hazard and a fragility or results for a table of bodies."""
 
 import os
 from dataclasses import replace
@@ -35,13 +35,13 @@ def risk(
     Parameters
     ----------
     fragility : xarray.DataTree or path
-        Of :func:`rockpulse.fragility`, with the measure of the hazard; with `bodies` results of
+        Result of :func:`rockpulse.fragility` with the measure of the hazard; with `bodies`, result of
         :func:`rockpulse.assess` with ``[uncertainty] spectrum = "all"``.
     hazard : PowerLawHazard, HazardCurve or path, optional
         Annual rate of exceedance of that measure at the ground below the bodies, or the file of a hazard curve
-        (:func:`rockpulse.load_hazard`); by default that of [hazard].
+        (:func:`rockpulse.load_hazard`); by default from [hazard].
     limit_state : str
-        Of the fragility.
+        Limit state of the fragility.
     years : float, optional
         Exposure time for `probability` and `survival` [years]; by default that of [hazard].
     confidence : float, optional
@@ -49,11 +49,11 @@ def risk(
     resamples, seed : int
         Number of bootstrap samples of the earthquakes for the bands, 0 for no band; seed of the random numbers.
     config : Config or path, optional
-        With a section [hazard]; by default the configuration of the fragility.
+        Configuration with a section [hazard]; by default that of the fragility.
     site : (float, float), optional
-        Longitude and latitude [degrees], for a hazard file of several places.
+        Longitude and latitude [degrees], for a hazard file of several points.
     soil_factor : float, optional
-        By which the levels of a hazard file on rock are multiplied [-]; by default that of [hazard].
+        Factor on the levels of a hazard file on rock [-]; by default that of [hazard].
     bodies : path or Inventory, optional
         A table (CSV) of free bodies, for :func:`rockpulse.inventory_frequency`.
 
@@ -63,16 +63,16 @@ def risk(
         Over (block): `frequency` [1/year] with `frequency_low` and `frequency_high`, `probability` in `years` with its
         limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels beyond
         those of the records or of the hazard, `events`, `status`, `statement` and `warning`; over (block, bin)
-        `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. The uplift of a body on the
-        ground in PGA needs no fit: it is the rate of exceedance of its uplift PGA. With `bodies` as
-        :func:`rockpulse.inventory_frequency` returns it.
+        `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. In PGA, the frequency of uplift
+        of a body on the ground needs no fit: it is the rate of exceedance of its uplift PGA. With `bodies`, the same as
+        from :func:`rockpulse.inventory_frequency`.
 
     Raises
     ------
     ResultsError
-        For another tree, or one without the limit state or the measure.
+        For a tree of another kind, or without the limit state or the measure.
     ConfigError
-        For invalid years, confidence or resamples, no hazard or two of them, or a limit state for `bodies`.
+        For invalid years, confidence or resamples, without a hazard or with two, or for a limit state with `bodies`.
 
     References
     ----------
@@ -100,7 +100,9 @@ def risk(
     settings, folder = asked.hazard, asked.folder
     given = None if isinstance(hazard, str | os.PathLike) else hazard
     if given is not None and (site is not None or soil_factor is not None):
-        raise ConfigError("site, soil_factor: they go with the file of a hazard; a hazard in Python has its own")
+        raise ConfigError(
+            "site, soil_factor: they can be given with a hazard file only; a hazard in Python has its own"
+        )
     if isinstance(hazard, str | os.PathLike):
         settings = replace(settings, file=os.fspath(hazard), k0=None, k=None, longitude=None, latitude=None)
         folder = Path()

@@ -1,8 +1,8 @@
-"""The reference method for errors and costs: scipy's ``solve_ivp``, restarted after each impact.
+"""The reference method for errors and run times: scipy's ``solve_ivp``, restarted after each impact.
 
 It is tuned for speed: rest is skipped up to the next sample above the threshold, overturning stops the run, tiny hops
-start with a step of their own length, and the motion after the record follows from energy. ``max_step=dt``, as longer
-steps would miss changes of slope in the record.
+start with a step of the length of the hop, and the motion after the record follows from energy. ``max_step`` is dt, as
+longer steps would miss changes of slope in the record.
 """
 
 import math
@@ -16,7 +16,7 @@ MOST_HOPS = 100_000
 
 
 class Baseline(NamedTuple):
-    """The result of the baseline."""
+    """The result of the reference method."""
 
     peak_rotation_ratio: float  #: theta_max/alpha [-], inf when overturned
     outcome: str  #: AT_REST, ROCKS, OVERTURNS or UNRESOLVED
@@ -37,12 +37,12 @@ def response(
     atol: float | None = None,
     rest_speed: float = 1e-4,
 ) -> Baseline:
-    """Rocking response of one block to a record (n,) [m/s2] by ``solve_ivp``.
+    """Compute the rocking response of one block to a record (n,) [m/s2] with ``solve_ivp``.
 
     `p` is the frequency parameter [1/s], `alpha` the critical angle [rad], `restitution` the velocity ratio C [-]. The
-    tolerance atol [rad, rad/s] is rtol x alpha/1000 by default. The block rests after an impact slower than
-    `rest_speed` times p alpha on ground below the threshold [-]: such hops are 1e-8 of alpha high, below the error of
-    RK45 at rtol 1e-6.
+    tolerance atol [rad, rad/s] is rtol x alpha/1000 by default. The block comes to rest after an impact slower than
+    `rest_speed` times p alpha while the ground is below the threshold: such hops reach 1e-8 of alpha, less than the
+    error of RK45 at rtol 1e-6.
     """
     linear = equation == "linear"
     threshold = alpha if linear else math.tan(alpha)
@@ -132,7 +132,7 @@ def response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Return peak over alpha after the record and whether the block overturns, from x > 0 and u = x'/p by energy."""
+    """Return peak/alpha after the record and whether the block overturns, from x > 0, u = x'/p and the energy."""
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

@@ -1,7 +1,7 @@
-"""The stored cases of `rockpulse selftest`: results to 24 digits, with errors and run times on this machine.
+"""The stored cases of `rockpulse selftest`: results with 24 digits, and errors and run times on this machine.
 
 The ground motion of a case is made of parabolic half-waves with samples exact in binary; ``cases.csv`` has the results,
-computed by ``benchmarks/selftest_cases.py`` in 42 digits, and the largest error of each.
+computed by ``benchmarks/selftest_cases.py`` with 42 digits, and the largest allowed error of each.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ __all__ = ["COLUMNS", "TABLE", "AnsweredCase", "Case", "CaseResult", "solve_case
 TABLE = Path(__file__).with_name("cases.csv")
 #: Number of scale factors of a case that are solved in one call to measure its run time.
 FACTORS = np.linspace(0.9, 1.1, 64)
-#: Largest number of samples of a case that is also solved by solve_ivp, at 0.15 ms each.
+#: Largest number of samples of a case that is also solved with solve_ivp, which takes 0.15 ms a sample.
 FEW_SAMPLES = 200
 
 
 def lobes(peaks: str, samples: int, quiet: int) -> np.ndarray:
-    """Return parabolic half-waves with these peaks [m/s2] and number of samples, then `quiet` half-waves of zeros."""
+    """Return parabolic half-waves with given peaks [m/s2] and number of samples, then `quiet` half-waves of zeros."""
     place = np.arange(samples) / samples
     shape = 4.0 * place * (1.0 - place)
     return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])
@@ -61,7 +61,7 @@ class Case:
     tie_height: float  # [m]
 
     def motions(self) -> tuple[np.ndarray, np.ndarray]:
-        """The ground and the vertical acceleration [m/s2], (n,) each."""
+        """Return the horizontal and the vertical ground acceleration [m/s2], (n,) each."""
         both = [lobes(peaks, self.samples, self.quiet) for peaks in (self.ground, self.vertical or self.ground)]
         return both[0], both[1] if self.vertical else np.zeros(both[0].size)
 
@@ -74,7 +74,7 @@ class Case:
         return asdict(self)
 
     def block(self) -> Block:
-        """The body as a block."""
+        """Return the body as a block."""
         size: dict[str, Any] = {"width": self.width, "height": self.height, "log": False}
         if self.wall:
             return Block(**size, one_sided=True, rebound=self.restitution)
@@ -103,7 +103,7 @@ class CaseResult(NamedTuple):
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within its limit."""
+        """True if the error is within its limit."""
         return self.error <= self.stored.bound
 
 
@@ -150,12 +150,12 @@ def solve_case(stored: AnsweredCase) -> CaseResult:
 
 
 def _cost(start: float, active: int) -> float:
-    """Time since `start` per active sample [ns]; NaN without active samples."""
+    """Return the time since `start` per active sample [ns]; NaN without active samples."""
     return 1e9 * (time.perf_counter() - start) / active if active else np.nan
 
 
 def _error(stored: AnsweredCase, outcome: str, peak: float) -> float:
-    """Return abs(peak - stored) at the precision of a float; the stored result has more digits."""
+    """Return abs(peak - stored) with the precision of a float; the stored result has more digits."""
     if outcome != stored.outcome:
         return np.inf
     return float(abs(Decimal(peak) - stored.peak)) if stored.peak.is_finite() else 0.0

@@ -1,4 +1,4 @@
-"""Calibration of the design of a site on its records, with uncertainties."""
+"""Calibration of the design spectrum or design sequence of a site on its records, with uncertainties."""
 
 import math
 import os
@@ -39,36 +39,37 @@ def calibrate(
     units: str | None = None,
     dt: float | None = None,
 ) -> xr.DataTree:
-    """Calibrate the design of a site on a set of records.
+    """Calibrate the design spectrum or design sequence of a site on a set of records.
 
-    By default the design is a quantile over earthquakes of the overturning spectra of the records, with a sequence for
-    every body; ``[calibration] method`` can select one sequence for all bodies, from the statistics of the half-waves.
+    By default the design is a quantile over earthquakes of the records' overturning spectra, with a sequence for every
+    body; ``[calibration] method`` can select one sequence for all bodies, derived from statistics of the half-waves.
 
     Parameters
     ----------
     records : path, Record, or iterable of either
-        Paths or all channels; read, selected, rotated and conditioned as by :func:`rockpulse.assess`, in any order.
+        Paths or all channels; read, selected, rotated and conditioned as in :func:`rockpulse.assess`, in any order.
     config : Config or path, optional
-        Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
+        Configuration with the sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and
+        the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
-        one sequence covers a family of 100 (:func:`rockpulse.studies.site.site_records.block_family`).
+        The bodies of the design, in place of those of the configuration. Without bodies, only the spectrum is stored,
+        and one sequence covers a family of 100 (:func:`rockpulse.studies.site.site_records.block_family`).
     failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
     Returns
     -------
     xarray.DataTree
-        /site, /failures and by the spectrum /spectra, see docs/schema.md. Numbers that few records or events do not
-        determine are NaN, inf or a wide interval, with the reason in `site_warnings`.
+        /site, /failures and, for a design spectrum, /spectra, see docs/schema.md. Numbers that too few records or
+        events cannot determine are NaN, inf or a wide interval, with the reason in `site_warnings`.
 
     Raises
     ------
     ConfigError
         For two records with the same id, or tables of events or weights that do not match the records.
     RecordRefused
-        If no record could be calibrated, or the records make no design sequence: nothing rocks, or one record has no
-        quantile. Too few earthquakes for a quantile of the spectrum are a line of `site_warnings`.
+        If no record could be calibrated, or the records give no design sequence: nothing rocks, or a single record has
+        no quantile. Too few earthquakes for a quantile of the spectrum give a line of `site_warnings`.
 
     Examples
     --------
@@ -95,7 +96,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """Computes the overturning spectrum or the sequence of every record, and the design of the site from all."""
+    """Computes the overturning spectrum or the sequence of every record, and from them the design of the site."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -116,18 +117,18 @@ class SiteCalibration(Analysis):
 
     @property
     def by_spectrum(self) -> bool:
-        """Whether the site has overturning spectra instead of sequences."""
+        """True if the site has overturning spectra instead of sequences."""
         return self.config.calibration.method == "spectrum"
 
     @cached_property
     def empty_part(self) -> Part:
-        """Empty arrays of spectra or sequences, for a record without results."""
+        """Return empty arrays of spectra or sequences, for a record without results."""
         if self.lanes is None or self.by_spectrum:
             return empty_spectrum_record()
         return empty_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
-        """Return names and lanes of the bodies, or 100 standard bodies for a sequence without bodies."""
+        """Return names and lanes of the bodies, or 100 standard bodies for a sequence if no bodies are given."""
         if not blocks and self.by_spectrum:
             return [], None
         if not blocks:
@@ -141,12 +142,12 @@ class SiteCalibration(Analysis):
         if others and not self.by_spectrum:
             raise ConfigError(
                 f"[[block]] {', '.join(others)}: a sequence for all bodies is calibrated on free-standing symmetric "
-                'ones; leave them out, or take [calibration] method = "spectrum"'
+                'ones; leave them out, or set [calibration] method = "spectrum"'
             )
         return names, lanes
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan the records; raise an error for a record without a weight as soon as its id is known."""
+        """Plan the records; reject a record without a weight as soon as its id is known."""
         plan = super().plan(records, failures)
         known = [name for one in plan.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
@@ -207,7 +208,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
 
 
 def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
-    """Return the design of a site in memory as :func:`load_design` does; `name` is the site's name in messages."""
+    """Return the design from a site tree in memory, as :func:`load_design`; messages use `name` as its path."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()

@@ -3,10 +3,9 @@
 .. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. Sequences cannot be ranked
    by their parameters (Casapulla & Maione 2017, section 4), but by the rotations that they cause. Hence the design has
    the median shape, and the smallest I at which the sequence covers the quantile of the recorded rotations of the
-   blocks that it does not overturn; it is tested by its coverage of records left out.
-
-   Blocks that the design overturns do not count: it covers any record on them, so that the quantile would not hold for
-   the blocks that are safe under the design (docs/decisions/011).
+   blocks that it does not overturn; its coverage is tested on records left out. Blocks that the design overturns are
+   excluded: it covers every record for them, so that the quantile would not apply to the blocks that are safe under the
+   design (docs/decisions/011).
 """
 
 import math
@@ -22,17 +21,17 @@ from rockpulse.errors import RecordRefused
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
-#: Code of a recorded rotation of a block that the sequence overturns, besides 1 (covered) and 0 (not covered).
+#: Code of a recorded rotation of a block that the sequence overturns, in addition to 1 (covered) and 0 (not covered).
 BEYOND = 2.0
-#: Number of main impulses in a grid, from the weakest to one that overturns every block, and rounds of refinement.
+#: Number of main impulses in a grid, from the weakest to one that overturns every block, and number of refinements.
 GRID, REFINED, ROUNDS = 256, 17, 3
-#: Weakest main impulse of the grid, over the smallest I_1c of the blocks; it gives peaks of about 1e-8 alpha_c.
+#: Weakest main impulse of the grid, divided by the smallest I_1c; it gives peaks of about 1e-8 alpha_c.
 WEAKEST = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class SiteSample:
-    """Sequences of n records (NaN if none) and peaks of m blocks to cover [-]: inf if overturned, NaN if at rest."""
+    """Sequences of n records (NaN if none) and peaks [-] of m blocks to be covered: inf if overturned, NaN at rest."""
 
     values: np.ndarray  # (n, 5) in the order and unit of PARAMETERS
     peaks: np.ndarray  # (n, m)
@@ -50,7 +49,7 @@ class SiteSample:
 
     @property
     def counted(self) -> np.ndarray:
-        """Mask (n, m) of the pairs of record and block that count."""
+        """Mask (n, m) of the pairs of record and block that are counted."""
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> "SiteSample":
@@ -65,7 +64,7 @@ class SiteSample:
 
 
 def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
-    """Design sequence that covers a share `quantile` of a sample [-]; RecordRefused if no record lifts a block."""
+    """Return the sequence that covers a share `quantile` of a sample; RecordRefused if no record lifts a block."""
     shape = _sequence(_medians(sample), sample)
     if not np.any(sample.counted):
         raise RecordRefused(
@@ -91,7 +90,7 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
 
 
 def _medians(sample: SiteSample) -> np.ndarray:
-    """Lognormal medians (5,), and the weighted median for the number of main impulses."""
+    """Return lognormal medians (5,), but the weighted median for the number of main impulses."""
     once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
     medians = np.exp(log_moments(sample.logarithms, sample.weights, sample.events, once)[0][0])
     medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
@@ -115,27 +114,27 @@ def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
 def _range(sample: SiteSample) -> tuple[float, float]:
     """Return the range of main impulses, from the weakest of the grid to one that overturns every block at once.
 
-    Secondary impulses reduce its speed by at most half, unless they act at the same instant (spacing "start").
+    Secondary impulses reduce the speed by at most half, unless they act at the same instant (spacing "start").
     """
     critical = np.atleast_1d(sample.blocks.critical_impulse)
     return WEAKEST * float(critical.min()), 4.0 * float(critical.max())
 
 
 def covered_rotations(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Whether a sequence covers the rotations (n, m): 1, 0, :data:`BEYOND` if it overturns, NaN if not counted."""
+    """Return 1 for rotations (n, m) that a sequence covers, else 0; BEYOND if it overturns, NaN if not counted."""
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
     return np.where(np.isnan(sample.peaks), np.nan, marks)
 
 
 def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> np.ndarray:
-    """Peaks (q, m) of the blocks under sequences of one shape."""
+    """Return peaks (q, m) of the blocks under q sequences of one shape."""
     sequences = shape.scaled(mains / shape.main)
     return np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Covered and total weight of every event (g, q) under q sequences, over the blocks marked in `stands` (q, m)."""
+    """Return covered and total weight (g, q) of every event under q sequences, for blocks in `stands` (q, m)."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
@@ -147,12 +146,12 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
 
 
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
-    """Whether the covered share is below the quantile; False if every block overturns."""
+    """Return whether the covered share is below the quantile; False if every block overturns."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Blocks (m,) whose overturning sets the main impulse of a design, and the share covered just below it [-]."""
+    """Return the blocks (m,) whose overturning sets a design's main impulse, and the share covered just below it."""
     low, high = _range(sample)
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
     reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))
@@ -167,12 +166,12 @@ def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: f
 def main_impulse_interval(
     sample: SiteSample, sequence: ImpulseSequence, quantile: float, draws: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Event-clustered bootstrap interval [m/s] of the main impulse of a design whose shape is fixed.
+    """Return the event-clustered bootstrap interval [m/s] of the main impulse of a design with a fixed shape.
 
-    `draws` (b, g) are resamples of events. NaN with a single event; the upper end is inf if the share of resamples that
-    overturn every block exceeds the tail of the interval. NaN and inf if the design overturns every block, or if one
-    block's overturning limits most resamples, since their spread then describes that block. Each end differs from the
-    design by at least a step of the grid, about 2 %.
+    `draws` (b, g) are resamples of events. With a single event both ends are NaN; the upper end is inf if the share of
+    resamples that overturn every block exceeds the tail of the interval. The ends are NaN and inf if the design
+    overturns every block, or if the overturning of one block limits most resamples, since their spread then describes
+    only that block. Each end differs from the design by at least a step of the grid, about 2 %.
     """
     middle = math.log(sequence.main)
     mains = np.geomspace(*_range(sample), GRID * 2)
@@ -201,7 +200,7 @@ def main_impulse_interval(
 
 
 def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted correlation (p, p) of logarithms (n, p), over records with both parameters; NaN without variation."""
+    """Return the weighted correlation (p, p) of logarithms (n, p) over records with both; NaN without variation."""
     count = logarithms.shape[1]
     matrix = np.full((count, count), np.nan)
     for row in range(count):

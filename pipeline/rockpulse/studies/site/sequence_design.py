@@ -1,4 +1,4 @@
-"""Design of a site by sequences: distributions, the design sequence, and its coverage of records left out."""
+"""Design sequence of a site: distributions of the sequences, the design, and its coverage of records left out."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -29,19 +29,19 @@ from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.site_warnings import site_warnings
 from rockpulse.warning_text import as_stored
 
-#: Value of a pair that does not count.
+#: Value for a pair of record and block that is not counted.
 NOT_COUNTED = -1
 
 
 class Coverage(NamedTuple):
-    """Coverage of each earthquake by a design fitted without it; NaN without a design."""
+    """Coverage of each earthquake by a design that was fitted without it; NaN without a design."""
 
     covered: np.ndarray  # (n, m) codes of :func:`rockpulse.studies.site.design.covered_rotations`
     main: np.ndarray  # (n,) main impulse of that design [m/s]
 
 
 def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
-    """Test the design fitted to all earthquakes except one on the records of that one."""
+    """Test the design fitted to all earthquakes but one on the records of the one left out, in turn."""
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
         out = sample.events == event
@@ -58,7 +58,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
 
 
 def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Mask (n, m) of the pairs of record and block that count in :func:`coverage_of`."""
+    """Return a mask (n, m) of the pairs of record and block that :func:`coverage_of` counts."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -68,7 +68,7 @@ def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) 
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Weighted share of covered pairs (of surviving blocks if `standing`), with its event-clustered interval."""
+    """Return the weighted share of covered pairs (of surviving blocks if `standing`), with its interval over events."""
     counted = counted_pairs(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
@@ -103,7 +103,7 @@ def sequence_design(
     config: Config,
     warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Compute distributions, design and coverage: nodes of a site file by path; RecordRefused without a design."""
+    """Return distributions, design and coverage as nodes of a site file; raise RecordRefused without a design."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     peaks = done["peaks"]

@@ -27,9 +27,9 @@ from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 from rockpulse.warning_text import WarningText, find
 
-#: Smallest recorded peak that counts in a misfit [-]; just after uplift no sequence is comparable.
+#: Smallest recorded peak that enters a misfit [-]; just above uplift no sequence is comparable.
 SMALLEST_PEAK = 0.01
-#: Usual range of scale factors; a record scaled further represents another kind of earthquake.
+#: Usual range of scale factors; a record scaled by more or less would represent another kind of earthquake.
 USUAL_FACTORS = (0.25, 4.0)
 
 
@@ -39,7 +39,7 @@ def measured_value(name: str, record: Record, config: Config) -> float:
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Factor [-] that scales a conditioned record to the configured target; RecordRefused for a record of zeros."""
+    """Return the factor [-] that scales a conditioned record to the configured target; RecordRefused for zeros."""
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
@@ -57,19 +57,19 @@ def scaled(record: Record, factor: float) -> Record:
 
 
 def block_family() -> Block:
-    """Return 100 standard bodies: p 1 to 5 1/s, slenderness 12.5 to 3, 0.6 to 1 times Housner's C."""
+    """Return 100 standard bodies: p from 1 to 5 1/s, slenderness from 12.5 to 3, C from 0.6 to 1 times Housner's."""
     axes = np.geomspace(1.0, 5.0, 5), np.geomspace(0.08, 0.32, 5), [1.0, 0.9, 0.75, 0.6]
     p, alpha, share = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
     return Block.from_parameters(p, alpha, share * (1.0 - 1.5 * np.sin(alpha) ** 2))
 
 
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
-    """Rotation to be covered for a recorded theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
+    """Return the rotation to be covered for peaks theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
     return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 
 def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
-    """Scale a record, derive the sequence of its half-waves and apply it to (m,) blocks; return arrays (1,) by name.
+    """Scale a record, derive its sequence and apply the record to (m,) blocks; return arrays (1, ...) by name.
 
     "value" (1, 5) are the parameters of the sequence, NaN for none; "peaks" (1, m) the recorded theta_max/alpha_c: inf
     if overturned, 0 at rest, NaN if unresolved. Raises ValueError if the record cannot be scaled or has no sequence,
@@ -97,7 +97,7 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
 
 
 def empty_site_record(blocks: Block) -> Part:
-    """Return every array of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
+    """Return the arrays of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
     return {
         **empty_facts(),
         **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
@@ -107,7 +107,7 @@ def empty_site_record(blocks: Block) -> Part:
 
 
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """Return the conditioned record scaled to the target, and its factor [-]; raise RecordRefused if impossible."""
+    """Return the conditioned record scaled to the target, and the factor [-]; raise RecordRefused if impossible."""
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
@@ -133,7 +133,7 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
 
 
 def empty_facts() -> dict[str, np.ndarray]:
-    """Return every array of :func:`facts_of_record`, and "event", with zero rows."""
+    """Return the arrays of :func:`facts_of_record`, and "event", with zero rows."""
     facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
     return {"record": np.zeros(0, dtype=str), **facts}
 
@@ -150,7 +150,7 @@ def parameters_of(sequence: ImpulseSequence) -> list[float]:
 
 
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
-    """Root mean square of ln(sequence/record) of rocking blocks, and share of lifted blocks that are not covered."""
+    """Return the rms of ln(peak by sequence/by record) of rocking blocks, and the uncovered share of lifted blocks."""
     reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
     needed = rotation_to_cover(peaks)
     lifted = ~np.isnan(needed) & ~np.isnan(reached)

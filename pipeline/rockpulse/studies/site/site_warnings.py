@@ -1,4 +1,4 @@
-"""Warnings on a site with few or unusual records."""
+"""Warnings on the design of a site with few or unusual records."""
 
 import math
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ FEW_LIFTED = 0.1
 def site_warnings(
     site: Mapping[str, Any], factors: np.ndarray, events: np.ndarray, weights: np.ndarray, unjudged: Mapping[str, str]
 ) -> list[WarningText]:
-    """Return the warnings of a site file from its scalars, most serious first; `unjudged` has a code for each event."""
+    """Return the warnings of a site, most serious first; `unjudged` has the reason code of each untested event."""
     records, count, quantile = site["record_count"], site["event_count"], float(site["quantile"])
     warnings = []
     if count == 1:

@@ -1,8 +1,8 @@
-"""Design of a site by the overturning spectra of its records: quantiles over earthquakes, and sequences of bodies.
+"""Design spectrum of a site: quantiles over earthquakes of the records' overturning spectra, and sequences of bodies.
 
 .. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
-   intervals come from resampling earthquakes. With fewer than 1/(1 - quantile) earthquakes it is the largest S, without
-   an interval.
+   intervals are from resampling earthquakes. With fewer than 1/(1 - quantile) earthquakes the quantile is the largest
+   S, without an interval.
 """
 
 import math
@@ -32,12 +32,12 @@ from rockpulse.studies.site.site_records import empty_facts, facts_of_record, sc
 from rockpulse.studies.site.site_warnings import FEWEST_EVENTS, unusual_factors_warning
 from rockpulse.warning_text import WarningText, as_stored
 
-#: Quantiles in every file besides the design quantile, by name.
+#: Quantiles in every file in addition to the design quantile, by name.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Overturning spectrum of a scaled record, as arrays (1, ...) by names in the file; RecordRefused if it is zero."""
+    """Return the overturning spectrum of a scaled record as arrays (1, ...) by name; RecordRefused if it is zero."""
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
         if record.pga == 0.0:
@@ -55,7 +55,7 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
 
 
 def empty_spectrum_record() -> Part:
-    """Return every array of :func:`site_spectrum_record`, and "event", with zero rows."""
+    """Return the arrays of :func:`site_spectrum_record`, and "event", with zero rows."""
     return {
         **empty_facts(),
         "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
@@ -64,7 +64,7 @@ def empty_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Smallest number of earthquakes for a quantile of a site: at least five, and one beyond the quantile."""
+    """Return the smallest number of earthquakes for a quantile: at least five, and at least one beyond it."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
@@ -142,7 +142,7 @@ def _interval_tables(
 
 
 def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the design of each body (m,) and its interval; NaN outside the spectrum or without weights."""
+    """Return the design values of each body (m,) with intervals; NaN outside the spectrum or without weights."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}

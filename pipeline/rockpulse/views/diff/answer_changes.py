@@ -1,4 +1,4 @@
-"""The decisive changes between two assessments: results that crossed a limit, and changed margins of bodies."""
+"""The decisive changes between two assessments: results that crossed a limit, and margins that changed."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from rockpulse.views.shared.formatting import ratio
 from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.shown_columns import margin_cells
 
-#: Variables from which the margin of a body is described.
+#: Variables that describe the margin of a body.
 MARGIN = (
     *("outcome", "safety_factor", "factor_resolved", "safe_up_to", "capacity_ratio"),
     *("overturning_probability", "factor_10", "factor_10_low"),
@@ -21,7 +21,7 @@ MARGIN = (
 
 
 class Flip(NamedTuple):
-    """A verdict that changed, or a ratio that crossed one, for a record, block and model, and possibly a demand."""
+    """A changed verdict or a ratio that crossed 1, for a record, body and model, and possibly a demand."""
 
     place: tuple[str, ...]
     before: str
@@ -30,7 +30,7 @@ class Flip(NamedTuple):
 
 @dataclass
 class Changes:
-    """Results of one variable that crossed a limit, of all models and the most complete; at most `listed` are named."""
+    """Results of one variable that crossed a limit, in all models and in the most complete; the `listed` are named."""
 
     listed: int = 0
     compared: int = 0
@@ -42,11 +42,11 @@ class Changes:
 
     @property
     def named(self) -> list[Flip]:
-        """Return the first changes, those of the most complete model first."""
+        """Return the first changes; changes of the most complete model come first."""
         return [*self._first, *self._others][: self.listed]
 
     def add(self, places: np.ndarray, leading: np.ndarray, named: Callable[[int], Flip]) -> None:
-        """Count changes at `places`, and name the listed ones; `leading` marks those of the most complete model."""
+        """Count changes at `places` and name the listed ones; `leading` marks changes of the most complete model."""
         self.count += places.size
         self.count_by_model += int(leading.sum())
         for told, some in ((self._first, places[leading]), (self._others, places[~leading])):
@@ -64,10 +64,10 @@ def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
 def body_changes(
     one: xr.Dataset, other: xr.Dataset, named: Mapping[str, Matched], model: str, ignore: Sequence[str] = ()
 ) -> list[str]:
-    """Return a line for each body with a changed margin, by its worst restitution and the common records (`named`)."""
+    """Return a line for each body whose margin changed, for its worst restitution and the common records (`named`)."""
     records, blocks = named["record"], named["block"]
     size = records.first.size
-    if not size:
+    if not size or not blocks.first.size:
         return []
     names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
     ignored = [name for name in MARGIN if name not in ("outcome", "capacity_ratio", *names)]
@@ -93,7 +93,7 @@ def body_changes(
 
 
 def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
-    """Describe the margins of blocks from the variables `names`."""
+    """Describe the margins of bodies from the variables `names`."""
     answers = Answers(summary)
 
     def probability(values: np.ndarray, *left_out: np.ndarray) -> list[str]:

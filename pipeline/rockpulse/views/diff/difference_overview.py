@@ -11,17 +11,17 @@ import xarray as xr
 from rockpulse.storage.hdf5.results_file import ResultsFile, of_tree, open_results
 from rockpulse.views.diff.answer_changes import Changes
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn, compare_results
-from rockpulse.views.shared.formatting import ABSENT, paragraph, shortened
+from rockpulse.views.shared.formatting import ABSENT, paragraph, several, shortened
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
 
-#: Largest number of listed names that only one file has, and half the number of lines of configuration and bodies; the
-#: same for one screen.
+#: Largest number of listed names that only one file contains, which is half that of lines of configuration and bodies:
+#: in full, and on one screen.
 LISTED, ON_SCREEN = 12, 3
-#: Largest width of a place and of a text in a table, and of a name in a place.
+#: Largest width [characters] of a location and of a text in a table, and of a name within a location.
 PLACE_WIDTH = 44
 TEXT_WIDTH = 20
 NAME_WIDTH = 34
-#: Text on ratios that crossed one.
+#: Text on ratios that crossed 1.
 CROSSED = {
     FACTOR: "Scale factors at P = 10 % that crossed 1 (below it the record as recorded overturns with P above 10 %)",
     SAFETY: "Smallest scale factors (SF) that crossed 1 (below it the record overturns if it is scaled down)",
@@ -38,30 +38,30 @@ def diff(
     limit: int | None = None,
     full: bool = False,
 ) -> Differences:
-    """The changes between two results of the same kind, which ``print`` shows as ``rockpulse diff`` does.
+    """Return the changes between two results of the same kind, which ``print`` shows as ``rockpulse diff`` does.
 
     Parameters
     ----------
     before, after : xarray.DataTree or path
-        Results of one kind; rows are matched by name.
+        Results of the same kind; their rows are matched by name.
     rtol, atol : float
-        Numbers may differ by `rtol` times the larger [-], and by `atol` in the unit of each variable.
+        Numbers may differ by `rtol` times the larger number [-], plus `atol` in the unit of each variable.
     ignore : str or sequence of str
         Variables that are not compared, as ``name`` or ``/group/name``.
     limit : int, optional
-        Most flipped verdicts and crossed ratios that are named; by default 3, with `full` 20.
+        Largest number of changed verdicts and of crossed ratios that are named; by default 3, or 20 with `full`.
     full : bool
-        Every variable, name and line that differs, in place of one screen of them.
+        Whether every variable, name and line that differs is shown, instead of one screen of them.
 
     Returns
     -------
     Differences
-        `same` says whether the results are the same; `bodies`, `variables`, `only` hold what differs.
+        `same` states whether the results are equal; `bodies`, `variables` and `only` contain the differences.
 
     Raises
     ------
     ResultsError
-        For results of two kinds, or an unknown name in `ignore`.
+        If the results are of different kinds, or `ignore` contains an unknown name.
 
     Examples
     --------
@@ -86,7 +86,7 @@ def diff(
 def difference_overview(
     found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str, full: bool = True
 ) -> str:
-    """Return the differences as text: bodies, verdicts, crossed ratios and others; one screen unless `full`."""
+    """Return the differences (bodies, verdicts, crossed ratios and others) as text: one screen unless `full`."""
     most = LISTED if full else ON_SCREEN
     parts = ["\n".join(map(_file, "-+", (first, second)))]
     if not found.same:
@@ -118,7 +118,7 @@ def difference_overview(
 
 def _file(mark: str, file: ResultsFile) -> str:
     sizes = file.dataset("summary").sizes if "summary" in file.groups else {}
-    counts = ", ".join(f"{sizes[dim]} {dim}s" for dim in ("record", "block", "model") if dim in sizes)
+    counts = ", ".join(several(sizes[dim], dim) for dim in ("record", "block", "model") if dim in sizes)
     history = str(file.attrs.get("history", "")).splitlines()
     return f"{mark} {file.path}\n    {counts or file.kind}; {history[-1] if history else ''}"
 
@@ -139,12 +139,12 @@ def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
-    """Return the first lines and the number of further ones."""
+    """Return the first lines, and the number of the others."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
-    """Return the title, a line for each listed change, and the number of further ones."""
+    """Return the title, a line for each listed change, and the number of other changes."""
     rows = tuple(
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
@@ -170,7 +170,10 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
         for one in found.variables[:most]
     )
     headings = tuple(map(Heading, ("variable", "differ", "of", "largest", "  where", "  before -> after")))
-    note = "largest: relative difference (inf: one is no finite number), and where it is; of texts and flags the first."
+    note = (
+        "largest: relative difference (inf: one value is not finite) and its position; of texts and flags the first "
+        "difference."
+    )
     shown = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
     more = len(found.variables) - len(rows)
     return f"{shown}\n  and {more} more variables" if more > 0 else shown
@@ -186,7 +189,7 @@ def _place(names: Sequence[str]) -> str:
 
 
 def _cut(name: str, width: int) -> str:
-    """Shorten a name at its end, as the end of a record id is only its time."""
+    """Shorten a name at its end, as a record id ends with its time."""
     channel, at, start = name.partition("@")
     room = width - len(channel) - len("@…")
     if len(name) > width and at and room > 0:

@@ -17,23 +17,23 @@ from rockpulse.storage.hdf5.results_file import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes, Flip, body_changes, leading_model
 from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_only
 
-#: Largest part of a variable that is read at once; larger parts are slower, as their memory is allocated each time.
+#: Number of values of a variable that are read at once; more are slower, as their memory is allocated each time.
 PART = 1_000_000
-#: Variables whose changes are listed: all changes of the first, crossings of 1 of the others.
+#: Variables whose changes are listed: for the first all changes, for the others crossings of 1.
 OUTCOME = "/summary/outcome"
 SAFETY = "/summary/safety_factor"
 CAPACITY = "/summary/capacity_ratio"
 FACTOR = "/summary/factor_10"
-#: Largest number of variables in a message, if no name is close.
+#: Largest number of variables in a message, if no name is similar.
 LISTED = 8
-#: Root attributes with the origin of a file; a change in these does not count as a difference.
+#: Root attributes on the origin of a file, in which a change is not a difference.
 ABOUT = ("title", "site_description")
 APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", "_NCProperties", *ABOUT)
 
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """The difference of one variable."""
+    """The differences of one variable: their number, and the largest."""
 
     name: str  # group and variable
     differing: int  # number of values beyond the tolerance
@@ -46,7 +46,7 @@ class VariableDifference:
 
 @dataclass(repr=False)
 class Differences:
-    """The changes between two files; ``sides`` are the changed verdicts and crossed ratios, by variable."""
+    """The changes between two files; ``sides`` contains changed verdicts and crossed ratios by variable."""
 
     about: list[tuple[str, str, str]] = field(default_factory=list)  # root attributes: name, before, after
     configuration: list[str] = field(default_factory=list)
@@ -80,11 +80,11 @@ def compare_results(
     ignore: Sequence[str] = (),
     listed: int = 20,
 ) -> Differences:
-    """Compare two open results files of the same kind; ResultsError for others, and for an unknown name in `ignore`.
+    """Compare two open results files; ResultsError if their kinds differ or `ignore` has an unknown name.
 
-    Two numbers count as equal if they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the
-    same infinity; texts, whole numbers and flags must be equal. Variables in `ignore`, as ``name`` or ``/group/name``,
-    are not compared; at most `listed` changed verdicts and `listed` crossed ratios are named.
+    Two numbers are equal if they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the same
+    infinity; strings, integers and flags must be identical. Variables in `ignore`, as ``name`` or ``/group/name``, are
+    not compared; at most `listed` changed verdicts and `listed` crossed ratios are named.
     """
     if first.kind != second.kind:
         raise ResultsError(
@@ -117,7 +117,7 @@ def _check_ignored(ignore: Sequence[str], *files: ResultsFile) -> None:
     for name in ignore:
         if name not in spelt:
             close = get_close_matches(name, sorted(spelt), n=5) or sorted(known)[:LISTED]
-            raise ResultsError(f"no variable {name!r} in these results; among those that there are: {', '.join(close)}")
+            raise ResultsError(f"no variable {name!r} in these results; the closest: {', '.join(close)}")
 
 
 def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Mapping[str, Any]) -> None:
@@ -133,7 +133,7 @@ def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Ma
 
 
 def _placed(configuration: str) -> list[str]:
-    """Return the lines of a configuration with their section, for blocks and demands with the name."""
+    """Return the lines of a configuration with their section, which contains the name for bodies and demands."""
     where, lines = "", []
     for line in configuration.splitlines():
         if line.startswith("["):
@@ -156,7 +156,7 @@ def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) ->
 
 
 def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], rtol: float, atol: float) -> None:
-    """Match the rows of a group of both files, then compare the common variables."""
+    """Match the rows of a group in both files, and compare the common variables."""
     one, other, group = rows.one, rows.other, rows.group
     for name in sorted(set(one.attrs) | set(other.attrs)):
         old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (one, other))
@@ -181,7 +181,7 @@ def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], 
 
 
 def _not_alike(before: xr.Variable, after: xr.Variable) -> str:
-    """Describe a difference in units, flags, dimensions or type that prevents a comparison; empty for none."""
+    """Describe a difference in units, flags, dimensions or type that prevents a comparison; empty if they agree."""
     for what in ("units", "flag_meanings"):
         if str(before.attrs.get(what)) != str(after.attrs.get(what)):
             return f"{what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}"
@@ -237,7 +237,7 @@ def _compare_values(
 def _parts(
     before: xr.Variable, after: xr.Variable, rows: list[Matched]
 ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yield the start along the first dimension, and the values of both files from there on, in parts."""
+    """Yield parts of a variable: the start along the first dimension, and the values of both files."""
     if not rows:
         yield 0, np.asarray(before.values), np.asarray(after.values)
         return
@@ -256,7 +256,7 @@ def _parts(
 
 
 def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.ndarray:
-    """Return flat indices at which two arrays differ by more than the tolerance."""
+    """Return the flat indices at which two arrays differ by more than the tolerance."""
     if old.dtype == new.dtype and old.dtype.kind in "biuf":
         bits = f"u{old.dtype.itemsize}"
         if np.array_equal(old.view(bits), new.view(bits)):  # also for NaN; faster than the comparison below
@@ -273,13 +273,13 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
 
 
 def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Return those of the flat indices at which a ratio crossed one."""
+    """Return the flat indices at which a ratio crossed 1."""
     one, other = old.reshape(-1)[places], new.reshape(-1)[places]
     return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
 
 
 def _relative(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Return the relative difference of numbers, inf if only one is finite; one for texts and whole numbers."""
+    """Return the relative difference of numbers, inf if only one is finite; 1 for strings and integers."""
     if old.dtype.kind != "f" or new.dtype.kind != "f":
         return np.ones(old.shape)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,4 +1,4 @@
-"""Matching of the rows of two results files: by name, by owner, or by the row to which they refer."""
+"""Matches the rows of two results files by name, by owner, or by the row to which they refer."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from rockpulse.storage.export.long_table import POINTS_AT
 
 @dataclass(frozen=True)
 class OnlyIn:
-    """Names of groups, variables, records, blocks or failures that exist in only one of two files."""
+    """Names of groups, variables, records, bodies or failures that only one of two files contains."""
 
     what: str
     first: tuple[str, ...]
@@ -31,7 +31,7 @@ def add_only(only: list[OnlyIn], what: str, first: Iterable[Any], second: Iterab
 
 @dataclass(frozen=True, eq=False)
 class Matched:
-    """Positions of the common rows of both files along one dimension."""
+    """Indices of the common rows in both files along one dimension."""
 
     first: np.ndarray
     second: np.ndarray
@@ -41,7 +41,7 @@ class Matched:
 
 @dataclass
 class RowMatcher:
-    """Matches the rows of one group of two files; fills ``only``, ``warnings`` and, from /summary, ``named``."""
+    """Matches the rows of a group in two files, and fills ``only``, ``warnings`` and, from /summary, ``named``."""
 
     group: str
     one: xr.Dataset
@@ -68,7 +68,7 @@ class RowMatcher:
         size = self.one.sizes[dim]
         if size != self.other.sizes[dim]:
             self.warnings.append(
-                f"/{self.group}: {size} along {dim}, then {self.other.sizes[dim]}: what lies along it was not compared"
+                f"/{self.group}: {size} along {dim}, then {self.other.sizes[dim]}: values along it were not compared"
             )
             return None
         every = np.arange(size)
@@ -86,7 +86,7 @@ class RowMatcher:
         return matched
 
     def _by_owner(self, dim: str, sizes: str) -> Matched | None:
-        """Match the samples of a ragged array, for owners with equal numbers in both files."""
+        """Match the samples of a ragged array for owners that have the same number of samples in both files."""
         owner = self.of(str(self.one[sizes].dims[0]))
         if owner is None:
             return None
@@ -94,7 +94,7 @@ class RowMatcher:
         alike = old[owner.first] == new[owner.second]
         if not alike.all():
             self.warnings.append(
-                f"/{self.group}: {int((~alike).sum())} of {alike.size} have another number along {dim}, which was not "
+                f"/{self.group}: {int((~alike).sum())} of {alike.size} differ in size along {dim}, and were not "
                 f"compared (the first is {', '.join(owner.names(int(np.flatnonzero(~alike)[0])))})"
             )
         kept = np.flatnonzero(alike)
@@ -113,7 +113,7 @@ class RowMatcher:
         return Matched(first, second, name, owner.whole and bool(alike.all()))
 
     def _by_pointers(self, dim: str) -> Matched | None:
-        """Match rows that refer to the same record, block, case and model, in their order."""
+        """Match rows that refer to the same record, body, case and model, in their order."""
         pointers = [name for name in POINTS_AT if name in self.one and self.one[name].dims == (dim,)]
         alike = all(np.array_equal(self.one[name].values, self.other[name].values) for name in pointers)
         if alike and all(matched.whole for matched in self.named.values()):
@@ -134,13 +134,13 @@ class RowMatcher:
         )
         if apart:
             self.warnings.append(
-                f"/{self.group}: {apart} combinations of record, block and model have another number of rows, "
-                "which were not compared"
+                f"/{self.group}: {apart} combinations of record, block and model differ in the number of rows, and "
+                "were not compared"
             )
         return Matched(first, second, self._names(dim, pointers, first), whole)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
-        """Return a function that gives the name to which the k-th row refers, and its number in the first file."""
+        """Return a function from the index of a row to the name to which it refers and its number in the first file."""
         labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:
@@ -153,7 +153,7 @@ class RowMatcher:
         return name
 
     def _common(self, pointed: np.ndarray, at: str, side: str) -> np.ndarray:
-        """Return indices, among the common names, of the names to which rows refer; -1 for others."""
+        """Return the index, among the common names, of the name to which each row refers; -1 if it is not common."""
         if at not in self.named:
             return pointed.astype(np.int64)
         place = getattr(self.named[at], side)
@@ -165,7 +165,7 @@ class RowMatcher:
 def _in_order(
     first_key: np.ndarray, second_key: np.ndarray, first_known: np.ndarray, second_known: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, int, bool]:
-    """Match rows, sorted by key, whose keys occur equally often; count other keys; tell whether all rows match."""
+    """Match rows, sorted by key, whose keys occur equally often; count other keys; return whether all rows match."""
     if np.array_equal(first_key, second_key) and first_known.all() and second_known.all():
         return np.arange(first_key.size), np.arange(first_key.size), 0, True
     rows = []

@@ -1,4 +1,4 @@
-"""Pictures of results, drawn on given or new Axes, which are returned; no window is opened, no global is changed."""
+"""Pictures of results on given or new Axes, which are returned; no window is opened, no global setting is changed."""
 
 import lazy_loader
 

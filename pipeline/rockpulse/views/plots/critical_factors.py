@@ -1,4 +1,4 @@
-"""Scale factors on records: intervals of overturning, and the smallest factor of every record that overturns."""
+"""Pictures of scale factors: intervals of overturning, and the smallest scale factor of overturning of every record."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -18,15 +18,15 @@ from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.notes import factor_name
 from rockpulse.views.shared.words import listed, numerals, say, translated
 
-#: Style of an interval in which the block survives again: hatched, or light grey if too narrow.
+#: Style of an interval between two of overturning, in which the body survives: hatched, or light grey if narrow.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
 #: Styles of an interval of overturning, and of one without a result.
 _OVERTURNS: dict[str, Any] = {"fc": RED, "ec": RED}
 _UNKNOWN: dict[str, Any] = {"fc": "white", "ec": GREY, "hatch": "xxxx"}
-#: Smallest drawn width of an interval of overturning [pt], so that narrow ones stay visible.
+#: Smallest drawn width of an interval of overturning [pt], so that narrow intervals remain visible.
 _THINNEST = 1.0
-#: Ratios: the left end of the axis to the smallest factor, and the positions of rows without a factor, one for each
-#: model, to the end of the search.
+#: Left end of the axis divided by the smallest factor, and position of the mark of each model in a row without a factor
+#: divided by the upper limit of the search.
 _BELOW, _NONE = 0.7, 1.09
 _SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
 
@@ -39,19 +39,19 @@ def overturning_map(
     ax: Axes | None = None,
     most: int = factor_rows.ROWS,
 ) -> Axes:
-    """Draw the scale factors at which blocks overturn, and the intervals between them in which they survive.
+    """Draw the scale factors at which bodies overturn, and the intervals between them in which they survive.
 
-    If intervals of overturning were not searched, the factors at which its probability is 10 and 50 % are drawn. Rows
-    without a factor are joined to one row with their number. A line marks factor 1, and a tick the factor of each
-    demand.
+    If intervals of overturning were not searched, the scale factors at P = 10 % and P = 50 % are drawn. Rows without a
+    factor are merged into one row that shows their number. A line marks a scale factor of 1, and a tick the scale
+    factor of each demand.
 
     Parameters
     ----------
     tree : xarray.DataTree
         Results of an assessment.
     record, block : str, optional
-        Give one of them: a row is drawn for every block (and restitution) under the record, or for every record on the
-        block. Neither is needed if there is only one record.
+        Give one of them: a row is drawn for every body (and restitution) under the record, or for every record on the
+        body. Neither is needed if there is only one record.
     model : str, optional
         By default the most complete model of the results.
     ax : matplotlib Axes, optional
@@ -115,10 +115,10 @@ def critical_scale(
     case: int = 1,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the smallest scale factor on every record at which a block overturns, by each model.
+    """Draw, for every record, the smallest scale factor at which a body overturns in each model.
 
-    For the nonlinear model without searched factors, the factor at a probability of overturning of 10 % is drawn. There
-    is a row for every record, sorted by the most complete model, the record with the smallest factor on top.
+    For the nonlinear model without searched factors, the scale factor at P = 10 % is drawn. Every record has a row;
+    rows are sorted by the most complete model, with the smallest factor on top.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def critical_scale(
 
 
 def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[str], model: str) -> np.ndarray:
-    """Return a variable for every record, block and restitution (varying fastest); NaN if the file does not have it."""
+    """Return a variable for every record, body and restitution (varying fastest); NaN if it is not in the file."""
     count = len(records) * len(blocks) * summary.sizes.get("case", 1)
     if name not in summary:
         return np.full(count, np.nan)
@@ -195,7 +195,7 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:
-    """Draw a dot at the factor of every row, hollow for a lower bound."""
+    """Draw a dot at the scale factor of every row, hollow for a lower bound."""
     dots: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 3.6, "mec": BLACK, "mew": 0.7, "zorder": 3}
     for rows, face in ((~bound, BLACK), (bound, "white")):
         shown = rows & np.isfinite(factors)
@@ -204,7 +204,7 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> N
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
-    """Draw the factors of one model, and return the smallest."""
+    """Draw the scale factors of one model, and return the smallest."""
     appearance, factor = style.look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0

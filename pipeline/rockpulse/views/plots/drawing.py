@@ -40,14 +40,14 @@ from rockpulse.views.shared.words import say
 
 #: Largest number of records whose spectra are recomputed for a picture, which takes some seconds.
 MARCHED = 12
-#: Options of which there may be several.
+#: Options that accept several values.
 SEVERAL = ("model", "limit_state")
 #: Default pictures of results, by the kind of file.
 FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 
 
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
-    """Return a record, a block and their title, with a second line on earthquake, station and direction."""
+    """Return a record, a body and the title, with a second line on earthquake, station and direction."""
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     names = f"{style.plain(record)}, {style.plain(selection.named_body(summary, block, case))}"
@@ -91,7 +91,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
-    """Return equally spaced values over the same range, extended to include every marked value."""
+    """Return equally spaced values over the same range, extended so that it includes every marked value."""
     low, high = min([values[0], *(0.9 * one for one in marked)]), max([values[-1], *(1.1 * one for one in marked)])
     return np.linspace(low, high, len(values)).tolist()
 
@@ -107,7 +107,7 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 
 def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
-    """Return spectra at the stored C nearest to `restitution`: as stored, or recomputed for a few records with gaps."""
+    """Return spectra at the stored C nearest to `restitution`, recomputed if they have gaps and the records are few."""
     records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
     nearest = float(grid[np.argmin(np.abs(grid - restitution))])
     there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
@@ -130,7 +130,7 @@ def _overturning_map(
     return overturning_map(tree, record, block, None if models is None else models[0])
 
 
-#: Functions of a tree and the options of a kind, by the names of :data:`rockpulse.views.plots.kinds.KINDS`.
+#: For each name in :data:`rockpulse.views.plots.kinds.KINDS`: the function that draws it from a tree and options.
 DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
     "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
         ground_motion.stored_motion(tree, selection.one_name(tree["summary"].to_dataset(), "record", record))
@@ -162,8 +162,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     **options
         Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or several
         names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
-        "housner"). None is the default. A record or a block may be omitted if there is only one; a pattern (* and ?)
-        that matches a single name stands for that name.
+        "housner"). None is the default. A record or a body may be omitted if there is only one; instead of a name, a
+        pattern (* and ?) that matches one name may be given.
 
     Returns
     -------
@@ -173,7 +173,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     Raises
     ------
     ResultsError
-        For an unknown kind, option or name, a file of another kind, or one without the data that the picture needs.
+        For an unknown kind, option or name, a file of another kind, or a file without the data that the picture needs.
 
     Examples
     --------
@@ -190,7 +190,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     found = str(tree.attrs.get("kind", ASSESSMENT))
     if found != row.file or (row.group and row.group not in tree.children):
         without = f" without the group {row.group}" if found == row.file else ""
-        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)} file{without}")
+        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)}{without}")
     given = {name: value for name, value in options.items() if value is not None}
     for name in list(given):
         if name not in row.options:
@@ -215,22 +215,22 @@ def plot(
     Parameters
     ----------
     what : Record, HalfWaves, ImpulseSequence, Block, Response, xarray.Dataset, xarray.DataTree, str or Path
-        A record: with its intense phase and half-waves. A sequence: two half-cycles, or with a `block` the limit
-        accelerogram. A response: its history if it has one, else its peaks. A dataset: of
-        :func:`rockpulse.overturning_spectrum` or :func:`rockpulse.rocking_spectrum`. A tree or the path of a file:
-        results of any kind.
+        A record is drawn with its intense phase and half-waves; a sequence as two half-cycles or, with a `block`, as
+        the limit accelerogram; a response as its history or, without a history, its peaks. A dataset is the result of
+        :func:`rockpulse.overturning_spectrum` or :func:`rockpulse.rocking_spectrum`; a tree or the path of a file
+        contains results of any kind.
     kind : str, optional
-        For results: one of :data:`rockpulse.plots.KINDS`; by default the overturning spectrum of an assessment if it
-        has one, else its bodies, and for other files their main picture.
+        For results: one of :data:`rockpulse.plots.KINDS`; by default the overturning spectrum of an assessment (the
+        bodies if it has no spectrum), and the main picture of other files.
     block : Block or str, optional
-        For a sequence: the Block whose half-cycles determine the times. For results: the name of a body.
+        For a sequence, the Block whose half-cycles determine the times; for results, the name of a body.
     **options
         For results: other options of :func:`rockpulse.plots.draw`.
 
     Returns
     -------
     matplotlib Figure
-        A figure without a window, which a notebook shows once; ``savefig`` writes it.
+        A figure without a window, which a notebook shows once and ``savefig`` writes to a file.
 
     Raises
     ------
@@ -257,7 +257,7 @@ def plot(
     given = {"kind": kind, **options} | ({} if isinstance(what, ImpulseSequence) else {"block": block})
     unknown = ", ".join(name for name, value in given.items() if value is not None)
     if unknown:
-        raise TypeError(f"plot: there is nothing to choose of a {type(what).__name__}, found {unknown}")
+        raise TypeError(f"plot: a {type(what).__name__} takes no options, found {unknown}")
     if isinstance(what, ImpulseSequence) and block is not None:
         if not isinstance(block, Block):
             raise TypeError(f"plot: expected a Block that gives the sequence its times, found {type(block).__name__}")
@@ -278,12 +278,12 @@ def _of_dataset(spectrum: xr.Dataset) -> Axes:
 
 
 def _first(tree: xr.DataTree) -> str:
-    """The kind of picture of results where none is asked for."""
+    """Return the default kind of picture of results."""
     found = str(tree.attrs.get("kind", ASSESSMENT))
     for kind in FIRST.get(found, ()):
         if not KINDS[kind].group or KINDS[kind].group in tree.children:
             return kind
-    raise ResultsError(f"plot: of {kind_in_words(found)} there is no picture")
+    raise ResultsError(f"plot: there is no picture of {kind_in_words(found)}")
 
 
 #: Functions that draw an object, by its type.

@@ -1,4 +1,4 @@
-"""Rows of a picture of scale factors: selection of rows, axis, ticks of demands, bars of probability."""
+"""Draws the rows of a picture of scale factors: selection, axis, ticks of demands, and bars of probability."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,16 +16,17 @@ from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREEN, GREY, PALE, 
 from rockpulse.views.shared.formatting import shortened, six_digits
 from rockpulse.views.shared.words import listed, say
 
-#: Largest number of rows on a page (the smallest factors are shown), height of a row [in], and longest name beside it.
+#: Largest number of rows on a page (with the smallest factors), height of a row [in], and longest name next to it
+#: [characters].
 ROWS, ROW, NAME = 60, 0.155, 34
-#: Largest number of listed names of rows that are joined.
+#: Largest number of listed names of rows that are merged.
 LISTED = 3
 
 
 def shown_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """Return the drawn rows (those without a factor joined), the rows joined into each last one, names, sentences."""
+    """Return the drawn rows (rows without a factor are merged), the rows merged into each last row, names and notes."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
@@ -49,7 +50,7 @@ def shown_rows(
 
 
 def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the ticks of the drawn rows; NaN for a joined row with different ticks."""
+    """Return the ticks of the drawn rows; NaN for a merged row with different ticks."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
         if np.unique(ticks[group]).size > 1:
@@ -58,7 +59,7 @@ def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarr
 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Label the rows, set a logarithmic axis of factors, and leave room beyond it for rows without a factor."""
+    """Label the rows, and set a logarithmic axis of scale factors with space at its end for rows without a factor."""
     ax.set_xscale("log")
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:
@@ -85,7 +86,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """Return factors (rows,) that scale each record to each demand, for its body; NaN beyond the search."""
+    """Return, for each demand, scale factors (rows,) that scale records to it; NaN beyond the range of the search."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
@@ -97,12 +98,12 @@ def factors_to_demands(
 
 
 def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
-    """The smallest of the factors of :func:`factors_to_demands` and of the number `otherwise`."""
+    """Return the smallest of the factors from :func:`factors_to_demands` and of the number `otherwise`."""
     return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """Draw the factors of :func:`factors_to_demands` as ticks in rows 0, 1, ..., shorter for each further demand."""
+    """Draw the factors from :func:`factors_to_demands` as ticks in rows 0, 1, ..., shorter for each further demand."""
     for place, (name, factors) in enumerate(needed.items()):
         words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
@@ -124,7 +125,7 @@ def configured_uncertainty(tree: xr.DataTree) -> str:
 
 #: Half of the height of a bar.
 HALF = 0.33
-#: Styles of the bars of probability from the lower end on, by the keys of their labels.
+#: Styles of the bars of probability, in the order of rising probability, by the keys of their labels.
 _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("below_10", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
     ("between", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
@@ -133,7 +134,7 @@ _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
-    """Draw bars up to the factor at 10 %, from there to that at 50 %, and beyond, within the range of the search."""
+    """Draw bars up to the scale factor at P = 10 %, up to that at P = 50 %, and up to the end of the search."""
     edges = [begin, *np.clip(factors, begin, end), end]
     for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
         if high > low:
@@ -143,7 +144,7 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 
 
 def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None:
-    """Write the label of a row without a factor, at the end of the search or beside the line at 1."""
+    """Write the label of a row without a factor, at the end of the search or next to the line at 1."""
     words, (where, side) = (
         say("plot.rows.none_up_to", factor=six_digits(end)),
         (end, "right") if at_end else (1.0, "left"),
@@ -152,5 +153,5 @@ def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None
 
 
 def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    """Draw a bar in a row between two factors, with a label by its key in the section [plot.bar]."""
+    """Draw a bar in a row between two factors, with a label from the section [plot.bar] of the texts."""
     ax.barh(place, high - low, left=low, height=2.0 * HALF, label=say(f"plot.bar.{words}"), **style)

@@ -1,4 +1,4 @@
-"""Fragility curves of a block, one of them with its band, over one or several measures."""
+"""Draws the fragility curves of a body, one of them with its confidence band, over one or more measures."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,14 +16,14 @@ from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import in_numerals, numerals, say, translated
 from rockpulse.views.text.fragility import shown_measure, statement
 
-#: The range of the axis ignores probabilities below this, and above one minus this.
+#: Probabilities below this value, and above one minus this value, are ignored for the range of the axis.
 _TAIL = 0.002
-#: Largest number of limit states whose single capacities are drawn beside the curves.
+#: Largest number of limit states for which single capacities are drawn besides the curves.
 _POINTS = 3
-#: A band wider than this [-] at most levels is not drawn; a curve that is higher than that of a milder limit state by
-#: more than this [-] is mentioned.
+#: A band that is wider than this [-] at most levels is not drawn; a note names a curve that exceeds the curve of a
+#: milder limit state by more than this [-].
 _WIDE, _ABOVE = 0.8, 0.01
-#: Number of points of a curve between two levels of the file, and of warnings that are listed.
+#: Number of points of a curve between two levels of the file, and largest number of listed warnings.
 _BETWEEN, _WARNINGS = 8, 4
 
 
@@ -34,7 +34,7 @@ def fragility(
     limit_states: Sequence[str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the probability of each limit state over an intensity measure, and the confidence band of one of them.
+    """Draw the probability of each limit state over an intensity measure, and the confidence band of one limit state.
 
     Parameters
     ----------
@@ -45,16 +45,16 @@ def fragility(
     measure : str, optional
         By default p PGV/(g tan alpha_c), or the first measure of the file.
     limit_states : sequence of str, optional
-        Limit states of the file; all by default. The band is drawn for the first of them that has one; by default for
-        overturning, else for the last one.
+        Limit states of the file; all by default. The band is drawn for the first of them that has a band; by default
+        for overturning, or for the last limit state if the file has no overturning.
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure.
 
     Returns
     -------
     matplotlib Axes
-        Axes with a line for every fitted curve, one filled band unless it spans practically 0 to 1, and, for up to
-        three limit states, a mark for each single capacity if every record was scaled.
+        Axes with a line for every fitted curve, one filled band unless it spans nearly 0 to 1, and, for up to three
+        limit states and if every record was scaled, a mark for each single capacity.
     """
     measure = measure or shown_measure(tree["fragility"].to_dataset())
     found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
@@ -73,10 +73,10 @@ def fragility_panels(
     Parameters
     ----------
     tree, block, limit_states : xarray.DataTree, str, sequence of str
-        As of :func:`fragility`.
+        As in :func:`fragility`.
     measures : sequence of str, optional
-        Measures, one per panel. By default that of :func:`fragility`, and the measure of the power law in `[hazard]`,
-        else PGA, if the file has it.
+        Measures, one per panel; by default the measure of :func:`fragility` and, if the file contains it, the measure
+        of the power law in `[hazard]` or, without a power law, PGA.
     axes : matplotlib Axes, optional
         Axes for each measure; by default on a new figure.
     """
@@ -119,7 +119,7 @@ def _measure_words(own: xr.Dataset) -> str:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw curves over one measure, and return the notes; with `alone` the legend explains missing curves."""
+    """Draw curves over one measure and return the notes; if the panel is `alone` its legend explains missing curves."""
     level, measure = own["level"].values, str(own["measure"].item())
     shown = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
@@ -167,7 +167,7 @@ def _named(state: str) -> str:
 
 
 def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
-    """Draw the capacity of every record at its cumulative share (Kaplan-Meier), with unreached states censored."""
+    """Draw the capacity of every record at its cumulative share (Kaplan-Meier), censored if it was not reached."""
     from scipy.stats import CensoredData, ecdf
 
     factor = own["factor"].sel(limit_state=state).values
@@ -193,14 +193,14 @@ def _shown(own: xr.Dataset) -> np.ndarray:
 
 
 def _crossing(own: xr.Dataset, shown: np.ndarray) -> bool:
-    """Whether a curve exceeds that of a milder limit state, possible as each is fitted alone."""
+    """Return whether a curve exceeds the curve of a milder limit state, as separate fits may."""
     probability = own["probability"].transpose("limit_state", "point").values[:, shown]
     probability = probability[~np.isnan(probability).any(axis=1)]  # no curve
     return bool(np.any(probability[1:] > np.minimum.accumulate(probability[:-1]) + _ABOVE))
 
 
 def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return a probability at the levels of the file and smoothly between them, or as a step if the curve is one."""
+    """Return a curve at the levels of the file and smoothly interpolated between them, or as steps for a step curve."""
     from scipy.interpolate import PchipInterpolator
 
     level, values = one["level"].values, one[name].values

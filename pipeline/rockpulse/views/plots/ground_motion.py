@@ -1,4 +1,4 @@
-"""The ground motion of one record as a small dataset, and pictures of accelerogram, half-waves and impulses."""
+"""The ground motion of one record as a dataset, and pictures of accelerogram, half-waves and impulses."""
 
 from typing import Any
 
@@ -25,7 +25,7 @@ from rockpulse.views.shared.words import say
 
 #: Advice if the samples of a record are not in the file.
 STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
-#: Stored variables whose field of a record has another name.
+#: Stored variables whose name differs from that of the field of a record.
 _FIELDS = {"event_title": "event"}
 _ACCELERATION = real("ground acceleration", "m s-2", dims=("sample",))
 _TIME = real("time from the first sample", "s", dims=("sample",))
@@ -63,8 +63,8 @@ def motion_of_record(
     record : Record
         Conditioned.
     waves, phase, sequence : HalfWaves, IntensePhase, ImpulseSequence, optional
-        By default of :func:`rockpulse.half_waves`, :func:`rockpulse.intense_phase` and
-        :func:`rockpulse.record_sequence`; no sequence if the phase contains too few half-waves.
+        By default the results of :func:`rockpulse.half_waves`, :func:`rockpulse.intense_phase` and
+        :func:`rockpulse.record_sequence`, without a sequence if the phase contains too few half-waves.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def stored_record(tree: xr.DataTree, record: str) -> Record:
 
 
 def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -> dict[str, xr.Variable]:
-    """Return variables of /records for one record, given its part of /summary."""
+    """Return the variables of /records for one record, given its part of /summary."""
     record = str(own["record"].item())
     found = ragged(tree, sizes, names, record)
     if found is None:
@@ -123,12 +123,12 @@ def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -
 
 
 def had_vertical(summary: xr.Dataset, record: str) -> bool:
-    """Whether a vertical channel, which is not stored, was used in the nonlinear model of a record."""
+    """Return whether the nonlinear model of a record used a vertical channel, which is not stored."""
     return bool(summary["vertical_channel"].sel(record=record).item())
 
 
-#: Share of the intense phase that is shown before and after it, and its minimum [s]; number of columns of the overview
-#: of the whole record.
+#: Margin shown before and after the intense phase, as a share of its duration, and its minimum [s]; number of columns
+#: of the overview of the whole record.
 _AROUND, _LEAST, _WHOLE = 0.1, 1.0, 450
 
 
@@ -140,7 +140,7 @@ def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
     motion : xarray.Dataset
         Result of :func:`~rockpulse.plots.stored_motion` or :func:`~rockpulse.plots.motion_of_record`.
     axes : array_like of three matplotlib Axes, optional
-        Where to draw; by default on a figure of their own.
+        Axes to draw on; by default a new figure.
     """
     panels = style.several_axes(axes, 3, height=5.6, height_ratios=[0.55, 1.0, 1.0])[:, 0]
     if axes is None:
@@ -197,7 +197,7 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
 
 
 def _strong(motion: xr.Dataset) -> np.ndarray:
-    """Mask of the strong half-waves of the phase, which `main_count = "half-largest"` counts."""
+    """Return the mask of the strong half-waves of the phase, which `main_count = "half-largest"` counts."""
     impulse, centroid = np.abs(motion["impulse"].values), motion["centroid"].values
     first, last = _phase(motion)
     within = (centroid >= first) & (centroid <= last)

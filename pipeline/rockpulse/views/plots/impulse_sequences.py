@@ -15,10 +15,9 @@ from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, P
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import numerals, say
 
-#: Largest number of main impulses in a picture, and shortest half-cycle with room for its peak, as a share of the
-#: width.
+#: Largest number of main impulses in a picture, and shortest half-cycle whose peak is written, as a share of the width.
 _MAIN_SHOWN, _NAMED = 12, 0.07
-#: Text beside a half-cycle.
+#: Options of the text next to a half-cycle.
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}
 
 
@@ -30,17 +29,17 @@ def limit_accelerogram(
     Parameters
     ----------
     block, sequence : Block, ImpulseSequence
-        One block, whose half-cycles determine the times of the main impulses, and one sequence that ends.
+        One block, whose half-cycles determine the times of the main impulses, and one finite sequence.
     axes : array_like of two matplotlib Axes, optional
         Axes to draw on; by default a new figure with a common time axis.
     name : str
-        Title: the record and the block.
+        Title, such as the names of record and body.
 
     Returns
     -------
     (2,) ndarray of Axes
-        The main sequence alone (Figure 1 of the paper), and with the secondary one (Figure 2). The last of ``lines``
-        of each is the half-cycles of the block, abs(theta)/alpha_c at their peaks.
+        The main sequence alone (Figure 1 of the paper), and with the secondary sequence (Figure 2). The last of the
+        ``lines`` of each are the half-cycles of the block, with abs(theta)/alpha_c at their peaks.
     """
     panels = style.several_axes(axes, 2, height=5.0, sharex=True, sharey=True)[:, 0]
     drawn = [replace(sequence, secondary=0.0), sequence]
@@ -84,7 +83,7 @@ def limit_accelerogram(
 
 
 def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Mask of the main impulses of a train with I_s = I, from the number of secondary impulses of each half-cycle."""
+    """Return the mask of the main impulses in a train with I_s = I, from the secondary impulses per half-cycle."""
     table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)
@@ -104,7 +103,7 @@ def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, words: str, color: str,
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
-    """Draw the half-cycles as bars along the bottom; each ends at the next main impulse."""
+    """Draw the half-cycles as bars along the bottom, each of which ends at the next main impulse."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label=say("limit_state.overturning"))

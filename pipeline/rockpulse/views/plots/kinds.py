@@ -1,4 +1,4 @@
-"""The kinds of pictures: content, source file and options of each."""
+"""The kinds of pictures, each with its content, source file and options."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from rockpulse.storage.variables.site import SITE_KIND
 
 @dataclass(frozen=True)
 class PictureKind:
-    """One kind of picture."""
+    """One kind of picture: content, source file and options."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
     summary: str  # content of the picture
@@ -50,7 +50,7 @@ KINDS = {
         "factors on the input that overturn, of all blocks under a record or all records on a block",
     ),
     "probability": PictureKind(
-        ("demand",), "probability that each record, as it is or brought to a demand, overturns each body"
+        ("demand",), "probability that each record, unscaled or scaled to a demand, overturns each body"
     ),
     "critical-scale": PictureKind(
         ("block", "model", "case"), "smallest factor on every record that overturns a block, by each model"
@@ -69,7 +69,7 @@ KINDS = {
     ),
 }
 
-#: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`.
+#: Options of the command line for each keyword of :func:`~rockpulse.plots.draw`.
 OPTIONS = {
     name: f"--{name.replace('_', '-')}"
     for name in ("record", "block", "model", "demand", "case", "factor", "measure", "limit_state", "restitution")
@@ -77,7 +77,7 @@ OPTIONS = {
 
 
 def kind_list() -> str:
-    """Return the list of kinds as text: content, command that makes the file, and options of each."""
+    """Return the list of kinds as text: for each its content, the command that makes the file, and the options."""
     from rockpulse.views.shared.formatting import paragraph
 
     lines = []
@@ -86,7 +86,7 @@ def kind_list() -> str:
         told = (row.summary, f"from: {row.command}; options: {options}")
         lines += [name, *(paragraph(words, "    ", "    ") for words in told)]
     words = (
-        "A record or a block may be left out where the file has one only. Instead of a name a pattern does, with * "
-        "and ? for any letters, if one name only meets it."
+        "--record and --block may be omitted if the file has only one. A pattern (*, ?) may replace a name if it "
+        "matches exactly one."
     )
     return "\n".join([*lines, paragraph(words)])

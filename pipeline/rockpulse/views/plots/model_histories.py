@@ -1,4 +1,4 @@
-"""Rotation histories of a block under one record by several models, stored in the results or recomputed."""
+"""Rotation histories of a body under one record in several models, stored in the results or recomputed."""
 
 import math
 from collections.abc import Sequence
@@ -26,14 +26,15 @@ from rockpulse.views.plots.motion_history import HalfCycle, motion_samples
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
-#: Difference of peaks above which a history gets a warning [-], and number of points of the history of a sequence.
+#: Difference between stored and recomputed peak above which a history gets a warning [-], and number of points of the
+#: history of a sequence.
 _SAME, _INSTANTS = 1e-3, 4000
 #: Advice if the file does not contain the motion of a body.
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
 
 
 class ModelHistory(NamedTuple):
-    """The motion of a block by one model; without samples if the model gave no result."""
+    """The motion of a body in one model; without samples if the model gave no result."""
 
     model: str
     time: np.ndarray = np.zeros(0)  # (n,) time after the first sample of the record [s]
@@ -56,7 +57,7 @@ def histories(
     case: int = 1,
     factor: float = 1.0,
 ) -> list[ModelHistory]:
-    """Return the motion of a block under a record by each model.
+    """Return the motion of a body under a record in each model.
 
     Parameters
     ----------
@@ -65,18 +66,19 @@ def histories(
     record, block : str, optional
         Names; not needed if there is only one.
     models : sequence of str, optional
-        Any of nonlinear, linear, impulsive, sequence and resonance; by default those of the first three, which use the
-        record, that the results contain. A model without a result (UNRESOLVED) has an empty history and a warning.
+        Any of nonlinear, linear, impulsive, sequence and resonance. The first three use the record; the default is
+        those of them that the results contain. A model without a result (UNRESOLVED) has an empty history and a
+        warning.
     case : int
         Number of the restitution, from 1.
     factor : float
-        Scale factor on the record, positive [-]; values other than 1 only for the models that use the record.
+        Scale factor, positive [-]; values other than 1 are allowed only for models that use the record.
 
     Notes
     -----
-    Models that use the record: as stored ([models] histories = true), otherwise, and at other factors, recomputed from
-    the stored accelerogram; impulsive from the stored half-waves. Sequence and resonance have their own time: their
-    first main impulse is placed at the start of the intense phase.
+    Histories of models that use the record are read if stored ([models] histories = true). If not, and at other scale
+    factors, they are recomputed from the stored accelerogram, those of impulsive from the stored half-waves. Sequence
+    and resonance have their own time axis: their first main impulse is placed at the start of the intense phase.
     """
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
@@ -165,7 +167,7 @@ def _of_sequence(
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
-    """Return times of impacts faster than `IMPACT_CUTOFF`: changes of sign, or reversals at a wall."""
+    """Return the times of impacts faster than `IMPACT_CUTOFF`, found from changes of sign, or reversals at a wall."""
     before, after = rotation[:-1], rotation[1:]
     if body.side:
         # A reversal at the wall between two samples is found by mirroring the motion after it.
@@ -180,7 +182,7 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
 ) -> list[ModelHistory]:
-    """Recompute the motions of a block, `body`, under a record times factors; ResultsError if it is not stored."""
+    """Recompute the motions of a block, `body`, under a scaled record; ResultsError if the record is not stored."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
     azimuth, own = float(summary["azimuth"].sel(record=record)), float(summary["body_azimuth"].sel(block=block))
@@ -235,7 +237,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
 
 
 def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
-    """Return for each factor the response with the larger peak; no result counts as the largest."""
+    """Return for each factor the response with the larger peak; a missing result is treated as the largest."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
     time, histories = np.asarray(found[0].time), []

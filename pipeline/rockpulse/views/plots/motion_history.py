@@ -1,4 +1,4 @@
-"""The history of the motion under the limit accelerogram, from the table of its half-cycles.
+"""Computes the motion under the limit accelerogram from the table of its half-cycles.
 
 Rotations are in units of alpha_c, velocities u = theta'/(p alpha_c); the first main impulse is positive: theta < 0.
 """
@@ -10,7 +10,7 @@ import numpy as np
 
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
 
-#: phi in t_k = (k - phi) dT; for "open" the number of intervals is n + 1.
+#: phi in the times t_k = (k - phi) dT of the secondary impulses; for "open" the number of intervals is n + 1.
 _PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
 
 
@@ -24,7 +24,7 @@ class HalfCycle(NamedTuple):
 
 
 def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and velocity changes [-] (`secondary` is u_1 I_s/I) in a half-cycle that returns."""
+    """Return times [s] and velocity changes [-] of the secondary impulses (u_1 I_s/I) in a half-cycle that returns."""
     if secondary == 0.0:
         return np.zeros(0), np.zeros(0)
     if spacing == "continuous":  # the limit of infinitely many is half an impulse at the start and half at the end
@@ -34,11 +34,11 @@ def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tupl
 
 
 def motion_samples(cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray) -> np.ndarray:
-    """Signed rotation theta/alpha_c [-] at increasing times after the first main impulse [s], within the half-cycles.
+    """Return the signed rotation theta/alpha_c [-] at increasing times after the first main impulse [s].
 
-    `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. The half-cycle that overturns is the last one; in it only the
-    main impulse acts up to alpha_c, with NaN afterwards. At exactly the critical velocity a block never reaches
-    alpha_c.
+    `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. A half-cycle that overturns is the last one; only its main
+    impulse acts until alpha_c, and the rotation is NaN afterwards. At exactly the critical velocity a block never
+    reaches alpha_c.
     """
     # Natural motion from a time [s] on, with x and x' [-], and its side.
     pieces: list[tuple[float, float, float, float]] = []

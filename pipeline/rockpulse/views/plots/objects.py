@@ -26,12 +26,12 @@ from rockpulse.views.shared.words import say
 #: Colours of the outcomes, and largest number of lanes whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
 LANES = 6
-#: Largest number of bodies in a picture and in a row; height of the bar of an overturning body, over alpha_c [-].
+#: Largest number of bodies in a picture and in a row; height of the bar of an overturning body, divided by alpha_c [-].
 MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
 def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
-    """Draw the impulses of half-waves at their centroids, those above half the largest in another colour.
+    """Draw the impulses of half-waves at their centroids; impulses above half the largest have another colour.
 
     Parameters
     ----------
@@ -55,13 +55,13 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
 
 
 def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
-    """Draw two half-cycles of an impulse sequence (the first of several) over time in intervals dT.
+    """Draw two half-cycles of an impulse sequence (the first, if there are several) over time in units of dT.
 
     Parameters
     ----------
     sequence : ImpulseSequence
-        Without a given number of intermediate impulses four are drawn; the true number depends on the half-cycles of a
-        block, see :func:`limit_accelerogram`.
+        If the number of intermediate impulses is not given, four are drawn; the true number depends on the half-cycles
+        of a block (see :func:`limit_accelerogram`).
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure.
     """
@@ -84,7 +84,7 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
 
 
 def block_outlines(block: Block) -> Figure:
-    """Draw a block, or the first eight of (m,), with sizes and restraints, each at its own scale.
+    """Draw a block, or the first eight of (m,) blocks, with sizes and restraints, each at its own scale.
 
     The view is along the base, with theta > 0 to the right.
     """
@@ -94,7 +94,7 @@ def block_outlines(block: Block) -> Figure:
 
 
 def response(answer: Response, ax: Axes | None = None) -> Axes:
-    """Draw the rotation of the first lanes of a response over time, or without a history the peak of every lane.
+    """Draw the rotation of the first lanes of a response over time, or the peak of every lane if it has no history.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def _peaks(ax: Axes, codes: np.ndarray, peaks: np.ndarray) -> Axes:
 
 
 def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
-    """Draw the first eight bodies, or one, from the results of an assessment.
+    """Draw the first eight bodies, or a selected body, from the results of an assessment.
 
     The view is along the base, with theta > 0 to the right; each body has its own scale.
     """

@@ -1,4 +1,4 @@
-"""Figures as files with reproducible bytes and unique ids in SVG, and figures for notebooks."""
+"""Writes figures as files with reproducible bytes and unique ids in SVG, and makes figures for notebooks."""
 
 import hashlib
 import re
@@ -8,9 +8,9 @@ from io import BytesIO
 import matplotlib
 from matplotlib.figure import Figure
 
-#: Dots per inch of a PNG.
+#: Resolution of a PNG [dots per inch].
 RESOLUTION = 200
-#: Metadata left out of a file: the time of the run and other needless entries.
+#: Metadata that are omitted from a file, such as the time of the run.
 _UNDATED: dict[str, dict[str, None]] = {
     "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
     "pdf": {"CreationDate": None},
@@ -23,17 +23,18 @@ _ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
 #: Pattern of the coordinates of a path, which matplotlib writes to 1e-6 pt.
 _PATH = re.compile(r'\bd="[^"]*"')
 _LONG = re.compile(r"-?\d+\.\d{3,}")
-#: Patterns of a style rule for the whole page, which the element can carry, and of the list of fonts of a text.
+#: Pattern of a style rule for the whole page, which moves to the element, and pattern of the list of fonts of a text.
 _RULE = '<style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style>'
 _FONTS = re.compile(r"font-family: 'DejaVu Sans',[^;\"]*")
-#: Lock, as matplotlib's settings and its parser of formulas are shared by all threads.
+#: Lock for matplotlib's settings and parser of formulas, which all threads share.
 _WRITING = threading.Lock()
 
 
 def picture_bytes(figure: Figure, form: str) -> bytes:
     """Return the content of a file with the figure, as "png", "svg" or "pdf".
 
-    Equal figures give equal bytes: no time stamp, and in SVG no random ids. Texts stay texts in SVG and PDF.
+    Equal figures give equal bytes, without a time stamp and, in SVG, without random ids. Text remains text in SVG and
+    PDF.
     """
     buffer = BytesIO()
     # The writers read these settings only globally; they are restored at once, under the lock.
@@ -50,8 +51,9 @@ def svg(figure: Figure, name: str | None = None) -> str:
     figure : matplotlib Figure
         The figure.
     name : str, optional
-        Prefix of every id of the element and of the references to it: letters, digits, "-" and "_"; different for each
-        picture of a page. By default it is made from the content, so that only equal pictures share ids.
+        Prefix of every id of the element and of the references to it, made of letters, digits, "-" and "_", and
+        different for each picture of a page. By default it is made from the content, so that only equal pictures share
+        ids.
 
     Raises
     ------
@@ -80,5 +82,5 @@ class NotebookFigure(Figure):
     """A figure without a window, which pyplot does not know, and which displays itself in notebooks."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """Return the picture and its display width [px]."""
+        """Return the bytes of a PNG and its display width [px]."""
         return picture_bytes(self, "png"), {"width": round(self.get_figwidth() * self.get_dpi())}

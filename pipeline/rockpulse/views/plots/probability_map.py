@@ -20,17 +20,18 @@ from rockpulse.views.plots.style import BLACK, GREY, SMALL
 from rockpulse.views.shared.formatting import ratio, shortened, six_digits
 from rockpulse.views.shared.words import say
 
-#: Largest number of records and bodies on a page, of bodies with vertical names, and of bodies with written values.
+#: Largest number of records and of bodies on a page, of bodies with horizontal names, and of bodies with written
+#: values.
 ROWS, COLUMNS, UPRIGHT, WRITTEN = 50, 30, 5, 10
-#: Steps of the colours, including the limits of the verdicts "may overturn" and "overturns".
+#: Limits of the colours, including those of the verdicts "may overturn" and "overturns".
 LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 
 
 def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | None = None) -> Axes:
     """Draw the probability that each record overturns each body, darker for higher probabilities.
 
-    Without a computed probability, the map shows whether the record overturns the body by the most complete model of
-    the results. It has a row for every record, the highest probability on top; a sweep has a row for every pair of
+    Without a computed probability, the map shows whether the record overturns the body in the most complete model of
+    the results. It has a row for every record, with the highest probability on top; a sweep has a row for every pair of
     channels, in its worst direction.
 
     Parameters
@@ -52,7 +53,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         of_records = np.where(too_far(answers, demand), np.nan, of_records)
     values = np.fmax.reduce(motions.over(of_records, np.nan), axis=1)
     if np.isnan(values).all():
-        told = " as they are" if demand is None else f", brought to the demand {demand}"
+        told = " as they are" if demand is None else f", scaled to the demand {demand}"
         raise ResultsError(f"probability: what overturns{told} is not known in these results")
     likely = np.nan_to_num(values)
     rows = np.argsort(-likely.mean(axis=1), kind="stable")[:ROWS]

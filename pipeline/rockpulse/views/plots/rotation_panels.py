@@ -13,14 +13,15 @@ from rockpulse.views.plots.style import BLACK, DASHED, FONT, INSTANTS, SMALL, Pa
 from rockpulse.views.shared.formatting import fixed, six_digits, three_digits
 from rockpulse.views.shared.words import say, translated
 
-#: The time axis covers rotations above this share of the largest, extended by this share of it on both sides.
+#: The time axis covers rotations above this share of the largest, and is extended by this share of its length on both
+#: sides.
 _MOVES, _AROUND = 0.02, 0.06
-#: Largest rotation that is shown, beyond which the block has fallen.
+#: Largest rotation that is shown, divided by alpha_c, beyond which the body has fallen.
 _TOP = 1.5
 
 
 def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = None, title: str = "") -> np.ndarray:
-    """Draw rotation over alpha_c over time, and below it the impacts of each model.
+    """Draw the rotation divided by alpha_c over time, and below it the impacts of each model.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def _answer(history: ModelHistory) -> str:
 
 
 def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
-    """Return symmetric limits of the rotation axis, which enlarge a motion far below alpha_c."""
+    """Return symmetric limits of the rotation axis, which are narrower for a motion far below alpha_c."""
     finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
     largest = max(finite, default=0.0)
     if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
@@ -97,7 +98,7 @@ def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
 
 
 def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
-    """Return limits of the time axis [s] around the first and the last motion, from pairs of times and rotations."""
+    """Return limits of the time axis [s], around the first and the last motion, from pairs of times and rotations."""
     largest = [min(np.nanmax(np.abs(rotation), initial=0.0), 1.0) for _, rotation in motions]
     found = [time[np.abs(one) > _MOVES * most] for (time, one), most in zip(motions, largest, strict=True)]
     moving = np.concatenate([np.zeros(0), *found])

@@ -1,4 +1,4 @@
-"""Selection of the part of a results file to draw: records, blocks and models by name, and their stored values."""
+"""Selects the part of a results file to draw (records, bodies and models by name), and reads its values."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -23,7 +23,7 @@ LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """Return the only name along a dimension, or the given one, in full or by a pattern; ResultsError for others."""
+    """Return the only name along a dimension, or the one that the given name or pattern matches, else ResultsError."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]
@@ -35,7 +35,7 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
         return met[0]
     if met:
         raise ResultsError(
-            f'{dimension}: "{name}" is met by {len(met)} in these results, the picture is of one: {_listed(met)}'
+            f'{dimension}: "{name}" matches {len(met)} in these results, but the picture shows one: {_listed(met)}'
         )
     spelt = {label.lower(): label for label in known}
     near = [spelt[label] for label in get_close_matches(name.lower(), list(spelt), n=3, cutoff=0.4)]
@@ -43,7 +43,7 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
     if near and len(known) > LISTED:
         there = f"there are {len(known)} (rockpulse inspect --{dimension}s)"
     raise ResultsError(
-        f'no {dimension} "{name}" in these results (a pattern with * and ? does as well); {nearest}{there}'
+        f'no {dimension} "{name}" in these results (a pattern with * and ? is accepted); {nearest}{there}'
     )
 
 
@@ -53,7 +53,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
-    """Return the selector of a restitution of the blocks, by its number from 1."""
+    """Return the selector of a restitution of the bodies from its number, which starts at 1."""
     count = summary.sizes.get("case", 1)
     if not 1 <= case <= count:
         raise ResultsError(f"case: expected the number of a restitution from 1 to {count}, got {case}")
@@ -67,7 +67,7 @@ def settings_of(tree: xr.DataTree, section: type[_Section]) -> _Section:
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
-    """Return a block of /summary for the models, with a restitution by its number from 1."""
+    """Return a body of /summary as a Block, with a restitution given by its number, from 1."""
     own = summary.sel(block=block).isel(chosen_case(summary, case))
     names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
     return Block.restored(
@@ -81,7 +81,7 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
 
 
 def plain_bodies(summary: xr.Dataset) -> list[str]:
-    """Return the bodies covered by a spectrum of the records: free, symmetric, on the ground, without a direction."""
+    """Return the bodies for which spectra of the records are valid: free, symmetric, on the ground, no direction."""
     like = (summary["one_sided"].values == 0) & (summary["alpha_2"].values == summary["alpha_c"].values)
     like &= np.isnan(summary["body_azimuth"].values)
     like &= (summary["restraints"].values == "") & (summary["floors"].values == "")
@@ -89,7 +89,7 @@ def plain_bodies(summary: xr.Dataset) -> list[str]:
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
-    """Return the name of a block, with its restitution (by number from 1) if it has several."""
+    """Return the name of a body, with the restitution of a number (from 1) if it has several."""
     if "case" not in summary.dims:
         return block
     c = summary["restitution"].sel(block=block).isel(chosen_case(summary, case))
@@ -109,7 +109,7 @@ def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> 
 def table_of_pair(
     tree: xr.DataTree, group: str, record: str, block: str, model: str, case: int = 1
 ) -> dict[str, np.ndarray]:
-    """Return rows of /half_cycles or /overturning_intervals of one result, with one restitution by number from 1."""
+    """Return the rows of /half_cycles or /overturning_intervals for one result and one restitution (number from 1)."""
     summary, table = tree["summary"].to_dataset(), tree[group].to_dataset()
     rows = table["case_index"].values == case - 1
     for dimension, name in (("record", record), ("block", block), ("model", model)):
@@ -123,7 +123,7 @@ def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
     Raises
     ------
     ResultsError
-        If the record gave no sequence.
+        If the record has no sequence.
     """
     own = tree["summary"].to_dataset().sel(record=record)
     names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")

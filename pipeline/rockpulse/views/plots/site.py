@@ -1,4 +1,4 @@
-"""Pictures of a site: parameters of the impulse sequences with the design sequence, or overturning spectrum over p."""
+"""Pictures of a site: parameters of the impulse sequences with the design sequence, or the overturning spectrum."""
 
 import textwrap
 from typing import Any
@@ -17,14 +17,15 @@ from rockpulse.views.shared.formatting import six_digits, three_digits
 from rockpulse.views.shared.words import say, translated
 from rockpulse.views.text.site import site_warnings
 
-#: Largest ratio to the range of the records up to which the axis includes the design; longest warning [characters].
+#: Largest ratio of the design to the range of the records at which the axis includes both; longest warning
+#: [characters].
 _NEAR, _WARNING = 3.0, 230
-#: Symbols of parameters.
+#: Symbols of the parameters of a sequence.
 _SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
-    """Draw the design of a site with its records: their overturning spectra, or the parameters of their sequences.
+    """Draw the design of a site together with the overturning spectra or the sequence parameters of its records.
 
     Parameters
     ----------
@@ -36,9 +37,9 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     Returns
     -------
     (6,) ndarray of Axes
-        Main impulse, I_s/I, interval, number of main impulses, duration; the last one has the legend. Each step of a
-        distribution is a record, with its weight as height; an interval from a record's own calibration is a horizontal
-        line. (1,) for a site with a spectrum.
+        Main impulse, I_s/I, interval, number of main impulses, duration, and the legend. Each step of a distribution is
+        a record, with its weight as height; an interval from the calibration of a single record is a horizontal line.
+        (1,) for a site with a spectrum.
     """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
@@ -105,7 +106,7 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
 
 
 def _range(values: np.ndarray, design: float) -> tuple[float, float]:
-    """Return limits of the axis: the range of the records, extended to a design near it."""
+    """Return the limits of the axis: the range of the records, extended to a design that is near it."""
     low, high = float(values[0]), float(values[-1])
     if low / _NEAR <= design <= high * _NEAR:
         low, high = min(low, design), max(high, design)
@@ -143,7 +144,7 @@ def _sentences(site: xr.Dataset) -> list[str]:
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
-    """Draw median and 84 % spectrum of a site at the median C of its bodies, and the design of each body as a point."""
+    """Draw the median and 84 % spectra of a site at the median C of its bodies, and the design of each as a point."""
     ax = style.one_axes(ax, height=4.4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     restitution = float(np.median(site["restitution"])) if site.sizes["block"] else 0.9

@@ -1,4 +1,4 @@
-"""Rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p, with bodies as points."""
+"""Draws rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p, with bodies as points."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -21,11 +21,11 @@ from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, PALE, R
 from rockpulse.views.shared.formatting import restitution, shortened, six_digits
 from rockpulse.views.shared.words import counted_words, say
 
-#: Radii R that are marked along the top [m].
+#: Radii R that are marked along the upper axis [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
 #: Style of blocks that overturn.
 _FALLEN: dict[str, Any] = {"fc": RED, "ec": BLACK, "hatch": "/////", "hatch_linewidth": 0.25}
-#: Largest number of bodies that are named.
+#: Largest number of bodies whose names are written.
 _NAMED = 12
 
 
@@ -35,7 +35,7 @@ def rocking_spectrum(
     bodies: Mapping[str, tuple[float, float]] | None = None,
     note: str = "",
 ) -> Axes:
-    """Draw the largest rotation over p and alpha_c, darker for larger rotations; red and hatched for overturning.
+    """Draw the largest rotation over p and alpha_c, darker for larger rotations and hatched red for overturning.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def rocking_spectrum(
     bodies : mapping of str to (float, float), optional
         p [1/s] and alpha_c [rad] of bodies, by name.
     note : str
-        Further text for the small print.
+        Additional sentence for the small print.
     """
     ax = style.one_axes(ax, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
@@ -136,9 +136,9 @@ def size_scale(ax: Axes, gravity: float) -> None:
     top.set_xlabel(say("plot.spectra.radius"), fontsize=FONT)
 
 
-#: Largest number of spectra of single records, and lowest level drawn as a share of the lowest body.
+#: Largest number of drawn spectra of single records, and lowest drawn level as a share of the level of the lowest body.
 _DRAWN, _DEEPEST = 200, 0.1
-#: Labelled frequency parameters [1/s], and the margin of the axis as a ratio of p.
+#: Labelled frequency parameters [1/s], and margin of the axis as a ratio of two values of p.
 _TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
 
 
@@ -156,18 +156,19 @@ def overturning_spectra(
     Parameters
     ----------
     spectra : xarray.Dataset
-        `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution), /spectra of a results file, or
-        over (p, restitution) as :func:`rockpulse.overturning_spectrum` returns it.
+        `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution) as in /spectra of a results
+        file, or over (p, restitution) as returned by :func:`rockpulse.overturning_spectrum`.
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure.
     restitution : float, optional
-        C of the blocks [-]; the nearest value of the spectra is drawn, by default the largest.
+        C of the bodies [-]; the nearest value in the spectra is drawn, by default the largest.
     bodies : mapping of str to (float, float), optional
         p [1/s] and alpha_c [rad] of bodies, by name.
     events : sequence of str, optional
-        The earthquake of each record, for equal weights of earthquakes in the quantiles; by default those of records.
+        The earthquake of each record, for equal weights of earthquakes in the quantiles; by default records have equal
+        weights.
     demands : mapping of str to (records,) ndarray, optional
-        Factors that scale each record to a demand, by its name; the median spectrum at each demand is also drawn.
+        Scale factors of the records for each demand, by its name; the median spectrum at each demand is also drawn.
     gravity : float
         Acceleration of gravity at the bodies [m/s2].
     """
@@ -214,7 +215,7 @@ def overturning_spectra(
 
 
 def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
-    """Draw spectra of an assessment with bodies, earthquakes, demands; by default at the median C of the bodies."""
+    """Draw the spectra of an assessment with its bodies and demands, by default at the median C of the bodies."""
     summary = tree["summary"].to_dataset()
     own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
     plain = summary.sel(block=names)
@@ -239,7 +240,7 @@ def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
 
 
 def curves_below_axes(ax: Axes, curves: np.ndarray) -> list[str]:
-    """Say how many curves (records, a) are below the Axes of :func:`spectrum_axes`; empty for none."""
+    """Return a sentence on the number of curves (records, a) that lie below the Axes; empty if there are none."""
     below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
     return [say("plot.spectra.below", count=below, total=len(curves))] if below else []
 
@@ -247,7 +248,7 @@ def curves_below_axes(ax: Axes, curves: np.ndarray) -> list[str]:
 def spectrum_axes(
     ax: Axes, p: xr.DataArray, points: Mapping[str, tuple[float, float]], gravity: float, columns: int
 ) -> int:
-    """Set up Axes over p, mark bodies at p and g tan(alpha)/p, and return the number of rows of the legend above."""
+    """Prepare Axes over p, mark bodies at p and g tan(alpha)/p, and return the number of rows of the legend above."""
     handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, dict(points))]
     ax.set_xscale("log")
     ax.set_yscale("log")

@@ -1,4 +1,4 @@
-"""The common style of all pictures: sizes for A4, colours for colour-blind readers and grey, texts."""
+"""The common style of all pictures: sizes for A4, colours that colour-blind readers can distinguish, and labels."""
 
 import re
 import textwrap
@@ -20,7 +20,7 @@ from rockpulse.views.plots.picture import NotebookFigure
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import counted_words, in_numerals, language, say, translated
 
-#: Width of a picture [in], the text width of an A4 page with margins of 25 mm, and font sizes at that width [pt].
+#: Width of a picture [in] (text width of an A4 page with margins of 25 mm), and font sizes at that width [pt].
 WIDTH, FONT, SMALL = 6.3, 8.5, 7.5
 #: Colours of Okabe & Ito (2008), which colour-blind readers can distinguish, and a grey.
 PALETTE = {
@@ -35,16 +35,16 @@ PALETTE = {
 }
 BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE, GREY = PALETTE.values()
 PALE = "#DDDDDD"
-#: Dashes of a reference line, and dots.
+#: Line styles of reference lines: dashes, and dots.
 DASHED, DOTTED = (0, (6, 3)), (0, (1.2, 1.2))
-#: Label of our own figures; number of columns to which a long history is thinned.
+#: Label of figures made by this module; number of columns to which a long history is reduced.
 _OURS, INSTANTS = "rockpulse", 700
-#: Axes given for a picture of several panels: one, several, or those of ``plt.subplots``.
+#: Axes for a picture of several panels: one, several, or an array from ``plt.subplots``.
 Panels: TypeAlias = Axes | Sequence[Axes] | np.ndarray
 
 
 class Look(NamedTuple):
-    """The style of one of a few items: colour with line and marker, never colour alone."""
+    """The style of an item: a colour together with a line and a marker, as colour alone is not enough."""
 
     label: str
     color: str
@@ -74,21 +74,21 @@ def look(name: str) -> Look:
 
 
 def looks(names: Sequence[str]) -> list[Look]:
-    """Return styles of named items in order; a repeated colour has another line and marker."""
+    """Return styles of named items in order; repeated colours have different lines and markers."""
     turns = [divmod(place, len(_CYCLE)) for place in range(len(names))]
     other = [_CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at] for turn, at in turns]
     return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
-    """Make a figure of a size [in] without a window or a global reference."""
+    """Make a figure of a size [in] without a window and unknown to pyplot."""
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
     figure.set_label(_OURS)
     return figure
 
 
 def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
-    """Return the figure of Axes, or of the first of several, or the given figure."""
+    """Return the figure of Axes (the first, if several are given), or the given figure."""
     if isinstance(what, Figure):
         return what
     figure: Figure = np.ravel(np.array(what, dtype=object))[0].get_figure(root=True)
@@ -96,7 +96,7 @@ def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
 
 
 def _ours(ax: Axes) -> bool:
-    """Whether the figure of Axes was made here, so that its margins may be changed."""
+    """Return whether the figure of Axes was made by this module, so that its margins may be changed."""
     return whole_figure(ax).get_label() == _OURS
 
 
@@ -128,7 +128,7 @@ class TickNumerals(ScalarFormatter):
 
 
 def dressed(ax: Axes) -> Axes:
-    """Set the sizes of the common style on Axes and return them."""
+    """Apply the sizes of the common style to Axes and return the Axes."""
     ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines[["left", "bottom"]].set_linewidth(0.6)
@@ -143,7 +143,7 @@ def dressed(ax: Axes) -> Axes:
 
 
 def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
-    """Draw the colour scale of a map beside it."""
+    """Draw the colour scale of a map next to it."""
     options = {"format": TickNumerals(), **options}
     bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
@@ -151,13 +151,13 @@ def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **option
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """Draw the legend of labelled artists, if any, with options of :meth:`matplotlib.axes.Axes.legend`."""
+    """Draw the legend of labelled artists, if there are any, with options of :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
         ax.legend(**{"fontsize": SMALL, "frameon": True, "framealpha": 0.85, "edgecolor": "none", **options})
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """Draw the legend in rows of `ncols` above the Axes, `lift` [pt] higher, or `across` from our figure's edge."""
+    """Draw the legend above the Axes in rows of `ncols`, `lift` [pt] higher; if `across`, from the figure's edge."""
     figure, beside = whole_figure(ax), across and _ours(ax)
     above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
     place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
@@ -167,7 +167,7 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
-    """Set the title of our own figure, else of its uppermost Axes above `rows` of a legend; names are :func:`plain`."""
+    """Set the title of a figure made here, or else of its uppermost Axes, above `rows` rows of a legend."""
     if words and _ours(ax):
         whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
@@ -175,7 +175,7 @@ def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
 
 
 def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
-    """Set the title of one of several panels above `rows` rows of a legend; `width` is the longest line."""
+    """Set the title of a panel above `rows` rows of a legend; `width` is the length of the longest line."""
     ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
 
 
@@ -191,21 +191,21 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
 
 
 def notes(**held: bool) -> list[str]:
-    """Return the sentences of the small print whose condition is true, by keys of the section [plot.note]."""
+    """Return the sentences of the small print whose condition is true, given by their keys in [plot.note]."""
     return [say(f"plot.note.{key}") for key, holds in held.items() if holds]
 
 
 def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
-    """Label the ticks of a logarithmic axis with plain numbers; on a `wide` axis only powers of ten."""
+    """Label the ticks of a logarithmic axis with plain numbers, on a `wide` axis only powers of ten."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
-#: Printed forms of the CF units of results.
+#: Printed form of each CF unit in results.
 _UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
-#: Symbols of the long names as formulas; longer ones first if they start alike.
+#: Formulas for the symbols in long names; of two with the same start, the longer one comes first.
 _SYMBOLS = {
     "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
     "theta/alpha_c": r"$\theta/\alpha_c$",
@@ -218,7 +218,7 @@ _SYMBOLS = {
     "dT": r"$\Delta T$",
 }
 _SYMBOL = re.compile(rf"\b({'|'.join(map(re.escape, _SYMBOLS))})\b")
-#: Pattern of matplotlib formulas, between dollars that are not escaped; first of the private characters.
+#: Pattern of matplotlib formulas, between dollar signs that are not escaped; first character of the private range.
 _MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 
 
@@ -228,23 +228,23 @@ def unit(units: str) -> str:
 
 
 def readable_name(long_name: str) -> str:
-    """Return a long name with its symbols as formulas, without the text after a semicolon."""
+    """Return a long name up to its first semicolon, with its symbols as formulas."""
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 
 def label(variable: xr.DataArray, symbol: str = "") -> str:
-    """Return the label of an axis: long name of a variable, symbol and unit."""
+    """Return the label of an axis: long name, symbol and unit of a variable."""
     name = readable_name(translated(f"variables.{variable.name}", str(variable.attrs["long_name"])))
     return f"{name} {symbol}".rstrip() + f" [{unit(str(variable.attrs['units']))}]"
 
 
 def plain(name: object) -> str:
-    """Escape a name given by the user (record, block, title), so that it cannot start a formula."""
+    """Escape a name given by the user (record, block, title), so that it contains no formula of matplotlib."""
     return escaped(str(name)).replace("$", r"\$")
 
 
 def wrapped(words: str, width: int) -> str:
-    """Wrap text to lines of `width` characters; formulas count as drawn and are not broken, longer words are cut."""
+    """Wrap text to lines of `width` characters; formulas have their drawn width and are not cut, longer words are."""
     pieces = _MATHEMATICS.findall(words)
     # Each formula is replaced by as many private characters as it shows.
     for place, piece in enumerate(pieces):

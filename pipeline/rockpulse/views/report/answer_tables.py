@@ -1,4 +1,4 @@
-"""Tables of the results of every model for every record and body, and of the number of overturning records."""
+"""Makes the tables of the results of every model, record and body, and of the number of overturning records."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_st
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table
 from rockpulse.views.shared.words import body_name, numerals, say
 
-#: Grade of the cell with the result for a body under a record.
+#: Grade of a cell for each result of a body under a record.
 _GRADES = {
     Standing.STANDS: "fair",
     Standing.UNKNOWN: "unknown",
@@ -31,7 +31,7 @@ def model_heading(model: str) -> Heading:
 
 
 class AnswerCells:
-    """Makes table cells of every record and body, with marks explained in the notes; ``names`` are the marked ids."""
+    """Makes the cells of records and bodies, with marks that the notes explain; ``names`` contains the marked ids."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
@@ -48,7 +48,7 @@ class AnswerCells:
 
     @property
     def marks(self) -> set[CellMark]:
-        """Marks of the results of all models, and of the factors of the model of the verdict."""
+        """Marks of the results of all models, and of the scale factors of the model that gives the verdict."""
         return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
 
     def record(self, record: int) -> Cell:
@@ -61,7 +61,7 @@ class AnswerCells:
         return Cell(body.block, link=f"body-{body.place}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """Return the probability of overturning under a record, or the result as text, sortable from best to worst."""
+        """Return a cell with the probability of overturning under a record, or with the result, sorted by severity."""
         if self.answers.probable:
             (cell,) = self.cells(col.columns("overturning_probability"), [record], [lane])[0]
             return cell
@@ -77,23 +77,23 @@ class AnswerCells:
         return int(np.argmax(np.nan_to_num(table[record])))
 
     def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
-        """Return the cells of columns (`of`) for bodies under records."""
+        """Return the cells of the columns of :meth:`of` for bodies under records."""
         places = (np.array(one, dtype=int) for one in (records, lanes))
         return col.filled(of, col.AnswerRows(self.answers, *places))
 
     @property
     def short(self) -> tuple[Heading, ...]:
-        """Headings of :meth:`of`."""
+        """Headings of the cells of :meth:`of`."""
         return (*col.headed(col.columns("uplift_ratio")), self._peak, *self.decisive)
 
     def of(self, record: int, lane: int) -> tuple[Cell, ...]:
-        """Return short cells of a body under a record: demand, peak, result and factor."""
+        """Return short cells of a body under a record: demand, peak, result and scale factor."""
         (demand,) = self.cells(col.columns("uplift_ratio"), [record], [lane])[0]
         return demand, self.answer(record, lane), self.verdict(record, lane), self.factor(record, lane)
 
     @property
     def decisive(self) -> tuple[Heading, Heading]:
-        """Headings of :meth:`verdict` and :meth:`factor`."""
+        """Headings of the cells of :meth:`verdict` and :meth:`factor`."""
         probable, factor = self.answers.probable, self.answers.factor
         (last,) = col.headed(col.columns(factor))
         if probable:
@@ -102,17 +102,17 @@ class AnswerCells:
         return first, last._replace(note=factor_name(factor))
 
     def factor(self, record: int, lane: int) -> Cell:
-        """Return the factor, marked if it is a lower bound."""
+        """Return the scale factor as a cell, marked if it is a lower bound."""
         return col.unexplained(self._factors[record * len(self.answers.bodies) + lane])
 
     def answer(self, record: int, lane: int, model: str = "") -> Cell:
-        """Return the result of a model, by default that of the verdict: largest rotation over alpha_c, or a word."""
+        """Return the result of a model (by default of the verdict): largest rotation divided by alpha_c, or a word."""
         own = self.of_models[model or self.answers.model]
         return col.unexplained(own[record * len(self.answers.bodies) + lane])._replace(grade="")
 
 
 def answer_table(cells: AnswerCells) -> Table:
-    """Return one table of every record, body and model."""
+    """Return a table of the results for every record, body and model."""
     answers = cells.answers
     first, last = col.columns("restitution"), col.columns("uplift_ratio", "velocity_ratio", "impulse_ratio")
     headings = (
@@ -137,7 +137,7 @@ def answer_table(cells: AnswerCells) -> Table:
 
 
 def count_table(answers: Answers) -> Table:
-    """Return a table of the number of unscaled motions that overturn each body in any direction, by each model."""
+    """Return a table of the number of unscaled records that overturn each body in any direction, in each model."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
     rows = []
@@ -154,7 +154,7 @@ def _count(fallen: int, total: int, silent: int) -> Cell:
 
 
 def record_table(cells: AnswerCells, record: int) -> Table:
-    """Return a table of every body under one record (a row of /summary), by the model of the verdict."""
+    """Return a table of every body under one record (a row of /summary), from the model that gives the verdict."""
     lanes, c = range(len(cells.answers.bodies)), col.columns("restitution")
     own = cells.cells(c, [record] * len(lanes), lanes)
     rows = tuple((cells.body(lane), *own[lane], *cells.of(record, lane)) for lane in lanes)

@@ -1,4 +1,4 @@
-"""Sections of a report on a site calibration and on fragility curves, and checks that these match the results."""
+"""Makes the sections of a report on a site or fragility curves, after a check that these match the results."""
 
 import re
 from dataclasses import dataclass
@@ -23,11 +23,11 @@ from rockpulse.views.shared.words import body_name, counted_words, listed, say, 
 from rockpulse.views.text import fragility as curves_text
 from rockpulse.views.text.site import about_records, coverage, design, site_tables, site_warnings
 
-#: Relative tolerance of sizes that count as equal.
+#: Relative tolerance within which sizes are equal.
 TOLERANCE = 1e-6
 #: Name of each kind of file, and the command that makes it.
 _MADE_BY = {FRAGILITY: ("fragility file", "rockpulse fragility"), SITE_KIND: ("site file", "rockpulse calibrate")}
-#: Pattern of the name of a body with several restitutions in these files.
+#: Pattern of the name that these files give to a body with several restitutions.
 _WITH_RESTITUTION = re.compile(r"(?P<block>.+) C [0-9.e+-]+")
 #: Settings that change the ground motion of a channel.
 _OF_THE_MOTION = {
@@ -42,7 +42,7 @@ NAMED = 6
 
 @dataclass(frozen=True, eq=False)
 class Paired:
-    """A second file shown with the results (of fragility curves only the common bodies), and the comparison of both."""
+    """A second file shown with the results (only the bodies of both), and how it differs from them."""
 
     tree: xr.DataTree
     missing: tuple[str, ...]  # bodies only in the results
@@ -53,7 +53,7 @@ class Paired:
     settings: tuple[str, ...]  # different settings of the motions: "[conditioning] order = 2, here 4"
 
     def other_motions(self, subject: str, assessed: int) -> list[str]:
-        """Describe motions that are not common to results and site or curves; empty for a design sequence."""
+        """Describe the records that only one of the files contains; empty for a design sequence."""
         if not assessed:
             return []
         told = {
@@ -67,7 +67,7 @@ class Paired:
 
 
 def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
-    """Compare a second file with the results; ResultsError if bodies of equal name or the designs differ."""
+    """Compare a second file with the results; ResultsError if bodies of the same name or the designs differ."""
     summary = results["summary"].to_dataset()
     site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
     kept, missing, foreign = _bodies(summary, site, kind, name)
@@ -133,7 +133,7 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Check that the assessed sequence is the design of a site; "no limit" is inf and -1, or NaN in the site."""
+    """Check that the assessed sequence is the design of a site, in which NaN means "no limit" (here inf or -1)."""
     if site.attrs["method"] == "spectrum":
         return _check_factors(summary, site, name)
     value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
@@ -152,7 +152,7 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
 
 
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Check that the factors of the bodies are those of the design spectrum of a site."""
+    """Check that the scale factors of the bodies equal those of the design spectrum of a site."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
     model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
     factors = summary["safety_factor"].isel(record=0).sel(model=model)
@@ -181,7 +181,7 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
 
 
 def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Whether numbers are equal; NaN on either side counts as equal."""
+    """Return whether numbers are equal within the tolerance; NaN equals every number."""
     known = ~np.isnan(np.add(one, other))
     return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
 
@@ -201,7 +201,7 @@ def _set(value: Any) -> str:
 
 @dataclass(frozen=True)
 class BesideSection:
-    """A section of the report: warnings, sentences, tables; the bodies with curves, and whether one has a band."""
+    """A section of the report: warnings, sentences and tables, the bodies with curves, and whether one has a band."""
 
     warnings: tuple[str, ...]
     statements: tuple[str, ...]
@@ -211,7 +211,7 @@ class BesideSection:
 
 
 def describe_site(of: Paired, assessed: int) -> BesideSection:
-    """Make the section on the site; `assessed` says whether records, and not its design, were assessed."""
+    """Make the section on the site; `assessed` is false if its design was assessed instead of records."""
     site = of.tree["site"].to_dataset()
     said, tables = [coverage(site)], site_tables(site)
     if site.attrs["method"] != "spectrum":
@@ -258,7 +258,7 @@ def _every_record(site: xr.Dataset) -> Table:
 
 
 def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
-    """Make the section on fragility, next to a verdict by a model; `assessed` as in :func:`describe_site`."""
+    """Make the section on fragility, compared with the model of the verdict; `assessed` as in :func:`describe_site`."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=curves_text.shown_measure(curves))

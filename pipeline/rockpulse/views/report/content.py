@@ -1,4 +1,4 @@
-"""Collects the content of the page from the results as plain data, which the templates lay out."""
+"""Collects the content of the page from the results as plain data for the templates."""
 
 import base64
 import math
@@ -48,7 +48,7 @@ _NOT_COVERED = ("sliding", "flexible", "walls", "floors", "space", "soil", "haza
 
 
 def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> SimpleNamespace:
-    """Collect the data of the page; ``found`` are the verdicts on all bodies, ``counted_by`` explains their words."""
+    """Collect the data of the page: ``found`` contains the verdicts on all bodies, ``counted_by`` explains them."""
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
     found = verdicts(answers)
@@ -110,7 +110,7 @@ def _fact(key: str) -> Fact:
 
 
 def _model(name: str, judging: bool) -> Fact:
-    """Describe a model; `judging` is the model of the verdict."""
+    """Describe a model; `judging` is the model that gives the verdict."""
     shown = say(f"models.{name}")
     words = translated(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
     return Fact(say("method.judging", model=shown) if judging else shown, (words,))
@@ -132,14 +132,14 @@ def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[
 
 
 def parties(tree: xr.DataTree, config: Config | None = None) -> tuple[Fact, ...]:
-    """Return the given ones of project, client and author, from a configuration or the stored one."""
+    """Return project, client and author, if stated, from a configuration or from the results."""
     chosen = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else config
     given = {name: str(chosen.report[name]) for name in ("project", "client", "author")}
     return tuple(Fact(say(f"page.{name}"), (told,)) for name, told in given.items() if told)
 
 
 def logo(tree: xr.DataTree, config: Config | None = None) -> str:
-    """Return the PNG of the logo in base64, from a configuration or from the results; empty for none."""
+    """Return the PNG of the logo in base64, from a configuration or from the results; empty without a logo."""
     if config is not None:
         return base64.b64encode(logo_bytes(config.report, config.folder)).decode("ascii")
     stored = str(tree.attrs.get("report_logo", ""))
@@ -153,7 +153,7 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
 
 
 def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNamespace]:
-    """Make a page for every block: verdict for each restitution, facts, and the records closest to overturning it."""
+    """Make a page for every body: verdict for each restitution, facts, and the records closest to overturning it."""
     answers = cells.answers
     pages = []
     for place, block in enumerate(answers.blocks):
@@ -214,7 +214,7 @@ def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[
 
 
 def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
-    """Return the records with the smallest factors for a body, then the worst ones without a factor."""
+    """Return the records with the smallest scale factors for a body, then the worst records without a factor."""
     answers = cells.answers
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
@@ -228,7 +228,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
 
 
 def _by_name(cells: AnswerCells, record: int) -> Cell:
-    """Describe a record by earthquake, station and direction, or by its id."""
+    """Describe a record by earthquake, station and direction, or by its id if these are unknown."""
     known, cell = Known(cells.answers.summary, record=cells.answers.records[record]), cells.record(record)
     return cell._replace(text=records.record_named(known, cell.text))
 
@@ -262,7 +262,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
 
 
 def _sequence(one: Known) -> str:
-    """Describe the impulse sequence of a record in a line."""
+    """Describe the impulse sequence of a record in one line."""
     if math.isnan(one.value("main_impulse")):
         return say("fact.no_sequence")
     return say(

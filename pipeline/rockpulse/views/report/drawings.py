@@ -1,4 +1,4 @@
-"""Drawings in SVG without matplotlib: a body to scale with its restraints, and an accelerogram as a strip."""
+"""Draws in SVG, without matplotlib, a body to scale with its restraints, and an accelerogram as a strip."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -13,19 +13,19 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
-#: Size of the drawing, and the margins around the body for its sizes and restraints.
+#: Size of the drawing, and margins around the body for its dimensions and restraints.
 SIDE, MARGIN = 150.0, 28.0
-#: Position of the middle of the body, left of the middle of the drawing as the height is written on the right.
+#: Horizontal position of the middle of the body, left of centre as the height is written on the right.
 MIDDLE = 66.0
-#: Size of a strip in its own units, about its size in pixels.
+#: Width and height of a strip in its own units, which are about a pixel.
 WIDTH, HEIGHT = 700, 110
-#: Margins for the numbers below and beside a strip.
+#: Margins of a strip for the numbers beside and below it.
 LEFT, BOTTOM, TOP = 52, 20, 8
 
 
 @dataclass(frozen=True)
 class Support:
-    """The floor of a building, and pedestals [m] from top to bottom, the first `joined` of which rock with the body."""
+    """Floor of a building, and pedestals [m] from top to bottom, of which the first `joined` rock with the body."""
 
     floor: bool = False
     pedestals: Sequence[tuple[float, float]] = ()
@@ -33,7 +33,7 @@ class Support:
 
 
 def drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
-    """Return an `<svg>` element of a body with a label, texts without markup; `length` formats a length [m]."""
+    """Return an `<svg>` element of a body with a label, without markup in strings; `length` formats a length [m]."""
     below, top = sum(height for _, height in support.pedestals), body.top
     width = max(body.width, *(one for one, _ in support.pedestals), 0.25 * (top + below))
     scale = (SIDE - 2 * MARGIN) / max(width, top + below)
@@ -85,7 +85,7 @@ def _tie(tie: TieLine, x: Any, y: Any) -> str:
 
 
 def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
-    """Return an arrow with its head at the second point."""
+    """Return an arrow that points to the second point."""
     length = math.hypot(x1 - x0, y1 - y0)
     along, across = ((x1 - x0) / length * 5, (y1 - y0) / length * 5), ((y0 - y1) / length * 3, (x1 - x0) / length * 3)
     ends = [(x1 - along[0] + sign * across[0], y1 - along[1] + sign * across[1]) for sign in (1, -1)]
@@ -94,7 +94,7 @@ def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
 
 
 def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
-    """Return an `<svg>` of the accelerogram [m/s2], with the intense phase (start and end [s], or NaN) shaded."""
+    """Return an `<svg>` of the accelerogram [m/s2] with its intense phase (start and end [s], or NaN) shaded."""
     peak = float(np.max(np.abs(acceleration)))
     end = dt * (acceleration.size - 1)
     span, high = WIDTH - LEFT, HEIGHT - BOTTOM - TOP

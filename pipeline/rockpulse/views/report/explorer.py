@@ -1,4 +1,4 @@
-"""The interactive part of the page: animations of bodies under a few records at five factors each."""
+"""The interactive part of the page: animations of bodies under a few records at five scale factors."""
 
 import base64
 import json
@@ -24,21 +24,21 @@ from rockpulse.views.report.record_tables import record_words
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.words import body_name, say, section
 
-#: Number of factors on each record.
+#: Number of scale factors of each record.
 STEPS = 5
-#: Factors that fill up the list of meaningful ones, and smallest distance between two of them.
+#: Scale factors that complete the list of meaningful ones, and smallest distance between two of them.
 OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
-#: Probabilities whose factors are stored, by variable.
+#: Probabilities for which scale factors are stored, and their variables.
 SHARES = {0.1: "factor_10", 0.5: "factor_50"}
-#: Smallest and largest factor that is shown.
+#: Smallest and largest scale factor that is shown.
 SHOWN = (0.05, 20.0)
-#: Number of columns of a time window, more than a screen shows.
+#: Number of columns of a time window, which exceeds the resolution of a screen.
 COLUMNS = 1500
-#: Largest 16-bit number, and the number for a missing value.
+#: Largest 16-bit integer, and the integer that means a missing value.
 LARGEST, NONE = 32767, -32768
-#: Largest number of bodies with motions on the page; the smallest factors come first.
+#: Largest number of bodies with motions on the page, which are those with the smallest scale factors.
 MOST_BODIES = 20
-#: Time shown before and after the motion [s]; rotations below this share of alpha_c count as rest.
+#: Time shown before and after the motion [s]; share of alpha_c below which a rotation is treated as rest.
 BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 
 
@@ -51,7 +51,7 @@ class TimeColumns:
     count: int
 
     def extremes(self, time: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Smallest and largest value of each column (2, count), or without samples the value before; NaN outside."""
+        """Return the extremes of each column (2, count); an empty column has the value before it; NaN outside."""
         edges = np.linspace(self.start, self.end, self.count + 1)
         first = np.searchsorted(time, edges - 1e-9 * self.end)
         inside = values[: max(int(first[-1]), 1)]
@@ -62,14 +62,14 @@ class TimeColumns:
 
 
 class Explorer(NamedTuple):
-    """JSON for the script of the page, empty if no body moves, and the description of the model."""
+    """JSON for the script of the page (empty if no body moves), and the description of the model."""
 
     data: str
     model: str
 
 
 def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] = ()) -> Explorer | None:
-    """Return the motions of the interactive part, or None without histories; `stored`: block names in the file."""
+    """Return the motions of the interactive part, None without histories; `stored` are the names in the file."""
     answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
@@ -100,7 +100,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
 
 
 class _Scenes:
-    """The scenes of one file, each a body under a record over time at each factor."""
+    """Makes the scenes of a file: the motions of a body under a record at each scale factor."""
 
     def __init__(self, tree: xr.DataTree, answers: Answers, told: Mapping[str, str]) -> None:
         self._tree, self._answers, self._words = tree, answers, told
@@ -108,7 +108,7 @@ class _Scenes:
         self._spectra = tree["spectra"].to_dataset() if "spectra" in tree.children else None
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
-        """Return a scene for each chosen record, or the reason for its absence."""
+        """Return a scene for each chosen record, or the reason why it is missing."""
         found = []
         for row, why in shown_records(self._answers, lane).items():
             told = [self._words[one] for one in why]
@@ -164,7 +164,7 @@ class _Scenes:
         }
 
     def _curve(self, row: int, lane: int, block: Block) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return factors on a record and the probability at each, if the stored spectrum covers the body."""
+        """Return scale factors and the probability at each, if the stored spectrum is valid for the body."""
         read, body = self._answers.source[row, lane] == "spectrum", self._answers.bodies[lane]
         if self._spectra is None or not read or body.several or body.block not in self._plain:
             return None
@@ -176,7 +176,7 @@ class _Scenes:
 
 
 def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
-    """Return the time window in which the body moves at any of the factors, with a margin."""
+    """Return the time window, with a margin, in which the body moves at any of the scale factors."""
     moving = [one.time[np.abs(one.rotation) > NO_MOTION] for one in motions if one.time.size]
     instants = np.concatenate([*moving, np.zeros(0)])
     start, end = 0.0, float(time[-1])
@@ -187,7 +187,7 @@ def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
 
 
 def _packed_motion(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
-    """Return outcome, largest rotation, time of overturning and the rotation in the window of a motion."""
+    """Return outcome, largest rotation and time of overturning of a motion, and its rotation in the window."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
     if ends == "rocks":
@@ -212,7 +212,7 @@ def _outline(block: Block) -> dict[str, Any]:
 
 
 def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
-    """Rows of the records shown for a body, with the reason: worst (or strongest), f_50 nearest to 1, median."""
+    """Return the rows of the records shown for a body: worst (or strongest), `factor_50` nearest to 1, and median."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))
     half = answers["factor_50" if answers.probable else "safety_factor"][:, lane]
@@ -225,7 +225,7 @@ def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
 
 
 def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
-    """Return the factors on a record in order, with the meaning of the meaningful ones."""
+    """Return the scale factors of a record in ascending order, with the meaning of the meaningful ones."""
     meaning = tuple(SHARES.values()) if answers.probable else ("safety_factor",)
     named = [(1.0, words["as_recorded"])]
     named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
@@ -243,12 +243,12 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
 
 
 def _distance(factor: float, others: Mapping[float, str]) -> float:
-    """Return the distance of a factor from the nearest of others, in the logarithm."""
+    """Return the distance of the logarithm of a factor from the nearest of others."""
     return min((abs(math.log(factor / one)) for one in others), default=math.inf)
 
 
 def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
-    """Return factors on a record whose probabilities of overturning are stored, with these probabilities."""
+    """Return the scale factors for which probabilities of overturning are stored, with these probabilities."""
     if not answers.probable:
         return []
     found = [(float(answers[name][row, lane]), share) for share, name in SHARES.items()]
@@ -262,9 +262,9 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
 def through_stored_points(
     factors: np.ndarray, probability: np.ndarray, stored: Mapping[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Shift the factors of a probability curve, linearly in the logarithm, to pass through the stored ones.
+    """Shift the scale factors of a probability curve, linearly in the logarithm, so that it contains the stored ones.
 
-    Interpolation in a stored spectrum differs by some percent from the stored factors of the body.
+    Factors interpolated in a stored spectrum differ by some percent from the stored factors of the body.
     """
     pairs = [(float(factor_at(share, factors, probability)), factor) for share, factor in stored.items()]
     logs = np.log([pair for pair in pairs if all(map(math.isfinite, pair))]).reshape(-1, 2)
@@ -278,7 +278,7 @@ def through_stored_points(
 def probability_at(
     factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
 ) -> float | None:
-    """Return the probability at a factor, stored if available, else from the curve."""
+    """Return the probability at a scale factor: the stored value if available, else that of the curve."""
     for at, probability in points:
         if math.isclose(at, factor, rel_tol=0.005):
             return probability
@@ -286,12 +286,12 @@ def probability_at(
 
 
 def known(factor: np.ndarray) -> np.ndarray:
-    """Return factors, with inf for unknown ones."""
+    """Return factors, with inf in place of NaN."""
     return np.where(np.isnan(factor), np.inf, factor)
 
 
 def packed(extremes: np.ndarray) -> dict[str, float | str]:
-    """Pack extremes for JSON: base64 of int16, all minima before all maxima, and the value of one unit."""
+    """Pack extremes for JSON as base64 of int16 (all minima, then all maxima), and return the value of one unit."""
     largest = float(np.nanmax(np.abs(extremes), initial=0.0))
     scale = largest / LARGEST or 1.0
     whole = np.where(np.isnan(extremes), NONE, np.rint(extremes / scale))

@@ -1,4 +1,4 @@
-"""Tables of records by earthquake and station, of input files, of skipped files with reasons, and of warnings."""
+"""Makes tables of records by earthquake and station, of input files, of skipped files with reasons, and of warnings."""
 
 import math
 from collections import Counter
@@ -20,9 +20,9 @@ from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
 from rockpulse.views.shared.words import body_name, counted_words, in_dates, listed, numerals, say
 from rockpulse.views.text.left_out import apart, by_kind
 
-#: Largest number of rows of the table of records, of directions in a row, and of reasons of one kind.
+#: Largest number of rows in the table of records, of directions in a row, and of reasons for a kind.
 ROWS, DIRECTIONS, REASONS = 10, 3, 2
-#: Largest number of characters of a reason; the annex has the full text.
+#: Largest number of characters of a reason, whose full text is in the annex.
 LONGEST = 90
 #: Kinds whose reasons are listed; other kinds have a common reason.
 _TOLD = ("failed", "skipped")
@@ -44,7 +44,7 @@ def record_label(record: str) -> str:
 
 
 def earthquake_words(known: Known) -> str:
-    """Return the earthquake by name, else by date; empty if unknown."""
+    """Return the name of an earthquake, or its date if it has no name; empty if unknown."""
     return known.title or (say("earthquake_of", date=in_dates(known.date)) if known.date else "")
 
 
@@ -55,13 +55,13 @@ def record_words(known: Known) -> str:
 
 
 def record_named(known: Known, name: str) -> str:
-    """Describe a record, with its id if the station is unknown, or by its id, which may have marks."""
+    """Describe a record by :func:`record_words` and, if the station is unknown, by its id, which may have marks."""
     told = record_words(known)
     return told if told and known.place else ", ".join(filter(None, (told, name)))
 
 
 def used_table(answers: Answers) -> Table:
-    """Return a table with a row for the records of one station and earthquake, limited to the strongest."""
+    """Return a table with a row for each station and earthquake, limited to the strongest."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -94,7 +94,7 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
 
 
 def _worst(answers: Answers, rows: list[int]) -> Cell:
-    """Return the body with the largest probability under unscaled records, else with the smallest factor."""
+    """Return the body with the largest probability under unscaled records or, if unknown, the smallest scale factor."""
     if not answers.bodies:
         return Cell("")
     table = answers["overturning_probability"][rows] if answers.probable else -answers[answers.factor][rows]
@@ -107,7 +107,7 @@ def _worst(answers: Answers, rows: list[int]) -> Cell:
 
 
 def earthquake_table(answers: Answers) -> Table:
-    """Return a table of the earthquakes with data from the files and their number of motions."""
+    """Return a table of the earthquakes with their facts from the files and their number of records."""
     motions = answers.motions
     of_event: dict[str, list[int]] = {}
     for place, event in enumerate(motions.events):
@@ -132,7 +132,7 @@ def earthquake_table(answers: Answers) -> Table:
 
 
 def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
-    """Return date, magnitude, and smallest and largest epicentral distance of records; empty if not stated."""
+    """Return date, magnitude, and range of epicentral distances of records; empty if not stated."""
     dates = sorted({date for one in known if (date := one.date)})
     magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
@@ -144,7 +144,7 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
 
 
 def left_out_table(tree: xr.DataTree) -> Table:
-    """Return a table of skipped files and channels, one row per kind, with the reasons of the readers."""
+    """Return a table of skipped files and channels with reasons, one row per kind."""
     found, beside = apart(failure_rows(tree))
     rows = []
     for kind, every in found.items():

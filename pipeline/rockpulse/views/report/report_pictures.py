@@ -1,4 +1,4 @@
-"""The pictures of the page, drawn on demand of the template, each with its own ids."""
+"""The pictures of the page, each with unique ids, drawn when the template needs them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,22 +19,22 @@ from rockpulse.views.report.drawings import strip
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import body_name, say
 
-#: Largest number of records drawn with half-waves and impulses; of more, only those that govern a body.
+#: Largest number of records that are all drawn with half-waves and impulses; of more, only records that govern a body.
 IN_FULL = 20
-#: Largest number of records in the map of a body, those with the smallest factors.
+#: Largest number of records in the map of a body, which are those with the smallest scale factors.
 IN_A_MAP = 20
 
 
 @dataclass(frozen=True)
 class PageElement:
-    """An `<svg>` element with its caption; without a picture, an empty one with the reason."""
+    """An `<svg>` element with its caption; empty, with the reason, if there is no picture."""
 
     svg: Markup
     words: str
 
 
 class Pictures:
-    """The pictures of one report, by row of /summary and index of the block."""
+    """Draws the pictures of one report, by row of /summary and index of the body."""
 
     def __init__(
         self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, found: list[BodyVerdict]
@@ -77,7 +77,7 @@ class Pictures:
         return self._drawn(lambda: _bare(accelerogram(motion())[0]), f"record{record}", say("picture.in_full"))
 
     def body(self, block: int, name: str = "body") -> PageElement:
-        """Return the picture of the factors on records at which a body overturns."""
+        """Return the picture of the scale factors at which a body overturns."""
         from rockpulse.views.plots.critical_factors import overturning_map
 
         if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
@@ -86,7 +86,7 @@ class Pictures:
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> PageElement | None:
-        """Return the rotation of a body under its worst record, by the model of the verdict; None if unknown."""
+        """Return the rotation of a body under its worst record in the model of the verdict; None if unknown."""
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 
@@ -109,7 +109,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[PageElement]:
-        """Return the main picture: spectra with bodies, else factors of the worst body; for a sequence its site."""
+        """Return the main picture: spectra with bodies, or scale factors of the worst body; for a sequence its site."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         found, plain = [], []
@@ -145,7 +145,7 @@ class Pictures:
         return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
-        """Draw a picture of rockpulse.views.plots, or return its error message in place of it."""
+        """Draw a picture of rockpulse.views.plots; if this fails, return the error message instead."""
         from rockpulse.views.plots.picture import svg
 
         try:
@@ -157,7 +157,7 @@ class Pictures:
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
-    """Return the stored spectra at the C of most bodies, interpolated linearly over gaps between bodies."""
+    """Return the stored spectra at the C of most bodies, interpolated linearly over their gaps in p."""
     from rockpulse.views.plots.spectra import spectra_of_results
 
     ax = spectra_of_results(tree, spectra)
@@ -167,7 +167,7 @@ def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
 
 
 def _bare(ax: Axes) -> Axes:
-    """Return Axes on a figure without title and small print, which the page contains itself."""
+    """Return Axes on a figure without title and small print, as the page contains these."""
     three_digits = ax.get_figure(root=True)
     assert three_digits is not None
     three_digits.suptitle("")

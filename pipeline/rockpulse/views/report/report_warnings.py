@@ -1,4 +1,4 @@
-"""The warnings of a report, by grade: decisive ones, limitations, explanations."""
+"""The warnings of a report by grade: warnings that may change a verdict, limitations, and explanations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,13 +28,13 @@ from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
 
-#: Grades of warnings: may change a verdict, limits it, only explains it.
+#: Grades of warnings: those that may change a verdict, that limit it, and that only explain it.
 GRADES = ("decides", "limits", "notes")
 
 
 @dataclass(frozen=True)
 class Limit:
-    """A warning on the use of the numbers, as a heading and a sentence or two."""
+    """A warning on the use of the numbers: a heading and one or two sentences."""
 
     grade: Literal["decides", "limits", "notes"]
     head: str
@@ -48,7 +48,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Return the warnings on the verdicts, most serious first, given /site of a site file and [records] components."""
+    """Return the warnings on the verdicts, most serious first; /site and the key `components` may be given."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -72,7 +72,7 @@ def warnings(
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions) -> list[str]:
-    """Return the limits of the verdict in at most three lines: decisive warnings, few earthquakes, skipped files."""
+    """Return at most three lines on the limits of the verdict: decisive warnings, few earthquakes, skipped files."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
@@ -90,7 +90,7 @@ def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: obj
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """Warn of a model that is not the full equation of motion."""
+    """Warn if the model is not the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -101,7 +101,7 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of demands to which the records of too few earthquakes can be scaled."""
+    """Warn if the records of too few earthquakes can be scaled to a demand."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
@@ -137,7 +137,7 @@ def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of uncertainty for bodies that survive the design of their site."""
+    """Warn if a body that survives the design of its site may overturn within the uncertainty."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
@@ -151,7 +151,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Find surviving bodies that overturn within the interval of the main impulse or under records of the site."""
+    """Find surviving bodies that overturn within the interval of the main impulse or under a record of the site."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [one for one in standing if one.margin.smallest <= factor]
     within = [
@@ -166,7 +166,7 @@ def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[li
 
 
 def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Find them for a design spectrum, with the weighted share of records that overturn each."""
+    """Find such bodies for a design spectrum, with the weighted share of records that overturn each."""
     names = [str(name) for name in site["block"].values]
     of = {name: site.isel(block=place) for place, name in enumerate(names)}
     own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
@@ -178,7 +178,7 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of bodies on a pedestal, and of bodies that may slide."""
+    """Warn if bodies are on a pedestal or may slide."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.decides.value)
@@ -194,7 +194,7 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """Warn of records that are left out of the probability."""
+    """Warn if the probability excludes some records."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
@@ -206,7 +206,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
     idle, total = sum(one.at_rest for one in found), len(motions.names) * len(found)
     if not idle or motions.kind == "sequence":
         return None
-    never = sum(one.grade == Grade.STAYS for one in found)
+    never = sum(one.grade == Grade.AT_REST for one in found)
     if never:
         bodies = counted_words(len(found), "body")
         return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)

@@ -1,4 +1,4 @@
-"""The verdict in the report: sentence and drawing of every body, table of the bodies, and explanations."""
+"""Makes the verdict in the report: sentence and drawing of every body, table of the bodies, and explanations."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -29,9 +29,9 @@ from rockpulse.views.shared.shown_columns import COLUMNS, GRADES, grade_cell, ma
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 
-#: Separator of the ends of an interval, without a line break.
+#: Separator between the ends of an interval, which allows no line break.
 TO = "\N{WORD JOINER}–\N{WORD JOINER}"
-#: Largest number of rows of a table without a filter, and of bodies with a card on the first page.
+#: Largest number of rows of a table without a search field, and of bodies with a card on the first page.
 FEW, MOST = 8, 6
 
 
@@ -44,7 +44,7 @@ class Drawing(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """One block by its worst restitution: restraints, verdict and sentence; ``key`` is the id of its section."""
+    """A body at its worst restitution: restraints, verdict and sentence; ``key`` is the id of its section."""
 
     key: str
     name: str
@@ -55,7 +55,7 @@ class Card:
 
 
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
-    """Return the cards of the blocks with the worst verdicts, from worst to best."""
+    """Return the cards of the bodies with the worst verdicts, from worst to best."""
     worst: dict[int, BodyVerdict] = {}
     for one in sorted(found, key=_by_severity):
         worst.setdefault(one.body.place, one)
@@ -66,14 +66,14 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
 
 
 def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
-    """Sort key: worst verdict first, then largest probability, then smallest factor."""
+    """Return the sort key: worst verdict first, then largest probability, then smallest scale factor."""
     factor, value = one.margin.smallest, one.decides.value
     likely = 0.0 if math.isnan(value) else value
     return -float(one.overall), -likely, math.inf if math.isnan(factor) else factor
 
 
 def drawings(tree: xr.DataTree) -> list[Drawing]:
-    """Return the drawing of every block of the results on its pedestals."""
+    """Return the drawing of every body of the results on its pedestals."""
     summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
     blocks = config_from_text(configuration).bodies if configuration else ()
     sizes = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
@@ -104,7 +104,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         margin = say("verdict.factor", factor=factor) if not math.isnan(one.margin.smallest) else ""
         key = "overturns_under_sequence" if one.overall == Grade.OVERTURNS else "under_sequence"
         return say(f"verdict.{key}", margin=margin)
-    if one.overall == Grade.STAYS:
+    if one.overall == Grade.AT_REST:
         return say("verdict.not_lifted", motions=motions_words(answers.motions))
     what = say("probability" if answers.probable else "share_of_earthquakes")
     demand = one.deciding
@@ -123,9 +123,9 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
 
 
 def basis(answers: Answers, unused: str) -> str:
-    """Describe the basis of the verdicts: model, motions, unused files, and the strength of each demand."""
+    """Describe the basis of the verdicts: model, records, unused files, and intensity of each demand."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
-    said = [say("basis", files=f" ({unused})" if unused else "", **fields)]
+    said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
         told = in_numerals(demand.words.replace("m/s2", "m/s²"))
         if demand.words.startswith("PGA "):
@@ -135,7 +135,7 @@ def basis(answers: Answers, unused: str) -> str:
 
 
 def motions_words(motions: Motions) -> str:
-    """Return the number of motions and of their earthquakes as text."""
+    """Return the number of records and of their earthquakes as text."""
     if motions.kind == "sequence":
         return say("motions.sequence")
     key = f"motions.{motions.kind}{'_mean' if motions.kind == 'pair' and motions.any_azimuth else ''}"
@@ -144,7 +144,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def figures_legend(answers: Answers) -> str:
-    """Explain the numbers of the table of bodies in a line."""
+    """Explain the numbers of the table of bodies in one line."""
     if answers.motions.kind == "sequence":
         return say("legend.sequence")
     what = say("legend.probability" if answers.probable else "legend.share")
@@ -164,12 +164,12 @@ def counted_by(answers: Answers) -> str:
 
 
 def _levels() -> dict[str, str]:
-    """Return the probabilities at the limits between verdicts."""
+    """Return the probabilities that separate the verdicts."""
     return {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
 
 
 def of_unknown_event(motions: Motions) -> str:
-    """Describe motions with unknown earthquake; empty if all are known."""
+    """Describe the records whose earthquake is unknown; empty if all are known."""
     count = motions.events.count(UNKNOWN)
     if not count:
         return ""
@@ -188,7 +188,7 @@ def acceleration_in_words(value: float) -> str:
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """Return a table of bodies: verdict, probability at each demand and without scaling, factor, governing record."""
+    """Return a table of bodies: verdict, probability at each demand and unscaled, scale factor, governing record."""
     motions, factor = answers.motions, factor_heading(answers.factor)
     c = COLUMNS["restitution"]
     of = say("head.probability" if answers.probable else "head.share")
@@ -225,7 +225,7 @@ def _at_demand(place: int, one: BodyVerdict) -> Cell:
 
 
 def _governing(answers: Answers, one: BodyVerdict) -> Cell:
-    """Return the record with the smallest factor."""
+    """Return the record with the smallest scale factor."""
     if one.governing < 0 or math.isinf(one.margin.smallest):
         return Cell(ABSENT)
     name = record_cells(answers.summary)[one.governing]

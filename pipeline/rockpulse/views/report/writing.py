@@ -1,4 +1,4 @@
-"""Writing of the report: one HTML page without external resources, or a PDF printed by a browser."""
+"""Writes the report as one HTML page without external resources, or as a PDF printed by a browser."""
 
 import base64
 import hashlib
@@ -36,28 +36,28 @@ from rockpulse.views.shared.words import in_dates, own_name, result_texts, say, 
 MARK = '<meta name="generator" content="rockpulse report'
 #: Mark in the last line of every PDF of a report, which PDF readers ignore; a file without it is never replaced.
 PDF_MARK = b"\n% rockpulse report\n"
-#: Number of bytes at the head of a page that are searched for the mark.
+#: Number of bytes at the start of a page in which the mark is searched.
 HEAD = 4096
-#: Names of the kinds of files.
+#: Printed names of the kinds of files.
 _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
-#: Ids of the parts of the annex; empty parts are left out.
+#: Ids of the parts of the annex, of which empty ones are omitted.
 ANNEXES = ("warnings", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 #: Replacements of terminal spellings by Greek letters and powers.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
-#: Names of usable browsers on PATH.
+#: Names of the programs of usable browsers on PATH.
 BROWSERS = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
     *("microsoft-edge", "msedge"),
 )
 
-#: Their locations on Windows, below the program folders, and on macOS, among the applications.
+#: Locations of browsers: on Windows below the program folders, on macOS among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
 WINDOWS = tuple(
     f"{name}.exe"
     for name in ("Google/Chrome/Application/chrome", "Chromium/Application/chrome", "Microsoft/Edge/Application/msedge")
 )
 MACOS = tuple(f"{name}.app/Contents/MacOS/{name}" for name in ("Google Chrome", "Chromium", "Microsoft Edge"))
-#: Time limit of printing [s]; a report of 200 records and 20 bodies takes about ten.
+#: Time limit of printing [s]; a report of 200 records and 20 bodies takes about 10 s.
 LONGEST = 180.0
 #: Advice if no browser is found.
 INSTEAD = "write the report as .html and print it from a browser"
@@ -123,7 +123,7 @@ def report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a report; raise ResultsError if it cannot be written. Called before any work."""
+    """Return the path of a report, before any work; raise ResultsError if the report cannot be written there."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -132,7 +132,7 @@ def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
     if not target.exists():
         return target
     if not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a report, found something that is no regular file")
+        raise ResultsError(f"{path}: expected the name of a report, found something that is not a regular file")
     if not overwrite:
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     with target.open("rb") as file:
@@ -200,7 +200,7 @@ def report_page(
 
 
 def _in_language(tree: xr.DataTree) -> xr.DataTree:
-    """The tree with the names of samples and the warnings and processing of records in the language that is written."""
+    """Return the tree with the names of samples, and warnings and processing of records, in the current language."""
 
     def renamed(node: xr.Dataset) -> xr.Dataset:
         attrs = {name: own_name(str(node.attrs[name])) for name in ("title", "site_description") if name in node.attrs}
@@ -231,9 +231,7 @@ def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # an unsaved tree may lack the attribute
     by_group = next((groups[name] for name in groups if name in tree.children), "tree of another kind")
     if (found := str(tree.attrs.get("kind", by_group))) != kind:
-        raise ResultsError(
-            f"{_name(source)}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}"
-        )
+        raise ResultsError(f"{_name(source)}: expected {kind_in_words(kind)}, found {kind_in_words(found)}")
     return tree
 
 
@@ -272,7 +270,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """Return the PDF of an HTML page; raise ResultsError without a browser or after the time limit."""
+    """Return the PDF of an HTML page; raise ResultsError if no browser is found or the time limit is exceeded."""
     program = browser()
     # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

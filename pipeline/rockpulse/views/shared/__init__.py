@@ -1,1 +1,1 @@
-"""Parts of several views: tables, marks and explanatory notes."""
+"""Parts that several views use: tables, marks and explanatory notes."""

@@ -1,7 +1,7 @@
-"""The number of input files used in results, and the reasons for the others, counted once for all views.
+"""Counts, for all views, the input files used in results, and gives the reasons why others were not used.
 
 A file is used if one of its channels is assessed, or skipped as vertical, structural or duplicate. It is not used if it
-failed and no part of it is in the results. Skipped files (texts, pictures, spectra) do not count.
+failed and no part of it is in the results. Skipped files (texts, pictures, spectra) are not counted.
 """
 
 from collections.abc import Iterable
@@ -13,13 +13,13 @@ from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
 from rockpulse.views.shared.words import counted_words, language, result_text, say
 
-#: Kinds of rows of channels that were read, and are in the results or duplicate a motion in them.
+#: Kinds of rows of channels that were read but not assessed, and whose file therefore is used.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
-#: Steps whose rows name a single file; rows of later steps have all files of a record.
+#: Steps whose rows name a single file; rows of later steps name all files of a record.
 _OF_FILES = frozenset({"find", "read"})
-#: Steps whose failed rows concern a table or a pattern of the user, not a file of records.
+#: Steps whose failed rows concern a table or a pattern given by the user, not a file of records.
 _OF_OPTIONS = frozenset({"events", "select"})
-#: Groups with a row for each record of the results; the first existing one is used.
+#: Groups with a row for each record of the results, of which the first that exists is used.
 _GROUPS = ("summary", "site", "capacities")
 #: Largest number of reasons in a sentence, of files per reason, and of characters per reason.
 _REASONS, _NAMED, _LONGEST = 3, 10, 120
@@ -35,7 +35,7 @@ class FilesUsed:
 
     @property
     def counted(self) -> str:
-        """Numbers of used and unused files, and of failed channels of used files, as text; empty if unknown."""
+        """Return the numbers of used and unused files and of failed channels of used files; empty if unknown."""
         failed = say("files.channels", channels=counted_words(self.channels, "channel")) if self.channels else ""
         return ", ".join(filter(None, (self._files, failed)))
 
@@ -51,27 +51,28 @@ class FilesUsed:
             return ""
         if self.used is None:
             return say("files.not_used", files=counted_words(count, "file"))
-        return say("files.used", used=self.used, files=counted_words(self.used + count, "file"), unused=count)
+        key = "files.used" if self.used else "files.none_used"
+        return say(key, used=self.used, files=counted_words(self.used + count, "file"), unused=count)
 
     @property
     def sentence(self) -> str:
-        """Numbers and reasons as text; empty if all files were used."""
+        """Return the numbers of files and the reasons as text; empty if all files were used."""
         return f"{self._files}: {_reasons(self.unused)}." if self.unused else ""
 
     @property
     def reasons(self) -> str:
-        """Reasons of failures: unused files, then channels of used files."""
+        """Return the reasons of failures, first for unused files, then for channels of used files."""
         return "; ".join(_reasons(rows) for rows in (self.unused, self.beside) if rows)
 
     @property
     def line(self) -> str:
-        """All failures in one line; empty for none."""
+        """Return all failures in one line; empty without failures."""
         channels = f"also failed: {_reasons(self.beside)}." if self.beside else ""
         return " ".join(filter(None, (self.sentence, channels if self.unused else channels.removeprefix("also "))))
 
 
 def files_used(tree: xr.DataTree) -> FilesUsed:
-    """Count the files of results, from the groups with the records and /failures."""
+    """Count the files of results, from the groups with the records and from /failures."""
     group = next((name for name in _GROUPS if name in tree.children), None)
     if group is None:
         return count_files((), failure_rows(tree))
@@ -84,7 +85,7 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
 
 
 def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
-    """Count the files of a run, from the files of its records and the rows of skipped ones."""
+    """Count the files of a run, from the files of its records and the rows of failures."""
     rows = list(rows)
     failed = {row.file for row in rows if row.kind == "failed"}
     # A vertical channel does not make a file used if the horizontal ones or itself failed.
@@ -122,7 +123,7 @@ def _named(row: Failure) -> list[str]:
 
 
 def _apart(source: str) -> list[str]:
-    """Split the files of a record by name; a single name if only some parts have a folder or a suffix."""
+    """Split the file names of a record; return a single name if only some parts have a folder or a suffix."""
     names = source.split(BETWEEN)
     inside = {any(sign in name for sign in "/\\!") for name in names}
     ending = {"." in last_part(name) for name in names}
@@ -130,7 +131,7 @@ def _apart(source: str) -> list[str]:
 
 
 def _files_of(source: str, checksums: str) -> list[str]:
-    """Return the files of a record, one per SHA-256, as a file name may contain the separator."""
+    """Return the files of a record, as many as it has SHA-256, as a file name may contain the separator."""
     names = source.split(BETWEEN)
     return names if len(names) == len(checksums.split(BETWEEN)) else [source]
 
@@ -141,7 +142,7 @@ def _reasons(rows: Iterable[Failure]) -> str:
 
 
 def reasons_of(rows: Iterable[Failure], most: int = _REASONS, longest: int = _LONGEST) -> tuple[list[str], int]:
-    """Return the most frequent reasons, each with some files, and the number of rows with other reasons."""
+    """Return the most frequent reasons, each with several files, and the number of rows with other reasons."""
     groups = sorted(alike(rows), key=len, reverse=True)
     return [_reason(group, longest) for group in groups[:most]], sum(map(len, groups[most:]))
 

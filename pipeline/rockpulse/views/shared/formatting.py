@@ -1,4 +1,4 @@
-"""Plain text for the terminal: wrapped paragraphs and numbers with an adequate number of digits."""
+"""Formats text for the terminal: wraps paragraphs, and writes numbers with an adequate number of digits."""
 
 import math
 import textwrap
@@ -9,12 +9,12 @@ from rockpulse.views.shared.words import numerals, say
 
 #: Placeholder of a missing value.
 ABSENT = "-"
-#: Width of running text [columns].
+#: Width of running text [characters].
 WIDTH = 110
 
 
 def ratio(value: float) -> str:
-    """Format a ratio around one with two or three digits."""
+    """Format a ratio near 1 with two or three digits."""
     if math.isnan(value):
         return ABSENT
     if value == 0.0 or math.isinf(value):
@@ -25,14 +25,14 @@ def ratio(value: float) -> str:
 
 
 def lower_bound(value: float) -> str:
-    """Format a lower bound of a ratio: a mark and the digits of :func:`ratio`, rounded down."""
+    """Format a lower bound of a ratio with a mark, rounded down to the digits of :func:`ratio`."""
     places = 3 if value < 0.1 else 2 if value < 10.0 else 1
     down = math.floor(value * 10**places) / 10**places
     return numerals(f">{down:.{places}f}") if down > 0.0 else ">0"
 
 
 def restitution(value: float) -> str:
-    """Format a restitution with three decimals, as its distance from one determines the duration of rocking."""
+    """Format a restitution with three decimals, as its difference from 1 determines the duration of rocking."""
     return numerals(f"{value:.3f}")
 
 
@@ -66,7 +66,7 @@ def share(value: float) -> str:
 
 
 def several(count: int, noun: str) -> str:
-    """Format a number with a noun, which is given in the singular."""
+    """Format a number with its noun, which is given in the singular."""
     if count == 1:
         return f"1 {noun}"
     head, of, tail = noun.partition(" of ")
@@ -75,7 +75,7 @@ def several(count: int, noun: str) -> str:
 
 
 def shortened(words: str, width: int) -> str:
-    """Shorten text to one line of a width by cutting its middle, so that both ends stay visible."""
+    """Shorten text to a width by cutting its middle, so that both ends remain visible."""
     words = " ".join(words.splitlines())
     if len(words) <= width:
         return words

@@ -1,4 +1,4 @@
-"""Notes that explain the numbers and marks shown in tables of verdicts, and texts on motions."""
+"""Notes that explain the numbers and marks in tables of verdicts."""
 
 import math
 from collections.abc import Collection, Iterable, Sequence
@@ -16,12 +16,12 @@ from rockpulse.views.shared.words import say
 
 
 def factor_heading(factor: str) -> str:
-    """Return the heading of a factor by its variable."""
+    """Return the heading for the variable of a scale factor."""
     return say(f"column.{factor}.head")
 
 
 def factor_name(factor: str) -> str:
-    """Return the name of a factor in a sentence by its variable."""
+    """Return the name, within a sentence, for the variable of a scale factor."""
     return say(f"factor.{factor}")
 
 
@@ -37,7 +37,7 @@ def uncertain(answers: Answers) -> str:
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """Explain the columns of :func:`factor_columns`; in the table of a sweep, the smallest over direction."""
+    """Explain the columns of :func:`factor_columns`; in a sweep they contain the smallest values over direction."""
     if not answers.has_factor:
         return []
     factor = answers[answers.factor]
@@ -55,8 +55,8 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
-            f"!: a lower bound: from this scale factor on the model cannot answer (free flight, for one; {bounds} of "
-            f"{answers.bound.size}); below it no overturning was found."
+            "!: a lower bound: from this scale factor on the model gives no result (free flight, for example; "
+            f"{bounds} of {answers.bound.size}); below it no overturning was found."
         )
     rocks = (answers["outcome"] == Outcome.ROCKS) & (factor < 1.0)
     if lucky := np.count_nonzero(rocks):
@@ -67,7 +67,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
 
 
 def none_found(answers: Answers) -> str:
-    """Return a sentence on results without a factor; empty if all have one."""
+    """Return a sentence on results without a scale factor; empty if all have one."""
     factor = answers[answers.factor]
     if not np.isinf(factor).any():
         return ""
@@ -75,12 +75,12 @@ def none_found(answers: Answers) -> str:
 
 
 def missed_step(answers: Answers) -> float:
-    """Return the width of intervals of factors that the search may miss; 0 in closed form."""
+    """Return the relative width of intervals of scale factors that the search may miss; 0 for closed forms."""
     return max(float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0, 0.0)
 
 
 def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[CellMark]) -> list[str]:
-    """Return the notes on a table of the results of all models with `marks`; those on SF come second."""
+    """Return the notes on a table of the results of all models with `marks`."""
     notes = [
         "Figures below the models: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of "
         "an impact. Uplift ratio: PGA over the PGA that lifts the body. I/I_1c: main impulse over the single impulse "
@@ -99,12 +99,12 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Cel
     reasons = {int(code) for one in models for code in one["reason"][one["outcome"] == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
-        notes.append(f"unresolved: the model cannot answer ({words}).")
+        notes.append(f"unresolved: the model gives no result ({words}).")
     return notes
 
 
 def beyond_critical(answers: Answers) -> bool:
-    """Whether any rotation beyond the critical angle did not end in overturning."""
+    """Return whether any rotation beyond the critical angle did not end in overturning."""
     return any(
         bool(((one["outcome"] == Outcome.ROCKS) & (one["peak_rotation_ratio"] > 1.0)).any())
         for one in answers.of_models.values()
@@ -112,7 +112,7 @@ def beyond_critical(answers: Answers) -> bool:
 
 
 def counted_motions(motions: Motions) -> str:
-    """Return the number of motions as text: "7 records of 2 earthquakes"."""
+    """Return the number of records as text: "7 records of 2 earthquakes"."""
     if motions.kind == "sequence":
         return say("motions.sequence")
     each = f", each in {motions.index.shape[1]} directions" if motions.kind == "pair" else ""
@@ -121,7 +121,7 @@ def counted_motions(motions: Motions) -> str:
 
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
-    """Return a sentence on every body on a pedestal, and on every body that may slide."""
+    """Return a sentence for every body on a pedestal and for every body that may slide."""
     notes = [
         f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
         f"({worst.word}, {ratio(worst.decides.value)}) and decides; simultaneous motions of both parts are not "
@@ -137,6 +137,6 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
 
 
 def cautions(names: Iterable[str]) -> list[str]:
-    """Return a sentence on each model whose input is an upper bound."""
+    """Return a sentence for each model whose input is an upper bound."""
     bounds = [MODELS[name] for name in names if is_upper_bound(name)]
     return [f"{model.name}: an {UPPER_BOUND} ({model.upper_bound}), not a prediction." for model in bounds]

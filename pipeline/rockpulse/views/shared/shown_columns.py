@@ -1,4 +1,4 @@
-"""Columns of all tables, each declared once with heading (section [column] of the texts), variables and cells."""
+"""The columns of all tables, each with its heading (section [column] of the texts), variables and cells."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -20,7 +20,7 @@ from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_
 from rockpulse.views.shared.words import say, translated
 from rockpulse.warning_text import has_warning
 
-#: Largest width of the id of a record and of the name of a block in a table.
+#: Largest width of the id of a record and of the name of a body in a table [characters].
 ID_WIDTH, NAME_WIDTH = 36, 29
 #: Marks of a peak, of a factor or a capacity, and of the name of a record with a doubtful peak.
 OUTSIDE, NO_ANSWER = CellMark("outside", "*"), CellMark("no_answer", "!")
@@ -28,19 +28,19 @@ NONE_UP_TO, AT_MOST = CellMark("none_up_to", ">", before=True), CellMark("at_mos
 DRIFT = CellMark("drift", "~", before=True)
 PEAK, CLIPPED, DEFECT = CellMark("peak"), CellMark("clipped"), CellMark("defect")
 DOUBTS = PEAK, CLIPPED, DEFECT
-#: Sort value larger than any rotation: overturned is above it, unresolved last.
+#: Sort values of outcomes; overturned and unresolved ones come after all rotations.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
 
 class Rows(Protocol):
-    """The rows of a table: maps the name of a variable to its values by row."""
+    """The rows of a table: a mapping from the name of a variable to its values, one per row."""
 
     def __getitem__(self, name: str, /) -> Sequence[Any]: ...
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column: its variables, and the function that makes a cell from their values."""
+    """A column of a table: its variables, and the function that makes a cell from their values."""
 
     name: str
     of: tuple[str, ...]
@@ -52,7 +52,7 @@ class Column:
 
     @property
     def heading(self) -> Heading:
-        """Heading with its small print."""
+        """Heading of the column, with its small print."""
         title = (
             say(f"column.{self.name}.head")
             if self.title is None
@@ -63,14 +63,14 @@ class Column:
 
 
 def titled(title: str, cell: Callable[..., Cell], *of: str, **options: Any) -> Column:
-    """Make a column of a single table with its own title."""
+    """Make a column with a title of its own, for a single table."""
     return Column(title, of, cell, title=title, **options)
 
 
 def tabulated(
     key: str, caption: str, selected: Sequence[Column], dataset: xr.Dataset, notes: tuple[str, ...] = ()
 ) -> Table:
-    """Make a table of columns with one row per element of the dimension of a dataset."""
+    """Make a table of columns with one row per element along the dimension of a dataset."""
     rows = {name: dataset[name].values.tolist() for column in selected for name in column.of}
     return Table(key, caption, headed(selected), tuple(filled(selected, rows)), notes)
 
@@ -98,7 +98,7 @@ def record_cells(summary: xr.Dataset) -> list[Cell]:
 
 
 def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
-    """Return the result of a model: largest rotation over alpha_c or a word, with marks."""
+    """Return the result of a model as a cell: largest rotation divided by alpha_c, or a word, with marks."""
     marks = (OUTSIDE,) if applicable == 0 else ()
     if outcome in _SORTED:
         kind = Outcome(outcome)
@@ -108,7 +108,7 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
-    """Return a factor (or none up to `limit`) with marks for a lower bound and for several intervals."""
+    """Return a scale factor (or "none up to `limit`") as a cell, marked for a lower bound or several intervals."""
     marks = ([NO_ANSWER] if bound else []) + ([CellMark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
         return Cell(ABSENT, factor)
@@ -121,7 +121,7 @@ def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, int
 
 
 def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
-    """Return the cells of the smallest and the median of a margin."""
+    """Return the cells of the smallest and the median margin."""
     values = zip((margin.smallest, margin.median), margin.bounds, strict=True)
     smallest, median = (factor_cell(value, margin.limit, bound) for value, bound in values)
     if margin.open and math.isfinite(margin.smallest):
@@ -130,7 +130,7 @@ def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
 
 
 def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
-    """Return the smallest factor and its motion; unknown if none was found and not all are known."""
+    """Return the smallest scale factor and its record; unknown if none was found and some are unknown."""
     if math.isinf(margin.smallest) and (margin.unknown or margin.partial):
         return [factor_cell(math.nan), Cell("")]
     named = shortened(names[margin.place], width) if math.isfinite(margin.smallest) else ""
@@ -138,12 +138,12 @@ def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
 
 
 def unexplained(cell: Cell) -> Cell:
-    """Return the cell with marks that are explained elsewhere than below its table."""
+    """Return the cell with marks whose explanation is not below its table."""
     return cell._replace(marks=tuple(CellMark("", mark.shown, mark.before) for mark in cell.marks))
 
 
 def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
-    """Return the marks of cells."""
+    """Return all marks of cells."""
     return {mark for cell in cells for mark in cell.marks}
 
 
@@ -153,9 +153,9 @@ def doubt_notes(cells: Iterable[Cell]) -> list[str]:
     return [mark.note for mark in DOUBTS if mark in found]
 
 
-#: Grade of the cell of a verdict.
+#: Grade of a cell for each verdict.
 GRADES = {
-    Grade.STAYS: "good",
+    Grade.AT_REST: "good",
     Grade.ROCKS: "good",
     Grade.MAY_OVERTURN: "fair",
     Grade.NOT_KNOWN: "unknown",
@@ -164,7 +164,7 @@ GRADES = {
 
 
 def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
-    """Return the verdict on a body as a cell after the text `before`, sortable from best to worst."""
+    """Return the verdict on a body, after the text `before`, as a cell that is sortable from best to worst."""
     few = one.deciding is not None and one.deciding.few
     # No record overturns it, but half of such earthquakes might: not graded as good.
     unsure = one.overall == Grade.ROCKS and one.decides.high >= OVERTURNS
@@ -173,7 +173,7 @@ def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
 
 
 def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
-    """Return a function that makes the cell of a number over a scale."""
+    """Return a function that makes the cell of a number divided by a scale."""
     return lambda value: number_cell(value if scale == 1.0 else value / scale, show)
 
 
@@ -190,7 +190,7 @@ def _capacity(capacity: float, limit: float, pga: float) -> Cell:
 
 
 def count_of(count: int, total: int) -> Cell:
-    """Return a cell of a number out of a total."""
+    """Return the cell of a number out of a total."""
     return Cell(say("count_of", count=count, total=total), count)
 
 
@@ -217,7 +217,7 @@ def _of_measure(row: Measure) -> Column:
 _RECORD = ("record", PGA, "warning_codes")
 _SEARCHED = ("safety_factor", "safe_up_to", "factor_resolved")
 _PROBABILITY = tuple(f"overturning_probability{end}" for end in ("", "_low", "_high"))
-#: Every column by name; a column of one variable has its name.
+#: All columns by name; a column of a single variable has the name of the variable.
 COLUMNS = {
     column.name: column
     for column in (
@@ -268,7 +268,7 @@ COLUMNS = {
 
 
 def columns(*names: str, **titles: str) -> tuple[Column, ...]:
-    """Select columns by name, some with another title."""
+    """Select columns by name; some get another title."""
     return tuple(replace(COLUMNS[name], title=titles.get(name) or COLUMNS[name].title) for name in names)
 
 
@@ -284,14 +284,14 @@ def filled(selected: Iterable[Column], rows: Rows) -> list[tuple[Cell, ...]]:
 
 
 class AnswerRows:
-    """Results of a model as rows of a table: bodies under records, by index."""
+    """The results of a model as rows of a table; each row is a body under a record, given by indices."""
 
     def __init__(self, answers: Answers, records: np.ndarray, lanes: np.ndarray) -> None:
         self.answers, self.records, self.lanes = answers, records, lanes
 
     @classmethod
     def every(cls, answers: Answers) -> Self:
-        """Rows for all bodies under the first record, then under the next."""
+        """Return the rows of all bodies under the first record, then under the second, and so on."""
         records, lanes = np.indices((len(answers.records), len(answers.bodies)))
         return cls(answers, records.ravel(), lanes.ravel())
 
@@ -309,13 +309,13 @@ class AnswerRows:
 
 
 def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
-    """Return columns with the results of every model, for all rows."""
+    """Return the columns of the results of every model, for all rows."""
     own, models = [COLUMNS["answer"]], answers.of_models.items()
     return {name: [row[0] for row in filled(own, AnswerRows.every(one))] for name, one in models}
 
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
-    """Return the columns of the probability and the factors of overturning; empty if unknown."""
+    """Return the columns of the probability and the scale factors of overturning; empty if unknown."""
     if not answers.has_factor:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

@@ -1,4 +1,4 @@
-"""Tables as data, with layout for the terminal here and for HTML in the templates of the report."""
+"""Tables as data, and their layout for the terminal; the templates of the report contain that for HTML."""
 
 import math
 from collections.abc import Callable
@@ -10,12 +10,12 @@ from typing import NamedTuple
 from rockpulse.views.shared.formatting import paragraph, shortened, three_digits
 from rockpulse.views.shared.words import say
 
-#: Characters of a heading on the terminal that is left in one line, and of one line of a longer heading.
+#: Longest heading that remains in one line on the terminal, and longest line of a longer heading [characters].
 UNWRAPPED, HEADING_WIDTH = 8, 12
 
 
 class CellMark(NamedTuple):
-    """A mark after or before the text of a cell, with the key of its note and of a mark that is a word."""
+    """A mark after or before the text of a cell, with the key of its note and, for a mark in words, of the words."""
 
     key: str = ""
     sign: str = ""
@@ -23,17 +23,17 @@ class CellMark(NamedTuple):
 
     @property
     def shown(self) -> str:
-        """The mark as text."""
+        """Return the mark as text."""
         return self.sign or say(f"mark.{self.key}.sign")
 
     @property
     def note(self) -> str:
-        """Meaning of the mark; empty if it is explained elsewhere."""
+        """Return the meaning of the mark; empty if it is explained elsewhere."""
         return say(f"mark.{self.key}.note") if self.key else ""
 
 
 class Cell(NamedTuple):
-    """A cell of a table."""
+    """A cell of a table: text, sort value, and marks."""
 
     text: str  # text without marks
     value: float | None = None  # sort value, NaN last
@@ -43,17 +43,17 @@ class Cell(NamedTuple):
 
     @property
     def before(self) -> str:
-        """Marks before the text."""
+        """Return the marks before the text."""
         return "".join(mark.shown for mark in self.marks if mark.before)
 
     @property
     def after(self) -> str:
-        """Marks after the text."""
+        """Return the marks after the text."""
         return "".join(mark.shown for mark in self.marks if not mark.before)
 
     @property
     def marked(self) -> str:
-        """Text with its marks."""
+        """Return the text with its marks."""
         return f"{self.before}{self.text}{self.after}"
 
 
@@ -73,7 +73,7 @@ class Heading(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, rows and notes; ``key`` is the id in the report; more than ``searched`` rows get a filter."""
+    """Headings, rows and notes; ``key`` is the id in the report; more than ``searched`` rows get a search field."""
 
     key: str
     caption: str
@@ -89,25 +89,25 @@ class Table:
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """Mask of the columns that are sorted by the values of their cells."""
+        """Return the mask of the columns that are sorted by the values of their cells."""
         return tuple(any(row[place].value is not None for row in self.rows) for place in range(len(self.headings)))
 
     @cached_property
     def flush_right(self) -> tuple[bool, ...]:
-        """Mask of the columns of numbers in the report; columns with grades count as text."""
+        """Return the mask of the columns of numbers in the report; columns with grades are text."""
         graded = (any(row[place].grade for row in self.rows) for place in range(len(self.headings)))
         return tuple(numeric and not words for numeric, words in zip(self.numeric, graded, strict=True))
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """The footnotes of the table, then the meanings of its marks in the order of appearance."""
+        """Return the footnotes of the table, then the meanings of its marks in the order of appearance."""
         notes = dict.fromkeys(mark.note for row in self.rows for cell in row for mark in cell.marks if mark.note)
         return *self.footnotes, *notes
 
 
 @dataclass(frozen=True)
 class Fact:
-    """A name with one or several lines of text."""
+    """A fact: its name and one or more lines of text."""
 
     name: str
     lines: tuple[str, ...]
@@ -122,7 +122,7 @@ def number_cell(
 
 
 def lines(table: Table, indent: str = "") -> list[str]:
-    """Return headings, long ones in several lines, and rows with aligned columns: numbers flush right, words left."""
+    """Return headings, if long in several lines, and rows in aligned columns: numbers flush right, words flush left."""
     columns, headings = [], []
     for place, heading in enumerate(table.headings):
         numeric = table.numeric[place]
@@ -140,7 +140,7 @@ def lines(table: Table, indent: str = "") -> list[str]:
 
 
 def _wrapped(label: str, width: int) -> list[str]:
-    """A heading in as few lines as fit above cells of a width, and as narrow as these allow."""
+    """Wrap a heading above cells of a width in as few lines as possible, and then as narrow as possible."""
     if len(label) <= max(width, UNWRAPPED):
         return [label.replace("\N{NO-BREAK SPACE}", " ")]
     wide = max(width, HEADING_WIDTH)

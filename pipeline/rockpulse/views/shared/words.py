@@ -1,4 +1,4 @@
-"""Texts of the current language by key (English, or that of :func:`writing`), and the form of its numbers."""
+"""The texts of the current language by key (English, or the language set by :func:`writing`), and its numbers."""
 
 import re
 import tomllib
@@ -22,7 +22,7 @@ _LANGUAGE = ContextVar("language", default="en")
 _POINT = re.compile(r"(?<![\w.])([-−+~<>≤]?\d+)\.(\d+)(?![\w.]*\.\d)(?![A-Za-z_]*@)")
 #: A number in the English text of a result.
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.]*(?:e[-+]?\d+)?|inf|nan)%?")
-#: A date, and the T between it and a time.
+#: Pattern of a date, with the T before a time.
 _DATE = re.compile(r"\b(\d{4})-(\d\d)-(\d\d)(T(?=\d)|\b)")
 #: Restitution at the end of the name of a body.
 _RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
@@ -30,7 +30,7 @@ _RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
 
 @contextmanager
 def writing(code: str) -> Iterator[None]:
-    """Context manager that writes in the language of a code; ConfigError if it is not available."""
+    """Set the current language by its code in a ``with`` block; ConfigError if it is not available."""
     table(code)
     before = _LANGUAGE.set(code)
     try:
@@ -62,7 +62,7 @@ def _flat(nested: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, st
 
 
 def raw_text(key: str) -> str:
-    """Return the text of a key in the current language with unfilled fields."""
+    """Return the text of a key in the current language, without filling in its fields."""
     return table(language())[key]
 
 
@@ -72,23 +72,23 @@ def say(key: str, /, **fields: object) -> str:
 
 
 def section(name: str) -> dict[str, str]:
-    """Return the texts of a section with unfilled fields."""
+    """Return the texts of a section, without filling in their fields."""
     texts = table(language()).items()
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
 
 def translated(key: str, english: str) -> str:
-    """Return the translation of an English text that is declared outside the views, by its key."""
+    """Return the translation of an English text that is defined outside the views, from its key."""
     return english if language() == "en" else table(language()).get(key, english)
 
 
 def counted_words(count: int, noun: str) -> str:
-    """Return a number with a noun by a key of [count], which has a form for one and one for more."""
+    """Return a number with its noun, in singular or plural, from a key of [count] in the texts."""
     return say(f"count.{noun}.{'one' if count == 1 else 'more'}", count=count)
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return the first names and the number of further ones."""
+    """Return the first names, and the number of the others."""
     told = ", ".join(names[:most])
     return told if len(names) <= most else say("and_more", names=told, count=len(names) - most)
 
@@ -104,7 +104,7 @@ def in_numerals(text: str) -> str:
 
 
 def in_dates(text: str) -> str:
-    """A text with its dates, ISO 8601 as they are stored, in the form of the language that is written."""
+    """Convert the dates of a text, stored in ISO 8601, to the form of the current language."""
 
     def shown(found: re.Match[str]) -> str:
         return say("date", year=found[1], month=found[2], day=found[3]) + found[4].replace("T", " ")
@@ -118,7 +118,7 @@ def body_name(name: str) -> str:
 
 
 def own_name(name: str) -> str:
-    """A name of a body or a site of the samples, alone or with its pedestal, in the language that is written."""
+    """Return the name of a body (alone or with its pedestal) or site of the samples in the current language."""
     body, pedestal, number = name.partition(" with pedestal")
     return translated(f"names.{body}", body) + (
         translated("names.with pedestal", pedestal) + number if pedestal else ""
@@ -126,10 +126,10 @@ def own_name(name: str) -> str:
 
 
 class _Numerals(Formatter):
-    """Formatter that fills in fields, with numbers and warnings in the current language."""
+    """Formatter that fills in fields; numbers and warnings are written in the current language."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """Return a value; a warning is translated."""
+        """Return the value of a field; a warning is translated."""
         return _translated(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:

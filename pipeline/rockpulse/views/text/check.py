@@ -25,7 +25,7 @@ def _word(value: float) -> Cell:
     return Cell("" if math.isnan(value) else "passes" if value >= 1.0 else "FAILS")
 
 
-#: Columns of the code checks, and of the time histories.
+#: Columns on the code checks, and columns on the time histories.
 _OF_CODE = (
     titled("", lambda code: Cell(f"  {CODE_WORDS[code]}"), "code"),
     titled("alpha_0", _value, "multiplier"),

@@ -1,4 +1,4 @@
-"""A fragility file as text: medians, dispersions and bands of every body, and the most efficient measure."""
+"""A fragility file as text: medians, dispersions and confidence bands of every body, and the most efficient measure."""
 
 import math
 
@@ -14,7 +14,6 @@ from rockpulse.views.shared.shown_columns import count_of, shown, tabulated, tit
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell, table_text
 from rockpulse.views.shared.words import body_name, counted_words, numerals, say, translated, warnings_of
 from rockpulse.views.text.left_out import unused
-from rockpulse.views.text.site import explained
 
 #: Mark of a median beyond all levels analysed.
 BEYOND = CellMark("beyond", "!")
@@ -31,7 +30,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
     parts = [
         f"{tree.attrs['title']}: {records_words(tree)}, {bodies}, data: {tree.attrs['data']}",
         unused(files_used(tree).line),
-        explained(median_table(tree)),
+        table_text(median_table(tree)),
         _pooled(curves, efficiency),
         *map(table_text, sufficiency_tables(efficiency)),
         _statements(curves),
@@ -40,7 +39,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
 
 
 def shown_measure(curves: xr.Dataset) -> str:
-    """Return the intensity measure to show from the node /fragility."""
+    """Return the intensity measure to be shown, from the node /fragility."""
     measures = [str(name) for name in curves["measure"].values]
     return REFERENCE if REFERENCE in measures else measures[0]
 
@@ -59,7 +58,7 @@ def state_words(name: str) -> str:
 
 
 def statement(one: xr.Dataset) -> str:
-    """Return the statement on a curve of a body and limit state in one measure; may be empty."""
+    """Return the statement on the curve of a body and limit state in one measure; it may be empty."""
     return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 
@@ -89,13 +88,15 @@ def median_table(tree: xr.DataTree) -> Table:
     words, units = (str(own[f"measure_{of}"].item()) for of in ("long_name", "units"))
     words = translated(f"measures.{own['measure'].item()}", words)
     caption = say("fragility.caption", measure=words if units == "1" else f"{words} [{units}]")
-    note = say("fragility.limits", absent=ABSENT) + (say("fragility.first") if tree.attrs["data"] == "ida" else "")
+    note = say("fragility.limits", absent=ABSENT, confidence=level) + (
+        say("fragility.first") if tree.attrs["data"] == "ida" else ""
+    )
     rows = own[[name for column in selected for name in column.of]].stack(row=("block", "limit_state"))
     return tabulated("fragility-medians", caption, selected, rows, (note,))
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Return a table of the dispersion of all bodies together, with the smallest of each limit state marked."""
+    """Return a table of the dispersions over all bodies, with the smallest for each limit state marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:
@@ -113,7 +114,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
         band = ratio(value) if math.isnan(low) else f"{ratio(value)} ({ratio(low)}..{ratio(high)})"
         rows.append((Cell(name), *cells, Cell(band, value)))
     headings = tuple(map(Heading, ("", *states, f"{states[-1]}, ratio")))
-    head = f"Efficiency: dispersion beta of capacity, all bodies together; ratio: over that in {REFERENCE}"
+    head = f"Efficiency: dispersion beta of capacity, all bodies together; ratio: beta divided by beta for {REFERENCE}"
     if bool(compared[1].sel(measure=kept).notnull().any()):
         head += " with its band"
     words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]
@@ -121,7 +122,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """Return a table of the numbers of cases in which capacity depends on further properties; may be empty."""
+    """Return a table of the number of cases in which the capacity depends on other properties; it may be empty."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))
@@ -141,7 +142,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
-    """Return a sentence for every property that some files state: number of records, and whether they suffice."""
+    """Return a sentence for every property that some files state: number of records, and whether it suffices."""
     total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
@@ -154,7 +155,7 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """Return one statement of each kind, by status of curve, band and median, with the number of similar ones."""
+    """Return one statement for each status of curve, band and median, with the number of similar statements."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):

@@ -11,24 +11,24 @@ from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.formatting import WIDTH, paragraph
 from rockpulse.warning_text import PLAIN
 
-#: Largest number of rows of a kind other than "failed" in the overview, and in a brief one; equal reasons are grouped.
+#: Largest number of rows of a kind other than "failed" in the overview, and in a brief one; equal reasons are one row.
 LISTED, FEW = 12, 3
-#: Kinds whose rows are grouped by reason; the reasons of other kinds name other records.
+#: Kinds whose rows are grouped by reason; for other kinds the reasons name other records.
 _SHOWN_ONCE = frozenset({"failed", "skipped"})
-#: Number of first words of a warning without a code that identify its kind, not counting numbers.
+#: Number of words at the start of a warning without a code that identify its kind (numbers are not counted).
 _TELLING_WORDS = 4
 _KINDS = {
     "failed": "failed",
     "vertical": "read, not assessed (vertical)",
     "structural": "read, not assessed (on a structure)",
-    "duplicate": "skipped (duplicate of an assessed record)",
+    "duplicate": "duplicates skipped",
     "depth": "skipped (sensor at depth of an assessed station)",
     "skipped": "skipped (cannot be used)",
 }
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """List files and channels that were not assessed, by kind, and warnings; a `brief` text has a few of each."""
+    """List by kind the files and channels that were not assessed, and warnings; a `brief` list has a few of each."""
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
     found, beside = apart(failure_rows(tree))
@@ -54,7 +54,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
 
 
 def skipped_summary(tree: xr.DataTree) -> str:
-    """Return the number of rows of each kind, the reasons of failures, and a line for some kinds of warnings."""
+    """Return the number of rows of each kind, the reasons of failures, and a line for several kinds of warnings."""
     found, beside = apart(failure_rows(tree))
     summary = tree["summary"].to_dataset()
     counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
@@ -80,12 +80,12 @@ def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
 
 
 def unused(sentence: str) -> str:
-    """Return the sentence of `rockpulse.views.shared.files_used` as a warning line; empty if all files were used."""
+    """Return a warning on unused files (`rockpulse.views.shared.files_used`); empty if all files were used."""
     return paragraph(sentence, "  ", "! ") if sentence else ""
 
 
 def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", listed: int = LISTED) -> str:
-    """List files and channels that were not used, by kind, without vertical ones; `more_in` refers to the full list."""
+    """List by kind the files and channels that were not used, except vertical ones; `more_in` names the full list."""
     lines = []
     found, beside = apart(rows)
     for kind, own in found.items():
@@ -99,7 +99,7 @@ def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", 
 
 
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
-    """List everything that was not assessed, of some kinds or all: kind, stage, file and reason; may be empty."""
+    """List all that was not assessed (of the given kinds, or all) with kind, stage, file and reason; may be empty."""
     found = {kind: own for kind, own in by_kind(failure_rows(tree)).items() if kinds is None or kind in kinds}
     return "\n".join(line for kind, own in found.items() for line in _with_kind(kind, [[row] for row in own]))
 
@@ -109,12 +109,12 @@ def _with_kind(kind: str, entries: Sequence[Sequence[Failure]]) -> list[str]:
 
 
 def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:
-    """Group the rows of a kind by reason, for kinds that are grouped."""
+    """Group the rows of a kind by reason, if the kind is one that is grouped."""
     return alike(rows) if kind in _SHOWN_ONCE else [[row] for row in rows]
 
 
 def apart(rows: Iterable[Failure]) -> tuple[dict[str, list[Failure]], list[str]]:
-    """Separate files that might have been used, by kind, from the names of files that are not records."""
+    """Separate the rows of files that might be records, by kind, from the names of files that are not records."""
     found = by_kind(rows)
     beside = {row for row in found.get("skipped", ()) if row.reason == f"{row.file}: {NO_RECORD}"}
     rest = ((kind, [row for row in own if row not in beside]) for kind, own in found.items())
@@ -135,7 +135,7 @@ def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
 
 
 def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return a record for each kind of warning, its warning, and the number of further ones, most frequent first."""
+    """Return for each kind of warning one record, its warning, and the number of others; most frequent kind first."""
     found: dict[str, list[tuple[str, str]]] = {}
     names = ("record", "warnings", "warning_codes")
     for record, text, codes in zip(*(summary[name].values for name in names), strict=True):
@@ -149,7 +149,7 @@ def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
 
 
 def _kind(warning: str, code: str) -> str:
-    """Return the kind of a warning: its code, or the first words of a text without a code."""
+    """Return the kind of a warning: its code or, without a code, its first words."""
     if not code.endswith(PLAIN):
         return code
     return " ".join(re.sub(r"[-+]?\d[\d.e+-]*", "#", warning).split()[:_TELLING_WORDS])

@@ -1,4 +1,4 @@
-"""Lists for the terminal: the selected cases, records or blocks of an assessment, in the order of the selection."""
+"""Lists for the terminal: the selected cases, records or bodies of an assessment, in the order of the selection."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,7 +18,7 @@ from rockpulse.views.shared.notes import factor_heading, factor_name
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
 from rockpulse.views.shared.words import say
 
-#: Columns of a list of cases; columns of each known factor, and their notes.
+#: Columns of a list of cases; for each scale factor that may be known, its columns and their notes.
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
 OF_FACTOR = {"factor_10": ("overturning_probability", "factor_10"), "safety_factor": ("safety_factor", "capacity_pga")}
 _MEANING = {
@@ -27,7 +27,7 @@ _MEANING = {
     "PGA of the record scaled by it.",
 }
 
-#: Columns of a list of records, including facts stated by at least one file; and of a list of blocks.
+#: Columns of a list of records, with facts stated by at least one file, and columns of a list of bodies.
 STRENGTH = (*(one.name for one in STORED), "main_impulse")
 RECORD = ("record", *STRENGTH, "magnitude", "epicentral_distance", "warnings")
 STATED = frozenset({"magnitude", "epicentral_distance"})
@@ -35,7 +35,7 @@ BLOCK = ("block", "width", "height", "alpha_c", "p", "critical_impulse", "restit
 
 
 class _Points:
-    """Values of variables at selected places of /summary, and further ones, read on demand."""
+    """Values of variables at the selected positions of /summary; those not given are read when they are needed."""
 
     def __init__(self, summary: xr.Dataset, places: dict[str, np.ndarray], **beside: Sequence[Any]) -> None:
         self._summary, self._places, self._found = summary, places, dict(beside)
@@ -50,14 +50,14 @@ class _Points:
 
 
 def sorted_by_factor(answers: Answers, selection: RowSelection) -> RowSelection:
-    """Sort a selection by the factor, or by the rotation if no factor is known."""
+    """Sort a selection by the scale factor, or by the rotation if no factor is known."""
     if answers.has_factor:
         return replace(selection, sort=answers.factor, descending=False)
     return replace(selection, sort="peak_rotation_ratio", descending=True)
 
 
 def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected results, one per line, by default those of the most complete model."""
+    """List the selected results, one per line, by default for the most complete model."""
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
@@ -88,13 +88,13 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
         *([col.NONE_UP_TO.note] if col.NONE_UP_TO in marks else []),
         *col.doubt_notes(row[0] for row in table),
         *(["*: outside the range of this model."] if col.OUTSIDE in marks else []),
-        *(["!: a lower bound; from this scale factor on the model cannot answer."] if col.NO_ANSWER in marks else []),
+        *(["!: a lower bound; from this scale factor on the model gives no result."] if col.NO_ANSWER in marks else []),
     ]
     return _listed(heading, col.headed(selected), table, notes)
 
 
 def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected records; a condition on a result must hold for at least one block."""
+    """List the selected records; a condition on results must be true for at least one body."""
     answers, selection = _selected(summary, selection)
     summary = answers.summary
     names = [name for name in RECORD if name not in STATED or (name in summary and summary[name].notnull().any())]
@@ -102,12 +102,12 @@ def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
 
 
 def block_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected blocks; a condition on a result must hold for at least one record."""
+    """List the selected bodies; a condition on results must be true for at least one record."""
     return _of_motions(*_selected(summary, selection), "block", BLOCK)
 
 
 def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequence[str]) -> str:
-    """List records or blocks: their columns, the number of overturning cases, and the smallest factor."""
+    """List records or bodies with their columns, the number of overturning cases, and the smallest scale factor."""
     summary, of_records = answers.summary, dim == "record"
     places, found = rows(summary, [dim], selection)
     at = places[dim].tolist()
@@ -149,7 +149,7 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
 
 
 def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, RowSelection]:
-    """Return the results of the most complete selected model, and the selection limited to it."""
+    """Return the results of the most complete model of a selection, and the selection limited to this model."""
     part = summary[["model"]]
     if patterns := selection.names.get("model", ()):
         places, _ = rows(part, ["model"], RowSelection({"model": patterns}))
@@ -159,7 +159,7 @@ def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, Ro
 
 
 def _distinct(summary: xr.Dataset) -> np.ndarray:
-    """Mask (block, case) of the distinct restitutions of each block."""
+    """Return the mask (block, case) of the distinct restitutions of each body."""
     shown = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
     for body in bodies_of(summary):
         shown[body.place, body.case] = True
@@ -169,7 +169,7 @@ def _distinct(summary: xr.Dataset) -> np.ndarray:
 def _of_interest(
     summary: xr.Dataset, selection: RowSelection, shown: Sequence[col.Column], dim: str = ""
 ) -> tuple[col.Column, ...]:
-    """Return a column for each variable of a selection that has none yet; along `dim` only."""
+    """Return a column for each variable of a selection without one, if it depends only on `dim`."""
     told = {name for column in shown for name in column.of} | {"factor_resolved"}
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
     return tuple(
@@ -180,7 +180,7 @@ def _of_interest(
 
 
 def _plain(variable: xr.Variable) -> Any:
-    """Return the cell function of a variable without a declared column."""
+    """Return the function that makes the cells of a variable without a declared column."""
     if words := flag_words(variable):
         return lambda code: Cell(words[code])
     return number_cell if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), col.NAME_WIDTH))

@@ -1,4 +1,4 @@
-"""Margins as text: capacities over the demands of the site, and a table over direction for every pair of channels."""
+"""Margins as text: capacities divided by the demands of the site, and results over direction for pairs of channels."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -16,7 +16,7 @@ from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cel
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Return smallest and median capacity of every body, or of `blocks`, over each demand; empty without demands."""
+    """Return smallest and median capacity/demand of every body, or of `blocks`; empty without demands."""
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
@@ -38,7 +38,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     elif any(math.isinf(margin.smallest) or math.isinf(margin.median) for margin in every):
         note += " none: no overturning was found."
     if col.NO_ANSWER in marks:
-        note += " !: a lower bound; above it the model cannot answer."
+        note += " !: a lower bound; above it the model gives no result."
     if unknown := max(margin.unknown for margin in every):
         note += f" -: not known, left out of smallest and median ({unknown} of {each})."
     if partial := max(margin.partial for margin in every):
@@ -50,7 +50,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
-    """Return lines with the capacity over each demand of every body, named by record or block according to `of`."""
+    """Return lines with the capacity/demand of every body, named by record or body according to `of`."""
     if not answers.demands:
         return []
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
@@ -82,14 +82,14 @@ def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], widt
 
 
 def _both(margin: Margin) -> Cell:
-    """Return a cell with the smallest and the median."""
+    """Return a cell with the smallest and the median value."""
     if math.isnan(margin.smallest):
         return Cell(ABSENT, math.nan)
     return Cell(", ".join(cell.marked for cell in col.margin_cells(margin)), margin.smallest)
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
-    """Return rotations and smallest factor over direction by the main model, and overturnings by every model."""
+    """Return rotations and smallest scale factor over direction in the main model, and overturnings in every model."""
     answers = swept_answers(summary, directions)
     count, pairs = directions.sizes["direction"], range(directions.sizes["pair"])
     of_factors = factor_notes(answers, swept=True)
@@ -126,7 +126,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     smallest_of = f" Then the smallest {factor_name(answers.factor)} and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
-        "azimuth of the largest (of several that overturn, of the first to do so)."
+        "azimuth of the largest (the first to overturn if there are several)."
         f"{smallest_of} Then, by model, the number of directions that overturn; +1?: one more has no answer; -: not "
         "known.",
         *of_factors,
@@ -138,7 +138,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
 
 
 def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) -> tuple[Cell, Cell]:
-    """Return the smallest factor of a body over the directions of a pair, and its azimuth."""
+    """Return the smallest scale factor of a body over the directions of a pair, and its azimuth."""
     factor, row_of_factor = (table[pair, lane] for table in answers.least_over_direction)
     index, row = directions["record_index"].values[pair], int(row_of_factor)
     azimuth = float(directions["direction_azimuth"].values[index == row][0]) if row >= 0 else math.nan

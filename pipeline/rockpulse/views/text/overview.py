@@ -1,4 +1,4 @@
-"""An assessment as text: one screen with the verdicts on the bodies, all results, or one record or block."""
+"""An assessment as text: one screen with the verdicts on the bodies, all results, or those of one record or body."""
 
 import math
 
@@ -21,18 +21,18 @@ from rockpulse.views.text.left_out import left_out, skipped_summary, unused
 from rockpulse.views.text.lists import case_list, sorted_by_factor
 from rockpulse.views.text.margins import capacities, direction_table, smallest_capacities
 
-#: Largest number of bodies and motions on one screen.
+#: Largest number of bodies and of records on one screen.
 BODIES, MOTIONS = 12, 10
-#: Largest number of results of a model that are listed.
+#: Largest number of results of a model up to which all are listed.
 WHOLE = 200
-#: Number of worst cases and blocks shown, and of worst pairs of channels of a sweep.
+#: Number of worst cases and bodies shown, and of worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
-#: Number of cases of a record or block shown if there are too many.
+#: Number of cases shown of a record or body that has too many.
 CASES = 20
 
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
-    """Return one screen: verdicts, worst motions, skipped files; with `whole` all results, or counts and the worst."""
+    """Return one screen: verdicts, worst records, skipped files; with `whole` all results, or counts and the worst."""
     files, answers = files_used(tree).line, answers_of(tree)
     parts = [headline(tree), unused(files)]
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
@@ -54,7 +54,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
 
 
 def headline(tree: xr.DataTree) -> str:
-    """Return the heading of results: title, description, numbers of records, blocks and models."""
+    """Return the heading of results: title, description, numbers of records, bodies and models."""
     node = tree["directions" if "directions" in tree.children else "summary"]
     dims = ("pair", "direction", "block") if "directions" in tree.children else ("record", "block")
     counts = ", ".join(several(node.sizes[dim], "body" if dim == "block" else dim) for dim in dims)
@@ -65,7 +65,7 @@ def headline(tree: xr.DataTree) -> str:
     return "\n".join(lines)
 
 
-#: Commands that show more of large results.
+#: Text on the commands that show more of large results.
 HINTS = """More: rockpulse inspect RESULTS
   --records, --blocks                     all records, all bodies; --sort VARIABLE, --limit N
   --record ID, --block NAME               one record or body in detail
@@ -74,12 +74,12 @@ HINTS = """More: rockpulse inspect RESULTS
 
 
 def is_large(answers: Answers) -> bool:
-    """Whether an assessment has too many results for a table of all."""
+    """Return whether an assessment has too many results for a complete table."""
     return len(answers.records) * len(answers.bodies) > WHOLE
 
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
-    """Return strength of the records, verdicts by model, worst blocks, and worst cases or pairs of a sweep."""
+    """Return intensity of the records, verdicts of each model, worst bodies, and worst cases or pairs of a sweep."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=WORST))))
@@ -93,7 +93,7 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
 
 
 def _record_strength(answers: Answers) -> str:
-    """Return a table of the strength of the records."""
+    """Return a table of the intensity of the records."""
     rows = []
     for title, name, (_, unit, scale) in (
         *((row.title, row.name, row.column) for row in STORED),
@@ -118,7 +118,7 @@ def _record_strength(answers: Answers) -> str:
 
 
 def _verdicts(answers: Answers) -> str:
-    """Return a table of the number of results of each kind by every model."""
+    """Return a table of the number of results of each kind in every model."""
     total = len(answers.records) * len(answers.bodies)
     rows = []
     for model, one in answers.of_models.items():
@@ -187,7 +187,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
 
 
 def block_details(summary: xr.Dataset, block: str) -> str:
-    """Return all facts and results of one block; ResultsError for an unknown name."""
+    """Return all facts and results of one body; ResultsError for an unknown name."""
     answers = _only(summary, "block", block)
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]
@@ -209,7 +209,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
 
 
 def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) -> str:
-    """Return the facts, then the results, with lines named by record or block according to `of`."""
+    """Return the facts, then the results, with lines named by record or body according to `of`."""
     width = max(len(name) for name, _ in rows)
     head = [title, *(paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows), ""]
     if is_large(answers):
@@ -223,7 +223,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:
-    """Read the results of one record or block."""
+    """Return the results of one record or body, read into memory."""
     known = [str(item) for item in summary[dimension].values]
     if label not in known:
         raise unknown(label, known, dimension)

@@ -1,4 +1,4 @@
-"""Annual frequencies of a limit state as text and as tables, with warnings."""
+"""Shows annual frequencies of a limit state as text and as tables, with warnings."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -16,9 +16,9 @@ from rockpulse.views.shared.table import Cell, lines
 
 #: Number of bodies of an inventory that are shown.
 SHOWN = 10
-#: Quantiles of a frequency between which levels are shown.
+#: The shown levels are those between these quantiles of a frequency.
 ENDS = (0.05, 0.95)
-#: Descriptions of levels or factors outside the range of the records.
+#: Kinds of levels or scale factors outside the range of the records.
 SIDES = ("below", "above", "far")
 
 
@@ -31,7 +31,7 @@ def _chance(value: float) -> str:
 
 
 def _survival(value: float) -> str:
-    """Format a probability near one with enough decimals to show its distance from one."""
+    """Format a probability near 1 with enough decimals to show its difference from 1."""
     if math.isnan(value):
         return ABSENT
     missing = 1.0 - value
@@ -55,7 +55,7 @@ def _interval(title: str, show: Callable[[float], str], name: str) -> Column:
 
 
 def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: str) -> tuple[Column, ...]:
-    """Return the columns of all tables of frequencies; `doubt` decides which frequencies are marked."""
+    """Return the columns of all tables of frequencies; `doubt` determines which frequencies are marked."""
     years = f"in {float(risk.attrs['years']):g} years"
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
@@ -77,9 +77,9 @@ def risk_overview(risk: xr.Dataset) -> str:
     )
     levels = [_levels(risk.isel(block=place)) for place in range(risk.sizes["block"])]
     told = [
-        f"per year: annual frequency lambda, the fragility summed over the hazard; intervals: over the earthquakes of "
-        f"the fragility, with the hazard as given; survival: probability of surviving {years:g} years; {measure}: "
-        "levels that contribute 90 % of lambda.",
+        "per year: annual frequency lambda, the fragility integrated over the hazard curve; intervals: over the "
+        f"earthquakes of the fragility, with the hazard as given; survival: probability of surviving {years:g} years; "
+        f"{measure}: levels that contribute 90 % of lambda.",
         *_assumed(risk),
     ]
     named = zip(risk["block"].values, risk["statement"].values, strict=True)
@@ -90,7 +90,7 @@ def risk_overview(risk: xr.Dataset) -> str:
 
 
 def _levels(one: xr.Dataset) -> str:
-    """Return the levels that contribute most of the frequency of a body, in the unit of the hazard."""
+    """Return the levels, in the unit of the hazard, that contribute most of the frequency of a body."""
     share = one["share"].values
     if np.isnan(share).any():
         return ABSENT
@@ -106,13 +106,13 @@ def _unit(risk: xr.Dataset) -> float:
 
 
 def risk_warnings(risk: xr.Dataset) -> list[str]:
-    """Return a sentence for each body with more than a tenth of its frequency from levels beyond the records."""
+    """Return a sentence for each body if levels beyond the records contribute more than a tenth of its frequency."""
     named = zip(risk["block"].values, risk["warning"].values, strict=True)
     return [f"{name}: {words}" for name, words in named if words]
 
 
 def inventory_overview(risk: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.inventory_frequency` as text: most frequent overturnings, and totals."""
+    """Return the dataset of :func:`rockpulse.inventory_frequency` as text: largest frequencies, and totals."""
     years, measure = float(risk.attrs["years"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
@@ -149,7 +149,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
-    """Return a sentence for each kind of levels beyond the data with more than a tenth of a frequency."""
+    """Return a sentence for each kind of levels beyond the data that contributes more than a tenth of a frequency."""
     where = {}
     for side, end in (("below", "low"), ("above", "high")):
         level = float(risk.attrs[f"covered_{end}"]) / _unit(risk)
@@ -168,7 +168,7 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
 
 
 def standing_overview(standing: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.standing_test` as text: for an inventory, the least likely survivors."""
+    """Return the dataset of :func:`rockpulse.standing_test` as text; of an inventory the least likely survivors."""
     (dim,) = standing["chance"].dims
     age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
     chance = standing["chance"].values

@@ -1,4 +1,4 @@
-"""A site file as text: parameters, design and coverage for sequences, or the design of every body for a spectrum."""
+"""A site file as text: for sequences parameters, design and coverage, for a spectrum the design of every body."""
 
 import math
 from collections.abc import Callable
@@ -25,9 +25,9 @@ from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cel
 from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
-#: Largest number of listed blocks and events.
+#: Largest number of listed bodies and earthquakes.
 LISTED = 12
-#: Restitution of the blocks in the table of the spectrum, and step of its rows along p.
+#: Restitution for which the table of the spectrum is shown, and step of its rows along p.
 SHOWN_RESTITUTION, STEP = 0.9, 3
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
@@ -58,14 +58,14 @@ def site_warnings(site: xr.Dataset) -> list[str]:
 
 
 def site_tables(site: xr.Dataset) -> list[Table]:
-    """Return the tables of a design: parameters and blocks; for a spectrum those with rows."""
+    """Return the tables of a design: parameters and bodies or, for a spectrum, all tables that are not empty."""
     if site.attrs["method"] == "spectrum":
         return [table for table in (_design_table(site), _sequence_table(site)) if table.rows]
     return [_parameter_table(site), _block_table(site)]
 
 
 def about_records(site: xr.Dataset) -> list[str]:
-    """Describe the records and their events, and the method of their sequences."""
+    """Describe the records and their earthquakes, and the method of their sequences."""
     method, weights, scaled = (str(site.attrs[name]) for name in ("method", "weights", "scaled_to"))
     each = zip(site["site_event"].values.tolist(), site["event_records"].values.tolist(), strict=True)
     on_records = say(
@@ -129,7 +129,7 @@ def design(site: xr.Dataset) -> str:
 
 
 def coverage(site: xr.Dataset) -> str:
-    """Describe the share of recorded rotations that the design covers, for events left out; or its quantile."""
+    """Describe the share of rotations under left-out earthquakes that the design covers, or its quantile."""
     if site.attrs["method"] == "spectrum":
         of = {"records": counted_words(int(site["record_count"]), "record")}
         of |= {"earthquakes": counted_words(int(site["event_count"]), "earthquake")}
@@ -154,7 +154,7 @@ def coverage(site: xr.Dataset) -> str:
 
 
 def _block_table(site: xr.Dataset) -> Table:
-    """Return a table of the blocks under the design sequence."""
+    """Return a table of the bodies under the design sequence."""
 
     def under(peak: float) -> Cell:
         return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number_cell(peak, ratio)
@@ -177,7 +177,7 @@ def _interval(title: str, name: str) -> Column:
 
 
 def _design_table(site: xr.Dataset) -> Table:
-    """Return a table of the design of bodies, as effective impulse and as factor."""
+    """Return a table of the design of every body, as effective impulse and as scale factor."""
     quantile, confidence = (f"{six_digits(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
 
     def over(factor: float) -> Cell:
@@ -271,7 +271,7 @@ def _correlation(site: xr.Dataset) -> Table:
 
 
 def _coverage(site: xr.Dataset, blocks: Table) -> str:
-    """Describe the coverage over all blocks, then of each block or, for many blocks, the extremes."""
+    """Describe the coverage over all bodies, then of each body or, for many bodies, the extremes."""
     told = [
         coverage(site),
         f"{share(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "
@@ -294,7 +294,7 @@ def _coverage(site: xr.Dataset, blocks: Table) -> str:
 def _warnings(site: xr.Dataset) -> str:
     pairs = zip(site["record"].values, site["warnings"].values, strict=True)
     warned = [(name, str(words).splitlines()[0]) for name, words in pairs if words]
-    title = f"records with warnings: {len(warned)} (variable warnings of /site holds all of them)"
+    title = f"records with warnings: {len(warned)} (all are stored in /site, variable warnings)"
     said = [paragraph(words, "      ", f"  {name}: ") for name, words in warned[:LISTED]]
     return "\n".join([title, *said]) if warned else ""
 

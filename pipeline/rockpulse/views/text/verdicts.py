@@ -1,4 +1,4 @@
-"""The results of all models as text: a line for every record and body, and overturned bodies."""
+"""The results of all models as text: a line for every record and body, and the overturned bodies."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -27,15 +27,15 @@ from rockpulse.views.shared.notes import (
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
 
-#: Columns of every table by record, and of the probability.
+#: Columns of every table by record, and columns of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")
-#: Largest number of governing records, and of bodies named for each.
+#: Largest number of governing records, and of bodies that are named for each.
 NAMED = 3
 
 
 def verdict_table(summary: xr.Dataset) -> str:
-    """Return the result of every model, one line per block under a heading per record, with footnotes."""
+    """Return the results of every model, one line per body under a heading per record, with footnotes."""
     answers = Answers(summary)
     of_models = col.answer_columns(answers)
     marks = col.marks_of(cell for column in of_models.values() for cell in column)
@@ -46,7 +46,7 @@ def verdict_table(summary: xr.Dataset) -> str:
 
 
 def probability_table(answers: Answers) -> str:
-    """Return probabilities of overturning and their factors in the layout of the results; empty if unknown."""
+    """Return probabilities of overturning and their scale factors in the layout of the results; empty if unknown."""
     if not answers.probable:
         return ""
     selected = col.columns(*PROBABILITY)
@@ -62,7 +62,7 @@ def probability_table(answers: Answers) -> str:
 
 
 def factor_table(answers: Answers) -> str:
-    """The smallest scale factor on the input of each searched model, laid out as the verdicts; empty without."""
+    """Return the smallest scale factors in each searched model, in the layout of the results; empty if unknown."""
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
@@ -76,8 +76,10 @@ def factor_table(answers: Answers) -> str:
     if col.NONE_UP_TO in marks:
         notes.insert(0, col.NONE_UP_TO.note)
     elif any(np.isinf(one["safety_factor"]).any() for one in answers.of_models.values()):
-        notes.insert(0, "none: no overturning up to the largest scale factor that was searched.")
-    notes += ["!: a lower bound; from this scale factor on the model cannot answer."] if col.NO_ANSWER in marks else []
+        notes.insert(0, "none: no overturning up to the largest scale factor tried.")
+    notes += (
+        ["!: a lower bound; from this scale factor on the model gives no result."] if col.NO_ANSWER in marks else []
+    )
     title = "SF: smallest scale factor on the input of each model at which the body overturns"
     return _below_records(title, answers, tuple(map(Heading, searched)), list(zip(*own, strict=True)), notes)
 
@@ -85,7 +87,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return a line for every body under a heading for every record, with its demand and a row of the table; notes."""
+    """Return the rows of a table by body under a heading for every record, each with its demand, and the notes."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -105,7 +107,7 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """Return the records that, also scaled down, overturn each block, and counts of every model; `files` first."""
+    """Return the records that overturn each body, unscaled or reduced, and counts for every model; `files` first."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already includes chance survival.
@@ -132,7 +134,7 @@ def overturned(answers: Answers, files: str = "") -> str:
 
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
-    """Return the verdict on every body over all motions, limited to the `most` likely to overturn."""
+    """Return the verdict on every body over all records, limited to the `most` bodies likeliest to overturn."""
     found, summary = verdicts(answers), answers.summary
     places = np.argsort([-one.decides.value for one in found], kind="stable")[:most]
     lanes = (np.sort(places) if most is None else places).tolist()
@@ -167,13 +169,16 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
         else "each body"
     )
     title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
-    notes = [*_legend(answers, kept, bool(np.isnan(top[lanes]).any())), *body_notes(answers, found)]
+    unsized = np.isnan(top[lanes]) & ~np.isnan(rotation[lanes])
+    reasons = {"height not given": unsized.any(), "no record without overturning": np.isnan(rotation[lanes]).any()}
+    absent = " or ".join(reason for reason, occurs in reasons.items() if occurs)
+    notes = [*_legend(answers, kept, absent), *body_notes(answers, found)]
     table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
     return "\n".join([paragraph(title), *table, *(paragraph(note, "  ") for note in notes)])
 
 
 def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
-    """Describe the motions of the verdicts: unscaled, or scaled to the demands of the site."""
+    """Describe the records of the verdicts: unscaled, or scaled to the demands of the site."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
@@ -184,21 +189,21 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
         without = f", {lost} left out: scale factor outside {FARTHEST[0]:g} to {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
         told.append(f"{name} ({demand.words}{without}{short})")
-    return f"{counted_motions(motions)} brought to the demand {' and '.join(told)}"
+    return f"{counted_motions(motions)} scaled to the demand {' and '.join(told)}"
 
 
-#: What each verdict means, of the probability or the share on which it rests.
+#: Meaning of each verdict in terms of the probability, or of the share of records, from which it follows.
 _MEANING = {
     Grade.OVERTURNS: f"overturns: {{0}} >= {OVERTURNS:g}",
     Grade.MAY_OVERTURN: f"may overturn: {{0}} >= {MAY_OVERTURN:g}",
     Grade.ROCKS: f"rocks: {{0}} < {MAY_OVERTURN:g}",
-    Grade.STAYS: "stays: never lifted",
-    Grade.NOT_KNOWN: "not known: the models cannot answer under some records",
+    Grade.AT_REST: "at rest: never lifted",
+    Grade.NOT_KNOWN: "not known: some records give no result",
 }
 
 
-def _legend(answers: Answers, found: Sequence[BodyVerdict], unsized: bool) -> list[str]:
-    """The meaning of the verdicts that occur and of the columns; `unsized`: a body has no size."""
+def _legend(answers: Answers, found: Sequence[BodyVerdict], absent: str) -> list[str]:
+    """Explain the verdicts that occur and the columns; `absent` is the reason for unknown largest rotations."""
     if answers.motions.kind == "sequence":
         return []
     few = answers.motions.event_count
@@ -209,15 +214,14 @@ def _legend(answers: Answers, found: Sequence[BodyVerdict], unsized: bool) -> li
     of, grades = what.partition(":")[0], {one.overall for one in found}
     words = "; ".join(meaning.format(of) for grade, meaning in _MEANING.items() if grade in grades)
     return [
-        f"{what}; upper 90 %: end of its 90 % interval{little}. {words[:1].upper()}{words[1:]}. Uplift PGA: lifts "
-        f"the body. "
-        f"Median scale factor: median over records of the multiplier {middle}. Top displ., rotation: largest without "
-        f"overturning{' (-: height not given)' if unsized else ''}."
+        f"{what}; upper 90 %: upper end of the 90 % interval{little}. {words[:1].upper()}{words[1:]}. Uplift PGA: PGA "
+        f"at which the body starts to lift. Median scale factor: median over records of the multiplier {middle}. Top "
+        f"displ., rotation: largest without overturning{f' (-: {absent})' if absent else ''}."
     ]
 
 
 def _middle_factors(answers: Answers) -> list[Cell]:
-    """Return for every body the median over motions of the factor at P = 50 %, else of the safety factor."""
+    """Return for every body the median over records of the scale factor at P = 50 % or, if unknown, of overturning."""
     if not answers.probable:
         return [col.margin_cells(margin)[1] for margin in answers.margins()]
     least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
@@ -228,7 +232,7 @@ def _middle_factors(answers: Answers) -> list[Cell]:
 
 
 def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every body the largest survived displacement of its top [cm] and rotation [degrees]."""
+    """Return for every body the largest displacement of its top [cm] and the largest rotation [degrees] survived."""
     stays = np.isin(answers["outcome"], (Outcome.AT_REST, Outcome.ROCKS))
     peak = np.fmax.reduce(np.where(stays, answers["peak_rotation_ratio"], np.nan), axis=0, initial=np.nan)
     places = [body.place for body in answers.bodies]
@@ -237,7 +241,7 @@ def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
 
 
 def worst_motions(answers: Answers, most: int) -> str:
-    """Return the unscaled motions most likely to overturn a body, with body, probability and factor."""
+    """Return the unscaled records most likely to overturn a body, with body, probability and scale factor."""
     motions, factor = answers.motions, np.fmin.reduce(answers.motions.over(answers[answers.factor], np.nan), axis=1)
     if not motions.names:
         return ""
@@ -273,14 +277,14 @@ def worst_motions(answers: Answers, most: int) -> str:
     table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
     note = f"Worst body: the one most likely to overturn{', with its P and scale factor' if answers.probable else ''}."
     if np.isinf(factor[at][order]).any() and not math.isnan(limit):
-        note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest that was searched."
+        note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest scale factor tried."
     return "\n".join(
-        [f"{which} {what}, as recorded:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
+        [f"{which} {what} (unscaled), worst first:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
     )
 
 
 def governing(answers: Answers) -> str:
-    """Describe the records with the smallest factors, or that overturn, with their bodies; empty if unknown."""
+    """Describe the records with the smallest scale factors, or that overturn, and their bodies; empty if unknown."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:

@@ -96,7 +96,7 @@ def test_a_column_of_the_tables_is_its_variable(summary):
 
 def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
     summary["safety_factor"][:] = np.nan
-    with pytest.raises(ResultsError, match=r"safety_factor: expected a variable with values.*use factor_10"):
+    with pytest.raises(ResultsError, match=r"safety_factor: all its values are unknown.*use factor_10"):
         lanes(summary, where("SF < 1"))
 
 
@@ -104,7 +104,7 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
     ("selection", "message"),
     [
         (RowSelection({"block": ("colum",)}), r'no block "colum" in these results; did you mean "column"'),
-        (RowSelection({"block": ("LUM",)}), r"1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
+        (RowSelection({"block": ("LUM",)}), r"1 of 3 names contain it; the pattern '\*lum\*' selects:\n  column$"),
         (where("outcom = rocks"), r"no variable 'outcom' .* did you mean \"outcome\""),
         (where("outcome = falls"), r"outcome: expected one of at_rest, rocks, overturns, unresolved"),
         (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),

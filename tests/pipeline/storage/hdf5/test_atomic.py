@@ -94,7 +94,11 @@ def test_a_link_is_followed_and_the_check_leaves_nothing_behind(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("file/results.h5", "no folder"), ("missing/results.h5", "no folder .*create it first"), (".", "no regular file")],
+    [
+        ("file/results.h5", "no folder"),
+        ("missing/results.h5", "no folder .*create it first"),
+        (".", "not a regular"),
+    ],
 )
 def test_places_that_cannot_be_written_are_refused(tmp_path, name, message):
     (tmp_path / "file").write_text("x")

@@ -225,9 +225,9 @@ def many(file, pipe):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (external, "/more: a link to somewhere else"),
-        (soft, "/more: a link to somewhere else"),
-        (twice, "/summary/again: this object stands in the file under another name too"),
+        (external, "/more: a link to another place"),
+        (soft, "/more: a link to another place"),
+        (twice, "/summary/again: this object appears in the file under another name too"),
         (dataset((3,), outside=True), "/more: its values are kept in another file"),
         (virtual, "/more: its values are kept in another file"),
         (

@@ -95,7 +95,7 @@ def _attribute(path, name, value):
 
 #: Each is named, all of them in one file.
 CHANGES = {
-    "a number": (_set("summary/pga", 1.0), "variable /summary/pga: its values are not what was written"),
+    "a number": (_set("summary/pga", 1.0), "variable /summary/pga: its values were changed"),
     "the last digit": (_nudge, "variable /summary/uplift_ratio: its values"),
     "a flag": (_set("summary/outcome", 3), "variable /summary/outcome: its values"),
     "a text": (_set("summary/record", "r9"), "variable /summary/record: its values"),
@@ -178,7 +178,7 @@ def test_a_file_of_another_kind_has_checksums_too(tmp_path):
     assert verify(tmp_path / "site.h5").differences == ()
     with h5py.File(tmp_path / "site.h5", "a") as file:
         file["site/x"][0] = 3.0
-    assert verify(tmp_path / "site.h5").differences == ("variable /site/x: its values are not what was written",)
+    assert verify(tmp_path / "site.h5").differences == ("variable /site/x: its values were changed",)
 
 
 #: By file other contents, and whether they are those of another record.

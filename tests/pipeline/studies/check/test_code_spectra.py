@@ -95,7 +95,7 @@ def test_wrong_tables_are_reported(tmp_path, text, told):
 
 
 def test_no_file_and_no_demand_are_reported(tmp_path):
-    with pytest.raises(ConfigError, match="found no file"):
+    with pytest.raises(ConfigError, match="no such file"):
         spectrum_of(CheckSettings(spectrum="table", file="none.csv"), tmp_path)
     with pytest.raises(ConfigError, match="expected the demand of the code"):
         spectrum_of(CheckSettings())

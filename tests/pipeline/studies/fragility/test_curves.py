@@ -109,8 +109,12 @@ def test_correlated_records_of_few_events_widen_the_band():
     ("curve", "status", "words"),
     [
         (lambda: fit_capacities([]), Status.NO_RECORD, "no record"),
-        (lambda: fit_capacities([1.3]), Status.ONE_RECORD, "one record only, 1.3 reached"),
-        (lambda: fit_capacities([np.inf], limits=[3.0]), Status.ONE_RECORD, "one record only, 3 not reached"),
+        (lambda: fit_capacities([1.3]), Status.ONE_RECORD, "only one record (limit state reached at 1.3)"),
+        (
+            lambda: fit_capacities([np.inf], limits=[3.0]),
+            Status.ONE_RECORD,
+            "only one record (limit state not reached at 3)",
+        ),
         (
             lambda: fit_capacities(np.full(4, np.inf), limits=[1.0, 2.0, 3.0, 2.5]),
             Status.NOTHING_REACHED,
@@ -119,22 +123,22 @@ def test_correlated_records_of_few_events_widen_the_band():
         (
             lambda: fit_capacities([1.2, np.inf, np.inf], limits=[5.0, 5.0, 5.0]),
             Status.ONE_REACHED,
-            "one record only reached the limit state, at 1.2, of 3",
+            "only one of 3 records reached the limit state (at 1.2)",
         ),
         (
             lambda: fit_stripes([1, 2, 4] * 4, [0, 1, 1, *[0] * 9], records=np.repeat(list("abcd"), 3)),
             Status.ONE_REACHED,
-            "one record only reached the limit state, at 2 to 4, of 4; a dispersion needs several",
+            "only one of 4 records reached the limit state (at 2 to 4); at least two are needed",
         ),
         (
             lambda: fit_capacities([1.0, 1.3, 1.7, *[np.inf] * 6], limits=[5.0] * 9, records=np.repeat(list("abc"), 3)),
             Status.ONE_REACHED,
-            "one record only reached the limit state, at 1 to 1.7, of 3",
+            "only one of 3 records reached the limit state (at 1 to 1.7)",
         ),
         (
             lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
             Status.EVERYTHING_REACHED,
-            "all of 4 records reached the limit state at every level, from 1; add lower levels",
+            "all 4 records reached the limit state at every level, from 1; add lower levels",
         ),
         (
             lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [0, 0, 1, 1]),
@@ -147,12 +151,12 @@ def test_correlated_records_of_few_events_widen_the_band():
             "no motion below 2 and every motion above it reached",
         ),
         (lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [1, 1, 0, 0]), Status.SEPARATED, "are no stronger than the others"),
-        (lambda: fit_stripes([1.0, 1.0, 1.0], [1, 0, 1]), Status.SEPARATED, "all motions are of one level, 1"),
+        (lambda: fit_stripes([1.0, 1.0, 1.0], [1, 0, 1]), Status.SEPARATED, "all motions have the same level, 1"),
         (lambda: fit_stripes([1, 2, 3, 4], [1, 0, 1, 0]), Status.NOT_INCREASING, "not reached more often"),
         (
             lambda: fit_stripes([1, 2, 3, 4], [0, 1, 0, 1], clusters=["a"] * 4, records=["r"] * 4),
             Status.ONE_RECORD,
-            "one record only",
+            "only one record",
         ),
     ],
 )
@@ -193,7 +197,7 @@ def test_equal_capacities_are_a_step_without_a_band():
     curve = fit_capacities([2.0, 2.0 * (1.0 + 1e-15), np.inf], limits=[9.0, 9.0, 1.0])
     assert curve.status == Status.STEP
     assert (curve.median, curve.beta) == (pytest.approx(2.0), 0.0)
-    assert curve.statement == "a step at 2: all capacities that are known are the same, there is no dispersion"
+    assert curve.statement == "a step at 2: all known capacities are equal; there is no dispersion"
     assert curve.probability([1.9, 2.1])[0].tolist() == [0.0, 1.0]
     assert curve.probability([curve.median])[0].tolist() == [1.0]  # reached at the very level
     assert np.isnan(curve.probability([1.9, 2.1])[1:]).all()
@@ -250,7 +254,7 @@ def test_the_first_of_the_events_without_which_there_is_no_curve_is_named():
     assert said == "no band: without the event c there would be no curve"
     two = Observations.of([1.0, 2.0], [EXACT, EXACT], ["a", "b"])
     (said,) = curves.band_statement(Band.FEW_EVENTS, two, slopes[:3])
-    assert said == "no band: the records come from 2 events, it needs 3"
+    assert said == "no band: the records come from 2 events; at least 3 are needed"
 
 
 def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():

@@ -97,7 +97,7 @@ def test_a_site_is_chosen_among_several(tmp_path):
         ("sa(0.7) [g],rate\n0.1,0.2\n", "expected a measure among .* found 'sa_0.7'"),
         ("pga [g],rate\n0.1,0.2\n0.3,many\n", "row 2 of column 'rate': expected a number, found 'many'"),
         ("pga [g],rate\n0.1,0.2\n", "two or more levels at which the rate is finite and not zero, found 1 of 1"),
-        ("pga [g],rate\n0.1,0.01,7\n0.3,0.02\n", r"row 1: expected 2 cells, as the heading has, found 3"),
+        ("pga [g],rate\n0.1,0.01,7\n0.3,0.02\n", r"row 1: expected 2 cells, as in the heading, found 3"),
         ("pga [g],rate,rate\n0.1,0.01,7\n", "expected each column once, found 'rate' 2 times"),
         ("LON,LAT,T30ag [g],T50ag [g]\n13,42,0,0\n", "place 13 E 42 N: expected positive levels that ascend"),
         ("pga [g],rate\n0.1,0.01\n0.3,0.02\n", "annual rates that do not rise"),
@@ -137,7 +137,7 @@ def test_the_integral_of_a_rate_is_exact_between_the_bends_of_a_curve():
 
 
 def test_a_file_that_is_none_is_refused(tmp_path):
-    with pytest.raises(rp.ConfigError, match="expected a file with a hazard curve, found none"):
+    with pytest.raises(rp.ConfigError, match="no such file; expected a hazard curve"):
         rp.load_hazard(tmp_path)
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(rp.ConfigError, match="expected a hazard curve in UTF-8"):
@@ -163,7 +163,7 @@ def test_a_power_law_comes_from_the_section_and_the_section_survives_as_text():
     config = config_from_text(Config(hazard=settings).as_text())
     assert config.hazard == settings
     assert hazard_of(config.hazard).rate(0.01) == pytest.approx(1e-4)
-    with pytest.raises(rp.ConfigError, match="found neither"):
+    with pytest.raises(rp.ConfigError, match="found none of these"):
         hazard_of(HazardSettings())
     with pytest.raises(rp.ConfigError, match="a power law has no place"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, longitude=13.0, latitude=42.0))

@@ -96,7 +96,7 @@ def test_the_verb_prints_a_table_and_ends_with_zero(monkeypatch, capsys):
     assert main(["selftest"]) == 0
     out = capsys.readouterr().out
     assert all(name in out for name in few)
-    assert "3 cases: 0 beyond their bounds" in out
+    assert "3 cases: 0 outside their bounds" in out
     assert "threads available" in out
     assert main(["selftest", "--quiet"]) == 0
     assert capsys.readouterr().out == ""
@@ -107,4 +107,4 @@ def test_an_answer_that_is_not_the_stored_one_ends_with_one(change, monkeypatch,
     wrong = STORED["one pulse"]._replace(**change)
     monkeypatch.setattr(selftest, "stored_cases", lambda: [wrong, STORED["at rest"]])
     assert main(["selftest"]) == 1
-    assert "2 cases: 1 beyond" in capsys.readouterr().out
+    assert "2 cases: 1 outside" in capsys.readouterr().out

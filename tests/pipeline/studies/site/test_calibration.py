@@ -214,8 +214,8 @@ def test_a_table_of_weights_and_events_is_used(tmp_path):
     [
         ("record,weight\nrecord00,1\n", "has no weight for 7 of 8 records: record01"),
         ("record,weight\n" + "".join(f"record0{n},0\n" for n in range(8)), "weights of all records are 0"),
-        ("record,weight\nrecord00,heavy\n", "expected a number from 0 up, found 'heavy'"),
-        ("record,weight\nrecord00,-1\n", "expected a number from 0 up"),
+        ("record,weight\nrecord00,heavy\n", "expected a number >= 0, found 'heavy'"),
+        ("record,weight\nrecord00,-1\n", "expected a number >= 0"),
         ("record,weight\nrecord00,1\nrecord00,2\n", "more than one row for record00"),
         ("record,weight\nrecord00,1\n\nrecord01,1,2\n", "row 4: expected the 2 cells of the header, found 3"),
         ("record,weight\n" + "".join(f"record0{n},1,2\n" for n in range(8)), "row 2: expected the 2 cells"),

@@ -125,3 +125,14 @@ def test_the_probability_at_a_demand_is_told_and_its_factor_is_that_of_the_file(
     (line,) = found.bodies
     assert "P at SLV 0.10 -> 0.40" in line
     assert "smallest capacity/demand SLV 0.50" in line
+
+
+def test_files_without_a_common_body_differ_in_their_bodies_alone():
+    other = demanded(AFTER)
+    summary = other["summary"].to_dataset()
+    other["summary"] = xr.DataTree(summary.assign_coords(block=[f"other {name}" for name in summary["block"].values]))
+    found, text = compare(demanded(BEFORE), other)
+    assert found.bodies == []
+    assert not found.same
+    assert "blocks only in the first file: 3" in text
+    assert "3 records, 3 blocks, " in text

@@ -230,8 +230,8 @@ def test_another_number_of_rows_is_told_and_the_rest_compared():
     other["records"] = xr.DataTree(records)
     found, _ = compare(tree(), other)
     assert len(found.others) == 2
-    assert "/half_cycles: 1 combinations of record, block and model have another number of rows" in found.others[0]
-    assert "/records: 1 of 3 have another number along wave" in found.others[1]
+    assert "/half_cycles: 1 combinations of record, block and model differ in the number of rows" in found.others[0]
+    assert "/records: 1 of 3 differ in size along wave" in found.others[1]
     assert [one.name for one in found.variables] == ["/records/half_wave_peak"]
 
 

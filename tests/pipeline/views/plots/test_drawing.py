@@ -50,13 +50,13 @@ def test_results_are_drawn_by_their_kind(assessed, fragility_tree, tmp_path):
 def test_what_has_no_picture_is_reported(record):
     with pytest.raises(TypeError, match=r"plot: expected a Record, HalfWaves, .* found list"):
         rp.plot([record])
-    with pytest.raises(TypeError, match="there is nothing to choose of a Record, found kind, case"):
+    with pytest.raises(TypeError, match="a Record takes no options, found kind, case"):
         rp.plot(record, "bodies", case=2)
-    with pytest.raises(TypeError, match="there is nothing to choose of a Block, found block"):
+    with pytest.raises(TypeError, match="a Block takes no options, found block"):
         rp.plot(BLOCK, block="wall")
     with pytest.raises(TypeError, match="expected a Block that gives the sequence its times, found str"):
         rp.plot(SEQUENCE, block="wall")
     unknown = xr.DataTree()
     unknown.attrs["kind"] = "other"
-    with pytest.raises(ResultsError, match="of an other there is no picture"):
+    with pytest.raises(ResultsError, match="there is no picture of an other file"):
         rp.plot(unknown)

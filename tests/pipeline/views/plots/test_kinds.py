@@ -136,7 +136,7 @@ def test_the_tables_agree():
         ("accelerogram", {"block": "wall"}, r"no block to choose; it takes record \(--record\)"),
         ("accelerogram", {"record": "CI.CLC..HN"}, r"the nearest: CI\.CLC.*; there are: CI\.CLC"),
         ("accelerogram", {}, "expected one of 2 records, none was named"),
-        ("accelerogram", {"record": "CI.CLC*"}, r"is met by 2 .*, the picture is of one: CI\.CLC.*, CI\.CLC"),
+        ("accelerogram", {"record": "CI.CLC*"}, r"matches 2 .*, but the picture shows one: CI\.CLC.*, CI\.CLC"),
         ("critical-scale", {"block": "xyz"}, "there are: wall"),
         ("critical-scale", {"block": "wall", "case": 2}, "from 1 to 1, got 2"),
         ("overturning-map", {"block": "wall", "model": ["linear", "nonlinear"]}, "expected one model"),

@@ -54,7 +54,7 @@ def test_at_a_demand_it_is_the_probability_there_without_records_that_are_scaled
     names, values = drawn(ax)
     assert names[:2] == ["r1", "r0"]
     assert values[:, 0] == pytest.approx([0.7, 0.4, np.nan], nan_ok=True)
-    assert "brought to the demand ULS" in ax.figure.get_suptitle()
+    assert "scaled to the demand ULS" in ax.figure.get_suptitle()
     with pytest.raises(ResultsError, match=r"expected results with a \[\[demand\]\]"):
         probability_map(tree_of(probable([0.9])), demand="ULS")
 

@@ -80,8 +80,8 @@ def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tm
 def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bursts, bodies):
     stele, other = bodies["stele"], Block(0.6, 4.0)
     found = curves_of(results, rp.fragility(bursts, CURVES, {"stele": stele, "other": other}))
-    assert "Left out, for they are not among the bodies assessed here: the curves of other." in found.warnings
-    assert any(words.startswith("Without curves, for the fragility file lacks them: pier") for words in found.warnings)
+    assert "Left out, because their bodies are not assessed here: the curves of other." in found.warnings
+    assert any(words.endswith("they are not in the fragility file: pier.") for words in found.warnings)
     assert found.blocks == ("stele",)
     assert {row[0].text for row in found.tables[0].rows} == {"stele"}
     with pytest.raises(ResultsError, match=r"none of its bodies \(other\) is a body of the results \(stele"):
@@ -105,7 +105,7 @@ def test_restitutions_are_matched_by_their_numbers(bursts):
 
 @pytest.mark.sweep
 def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragility):
-    words = "The curves are of other ground motions than the verdict"
+    words = "The curves are for other ground motions than the verdict"
     assert curves_of(results, fragility).warnings == ()
     part = rp.assess(bursts[:1], CURVES, bodies)
     assert curves_of(part, rp.fragility(bursts[1:], CURVES, bodies)).warnings[0].startswith(words)
@@ -148,7 +148,7 @@ def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
     others = rp.calibrate(
         bursts[1:], rp.Config(calibration=CalibrationSettings(method="statistics", bootstrap=100)), bodies
     )
-    words = "The calibration and its design are of other ground motions than the verdict"
+    words = "The calibration and its design use other ground motions than the verdict"
     assert site_of(part, others).warnings[0].startswith(words)
     assert not any(words in warning for warning in site_of(results, site).warnings)
 
@@ -245,4 +245,4 @@ def test_the_files_that_curves_do_not_rest_on_are_said_before_them(fragility, cu
     tree["failures"] = xr.DataTree(failure_table([Failure("a.asc", "read", "a.asc: no reader", "failed")]))
     files = tree["capacities"].sizes["record"]
     first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").warnings
-    assert first == f"{files} of {files + 1} files used, 1 not: no reader (a.asc)."
+    assert first == f"{files} of {files + 1} files used (1 rejected): no reader (a.asc)."

@@ -38,6 +38,10 @@ def fields(text):
     return {name for _, name, _, _ in Formatter().parse(text) if name}
 
 
+def fixed_parts(text):
+    return [part for fixed, *_ in Formatter().parse(text) if (part := fixed.strip(" ;,"))]
+
+
 @pytest.mark.parametrize("language", OTHERS)
 def test_no_word_is_missing_and_no_field_differs(language):
     other = {key: text for key, text in table(language).items() if key.partition(".")[0] not in BELOW}
@@ -53,6 +57,10 @@ def test_what_is_declared_below_has_words(language):
     assert set(WARNINGS) <= set(told)
     phrases = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("phrases.")}
     assert {english for english, text in phrases.items() if not fields(text) <= fields(english)} == set()
+    sources = [path.read_text(encoding="utf-8") for path in Path(str(files("rockpulse"))).rglob("*.py")]
+    sources.append(Path(str(files("rocking")), "body", "block.py").read_text(encoding="utf-8"))
+    written = re.sub(r'"\s*\n\s*f?"', "", "\n".join(sources))  # a text over several lines
+    assert {english for english in phrases if not any(part in written for part in fixed_parts(english))} == set()
     assert {f"{of}.{name}" for of in ("model_words", "labels") for name in MODELS} <= set(table(language))
     assert {f"models.{name}" for name in MODELS} <= set(WORDS)
     assert {f"unknown.{reason.name.lower()}" for reason in Reason if reason} <= set(WORDS)

@@ -44,7 +44,7 @@ def test_the_gravest_stand_first_and_three_lines_at_most_stand_on_the_first_page
     said = warnings(answers(summary, of), [verdict(summary, of)], FilesUsed(1))
     assert [one.grade for one in said] == sorted((one.grade for one in said), key=GRADES.index)
     decides, earthquakes, not_covered = limits(said, [verdict(summary, of)], of)
-    assert decides.startswith("What may change a verdict: at the demand “ULS” there is no verdict, for the records")
+    assert decides.startswith("What may change a verdict: at the demand “ULS” there is no verdict, because only")
     assert earthquakes.startswith("The verdict rests on 3 earthquakes")
     assert not_covered.startswith("Not covered: sliding")
     assert "[" not in "".join((decides, earthquakes, not_covered))  # no key of the configuration
@@ -59,7 +59,9 @@ def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said
     found = heads(with_codes([1.6], "plain demand_not_compared"))
     told = found["the demand of the site is not checked"]
     assert told.grade == "decides"
-    assert told.text.startswith("A sequence has no PGA, nor any other strength to bring to the demand of the site")
+    assert told.text.startswith(
+        "A sequence has no PGA or other intensity that could be scaled to the demand of the site"
+    )
     assert "the demand of the site is not checked" not in heads(with_codes([1.6]))
     found = heads(with_codes([1.6]), site=site([0.1, np.inf, np.inf]))
     assert found["records of the site, scaled as they were calibrated, overturn b (2 of 3)"].grade == "decides"
@@ -103,9 +105,9 @@ def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing
     assert "cannot tell" not in said.text
     rest = [Outcome.AT_REST, Outcome.ROCKS]
     found = heads(probable([0.0, 0.2], outcomes=rest), "record")
-    assert "count with probability 0" in found["in 1 of 2 cases (motion and body) the body is not lifted"].text
+    assert "are counted with probability 0" in found["in 1 of 2 cases (motion and body) the body is not lifted"].text
     found = heads(probable([0.0, 0.0], uplift=0.0, outcomes=[Outcome.AT_REST] * 2), "record")
-    assert found["1 of 1 body lifted by none of these motions"].grade == "decides"
+    assert found["1 of 1 body not lifted by any of these motions"].grade == "decides"
 
 
 def test_channels_as_recorded_need_not_point_where_a_body_rocks():

@@ -144,8 +144,8 @@ def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lif
     assert (shown["P as recorded"], shown["smallest scale factor at P = 10 %"]) == (f"0 (0{TO}0.26)", ">10")
     summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
     told = sentence(answers(summary), verdict(summary))
-    assert told == "Not one of 2 records of 2 earthquakes lifts it; they say nothing of stronger ones."
-    assert grade_cell(verdict(summary)).text == "stays"
+    assert told == "Lifted by none of 2 records of 2 earthquakes; no conclusion can be drawn for stronger ones."
+    assert grade_cell(verdict(summary)).text == "at rest"
 
 
 def test_motions_of_unknown_earthquake_make_no_earthquake_more():
@@ -174,7 +174,7 @@ def test_the_motions_are_counted_by_their_kind():
     pairs = {"rows": [[0, 1], [2, 3], [4, 5]], "kind": "pair"}
     worst, mean = (motions_words(motions(6, any_azimuth=any_, **known, **pairs)) for any_ in (False, True))
     assert worst == "3 pairs of channels of 2 earthquakes, each in the worst of 2 directions"
-    assert mean == "3 pairs of channels of 2 earthquakes, each over 2 directions that count alike"
+    assert mean == "3 pairs of channels of 2 earthquakes, each averaged over 2 directions"
     sequence = motions_words(motions(1, kind="sequence"))
     assert sequence == "one design sequence, which stands for the records of its site calibration"
 
@@ -185,7 +185,7 @@ def test_what_the_verdicts_rest_on_and_what_their_words_mean_is_said():
     assert plain.startswith("By the nonlinear model, under 2 records of 2 earthquakes. The demand “ULS”: ")
     assert plain.count("m/s²") == 1
     assert basis(answers(summary), "one file unused") == plain.replace(
-        "earthquakes.", "earthquakes (one file unused).", 1
+        "earthquakes.", "earthquakes; one file unused.", 1
     )
     stated = summary.assign(limit_state=(("demand",), ["collapse"]))
     assert basis(answers(stated), "") == plain.removesuffix(".") + ", collapse."
@@ -193,7 +193,7 @@ def test_what_the_verdicts_rest_on_and_what_their_words_mean_is_said():
     words = counted_by(answers(probable([0.1, 0.2], demand=2.0)))
     assert "Overturns: 0.5 or more. May overturn: 0.05 or more." in words
     assert (
-        "each by one scale factor, a pair by the geometric mean of both; scale factors outside 0.25 to 4 are left out"
+        "each by one scale factor, a pair by the geometric mean of both components; scale factors outside 0.25 to 4"
         in words
     )
     words = counted_by(answers(summary_of([2.0])))

@@ -91,13 +91,13 @@ def test_names_with_html_or_mathematics_are_text_and_the_parts_come_in_order(pag
 def test_the_verdict_names_what_is_counted(page, results):
     words = Page(page).text
     for expected in (
-        "By the nonlinear model, under 4 records of 4 earthquakes (4 of 5 files used, 1 not)",
+        "By the nonlinear model, under 4 records of 4 earthquakes; 4 of 5 files used (1 rejected)",
         "stele overturns Probability of overturning 0.97, up to 1.00 (end of the 90 % interval), under 4 records of 4",
         "rocks Probability of overturning",
-        "plinth stays Not one of 4 records of 4 earthquakes lifts it",
+        "plinth at rest Lifted by none of 4 records of 4 earthquakes",
         "The verdict rests on 4 earthquakes",
         "upper end of an interval of 90 %",
-        "4 of 5 files used, 1 not",
+        "4 of 5 files used (1 rejected)",
         "the body is not lifted",
     ):
         assert expected in words, expected
@@ -120,7 +120,7 @@ def test_without_factors_answers_or_records_a_body_is_not_called_safe(known, res
     words = Page(known).text
     assert "safe under these" not in words.split("Verdict on each body")[0]
     assert "free flight" in words
-    assert "stands in for a probability of overturning" in words
+    assert "replaces the probability of overturning" in words
     assert "cut.AT2:4 expected 100 samples, found 3" in words
     tree = results.copy()
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
@@ -190,7 +190,7 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
     assert "none" not in cells(found.answers)
     assert any(">10: no overturning up to this scale factor" in note for note in found.notes)
     assert "at rest" in cells(found.answers)
-    assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.warnings)
+    assert any("1 of 3 bodies not lifted by any of these motions" in one.head for one in found.warnings)
 
 
 def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch, known):
@@ -208,7 +208,7 @@ def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch
     assert other.read_text() == "mine"
     with pytest.raises(ResultsError, match="no folder"):
         report(tree, tmp_path / "none" / "report.html")
-    with pytest.raises(ResultsError, match="no regular file"):
+    with pytest.raises(ResultsError, match="not a regular file"):
         report(tree, tmp_path, overwrite=True)
 
 

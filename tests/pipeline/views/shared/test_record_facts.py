@@ -104,7 +104,7 @@ def test_what_a_file_states_is_told_in_units_of_maps_and_nothing_else():
     }
     summary = summary.assign({name: ("record", [value] * 3) for name, value in stated.items()})
     assert Known(summary, record=RECORDS[0]).stated == [
-        ("earthquake at the agency", "us6000jllz"),
+        ("agency event ID", "us6000jllz"),
         ("magnitude", "M 7.7"),
         ("hypocentre", "37.288° S, 37.043° E, depth 8.6 km"),
         ("epicentral distance", "61 km"),

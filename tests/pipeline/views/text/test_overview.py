@@ -9,7 +9,7 @@ from rockpulse.assessment.answers import Answers
 from rockpulse.views.text.left_out import failure_list
 from rockpulse.views.text.margins import smallest_capacities
 from rockpulse.views.text.overview import overview
-from rockpulse.views.text.verdicts import factor_table, governing, overturned, verdict_table
+from rockpulse.views.text.verdicts import body_verdicts, factor_table, governing, overturned, verdict_table
 
 
 def row(text, label, after=""):
@@ -52,7 +52,7 @@ def test_what_a_model_cannot_say_is_marked_and_explained(summary):
     assert "slenderness below 3" in text
     summary["applicable"][:] = 1
     assert "*" not in verdict_table(summary)
-    assert "unresolved: the model cannot answer (free flight)" in verdict_table(summary)
+    assert "unresolved: the model gives no result (free flight)" in verdict_table(summary)
     summary["outcome"][0, 0, 2] = -1
     assert row(verdict_table(summary), "boundary wall", RECORDS[0])[-1] == "-"
 
@@ -158,7 +158,7 @@ def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searc
     assert row(text, "boundary wall", RECORDS[0])[-1] == "1.70!"
     assert row(text, "column", RECORDS[0])[-1] == "0.84!"
     assert (
-        "!: a lower bound: from this scale factor on the model cannot answer (free flight, for one; 2 of 9)"
+        "!: a lower bound: from this scale factor on the model gives no result (free flight, for example; 2 of 9)"
         in " ".join(text.split())
     )
     assert "1 with SF below 1 rocks only: a smaller scale factor overturns the body, or may (!)." in " ".join(
@@ -219,7 +219,7 @@ def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
     text = verdict_table(searched)
     assert row(text, "boundary wall", RECORDS[2])[-1] == ">10"
     assert (
-        ">10: no overturning up to this scale factor, the largest that was searched ([search] factor_max)"
+        ">10: no overturning up to this scale factor, the largest scale factor tried ([search] factor_max)"
         in " ".join(text.split())
     )
     assert "none" not in text.replace("none found", "")
@@ -288,3 +288,18 @@ def test_the_record_that_governs_is_told_in_words_once(summary):
     words = ("event", "station", "component", "start_time")
     nothing = summary.assign({name: ("record", [""] * 3) for name in words} | {"azimuth": ("record", [np.nan] * 3)})
     assert governing(Answers(nothing)) == ""
+
+
+@pytest.mark.parametrize(
+    ("height", "outcome", "told"),
+    [
+        (2.0, 1, "."),
+        (np.nan, 1, " (-: height not given)."),
+        (2.0, 2, " (-: no record without overturning)."),
+    ],
+)
+def test_a_dash_in_place_of_a_displacement_has_its_reason(summary, height, outcome, told):
+    shown = summary.assign(height=xr.full_like(summary["height"], height))
+    shown["outcome"][:] = outcome
+    shown["peak_rotation_ratio"][:] = 0.5 if outcome == 1 else np.inf
+    assert f"rotation: largest without overturning{told}" in " ".join(body_verdicts(Answers(shown)).split())

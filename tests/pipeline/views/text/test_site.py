@@ -64,11 +64,11 @@ def test_what_is_not_known_of_the_coverage_is_said_in_words(tree):
     one = site.assign(**{name: site[name].copy(data=value) for name, value in gone.items()}, judged_pairs=0)
     tree["site"] = one
     text = " ".join(site_overview(tree).split())
-    assert "Coverage of other earthquakes: not known, for no event could be judged" in text
+    assert "Coverage of other earthquakes: not known, because no event could be judged" in text
     assert "covers -" not in text
     assert "Judged" not in text
     tree["site"] = one.isel(site_event=[0])
-    assert "not known, for with one event none can be left out" in " ".join(site_overview(tree).split())
+    assert "not known, because there is only one event, which cannot be" in " ".join(site_overview(tree).split())
     tree["site"] = site.assign(**{name: site[name].copy(data=np.nan) for name in ("coverage_lower", "coverage_upper")})
     assert "(one event: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
 
@@ -111,7 +111,7 @@ def test_the_effective_impulse_is_shown_before_the_sequence():
     text = site_overview(usual_site())
     assert text.startswith("! outside the spectrum, and without a design: chest")
     assert 'by the rule, from its half-waves alone; weights: "event".' in text
-    first, second = text.partition("A sequence of that effect")[::2]
+    first, second = text.partition("An equivalent sequence")[::2]
     # I_eff is 1.3 times 0.4 sqrt(p) exp(2 (C - 0.9)), and the body overturns at g tan(alpha)/p.
     assert re.search(r"wall +0\.985 +0\.916 +0\.753 to 1\.11 +0\.444 +0\.48 OVERTURNS +80 %", first)
     assert re.search(r"pier +0\.929 +0\.779 +0\.641 to 0\.948 +1\.09 +1\.40 +0 %", first)
