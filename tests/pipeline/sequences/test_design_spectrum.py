@@ -82,7 +82,7 @@ def test_what_it_covers(p, slenderness, restitution, inside):
     block = Block.from_parameters(p=p, alpha=np.arctan(1.0 / slenderness), restitution=restitution, log=False)
     assert DESIGN.covers(block).tolist() == [inside]
     if not inside:
-        with pytest.raises(ValueError, match=r"not for 1 of 1, the first one at place 0"):
+        with pytest.raises(ValueError, match=r"not 1 of 1 blocks, the first at index 0"):
             DESIGN.sequence(block)
 
 

@@ -218,9 +218,8 @@ def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
     searched = up_to_ten(searched)
     text = verdict_table(searched)
     assert row(text, "boundary wall", RECORDS[2])[-1] == ">10"
-    assert (
-        ">10: no overturning up to this scale factor, the largest scale factor tried ([search] factor_max)"
-        in " ".join(text.split())
+    assert ">10: no overturning up to this scale factor, the largest one tried ([search] factor_max)" in " ".join(
+        text.split()
     )
     assert "none" not in text.replace("none found", "")
     assert "none found" not in verdict_table(searched.sel(record=list(RECORDS[:2])))
