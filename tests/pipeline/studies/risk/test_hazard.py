@@ -165,7 +165,7 @@ def test_a_power_law_comes_from_the_section_and_the_section_survives_as_text():
     assert hazard_of(config.hazard).rate(0.01) == pytest.approx(1e-4)
     with pytest.raises(rp.ConfigError, match="found none of these"):
         hazard_of(HazardSettings())
-    with pytest.raises(rp.ConfigError, match="a power law has no place"):
+    with pytest.raises(rp.ConfigError, match="a power law has no site"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, longitude=13.0, latitude=42.0))
     with pytest.raises(rp.ConfigError, match="expected a unit of pgv"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, measure="pgv", unit="g"))
