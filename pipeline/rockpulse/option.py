@@ -30,8 +30,7 @@ LARGEST = 1e15
 class Section:
     """Base class of the sections: it checks the value of every field, and can be unpacked as keyword arguments.
 
-    >>> from rockpulse import HalfWaveSettings
-    >>> dict(**HalfWaveSettings(threshold=0.05))
+    >>> dict(**rp.HalfWaveSettings(threshold=0.05))
     {'threshold': 0.05, 'min_duration_s': 0.0, 'merge': True}
     """
 

@@ -205,6 +205,11 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
         For a file that is not HDF5, is damaged, was not written by rockpulse, or has another major schema version.
     OSError
         If the file cannot be opened.
+
+    Examples
+    --------
+    >>> rp.load("results.h5").rockpulse
+    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
     return registered(results_file.load(path))
 
@@ -231,9 +236,9 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
 
     Examples
     --------
-    >>> import rockpulse as rp
-    >>> with rp.open_results("results.h5") as tree:  # doctest: +SKIP
-    ...     worst = tree["summary"]["factor_10"].min("record").load()
+    >>> with rp.open_results("results.h5") as tree:
+    ...     round(float(tree["summary"]["pga"].max()), 2)  # m/s2
+    4.86
     """
     with results_file.open_results(Path(path)) as file:
         yield registered(file.tree())

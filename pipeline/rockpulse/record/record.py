@@ -97,6 +97,11 @@ class Record(Shown):
         State of the record: its samples are checked for defects once, and it is conditioned for assessment once.
     outline : tuple of float
         Result of :func:`outline_of` for a record without its samples; empty for other records.
+
+    Examples
+    --------
+    >>> rp.Record([0.0, 3.0, -3.0, 0.0], dt=0.1, id="two triangles")
+    <Record two triangles, samples 4 at 0.1 s, PGA 3 m/s2>
     """
 
     acceleration: np.ndarray

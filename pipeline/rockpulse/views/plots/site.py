@@ -40,6 +40,11 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
         Main impulse, I_s/I, interval, number of main impulses, duration, and the legend. Each step of a distribution is
         a record, with its weight as height; an interval from the calibration of a single record is a horizontal line.
         (1,) for a site with a spectrum.
+
+    Examples
+    --------
+    >>> rp.plots.calibration(site)[0].get_xlabel()
+    'frequency parameter of the blocks $p$ [1/s]'
     """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":

@@ -107,6 +107,11 @@ def report(
         browser to print it.
     OSError
         If a file cannot be read or written.
+
+    Examples
+    --------
+    >>> rp.report(results, "report.html", overwrite=True).name
+    'report.html'
     """
     target = check_report_target(output, overwrite)
     as_pdf = target.suffix.lower() == ".pdf"
