@@ -46,13 +46,10 @@ class Results(Shown):
 
     Examples
     --------
-    >>> import numpy as np, rockpulse as rp
-    >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
-    >>> tree = rp.assess([sine], bodies={"chest": (1.0, 1.2), "wall": (0.25, 2.2)})
-    >>> tree.rockpulse.verdicts()["verdict"].to_dict()
-    {'chest': 'at rest', 'wall': 'overturns'}
-    >>> tree.rockpulse
-    <Results 1 record, 2 bodies, model nonlinear, at rest 1, overturns 1>
+    >>> results.rockpulse.verdicts()["verdict"].to_dict()
+    {'stele': 'overturns', 'pier': 'rocks'}
+    >>> results.rockpulse
+    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
 
     def __init__(self, tree: xr.DataTree) -> None:

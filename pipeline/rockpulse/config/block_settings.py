@@ -330,7 +330,7 @@ class BlockSettings(Section):
         restitution = list(self.restitution) if isinstance(self.restitution, tuple) else self.restitution
         for place, part in enumerate(self.pedestals, 1):
             try:
-                whole = with_pedestal(whole, part.width, part.height, part.mass, restitution)
+                whole = with_pedestal(whole.lanes().lane(0), part.width, part.height, part.mass, restitution)
             except ValueError as error:
                 raise ConfigError(f"{self.where} pedestal {place}: {error}") from None
             found[f"{self.name} with pedestal{'' if place == 1 else f' {place}'}"] = whole

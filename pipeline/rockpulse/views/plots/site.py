@@ -60,7 +60,15 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
     counts = style.record_counts(int(site["record_count"]), int(site["event_count"]))
     name = style.plain(tree.attrs.get("title", ""))
-    style.title(panels[0], say("plot.site.title", name=name, records=counts, method=site.attrs["method"]))
+    style.title(
+        panels[0],
+        say(
+            "plot.site.title",
+            name=name,
+            records=counts,
+            method=translated(f"options.{site.attrs['method']}", site.attrs["method"]),
+        ),
+    )
     style.caption(panels[-2], " ".join(_warnings(site)))
     return panels
 
