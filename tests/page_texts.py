@@ -7,8 +7,11 @@ from html.parser import HTMLParser
 #: Elements without an end.
 VOID = {"meta", "input", "img", "br"}
 
-#: Elements whose text is not the report's: code, and tables of what readers said of files.
-FOREIGN = {"script", "style", "pre", "record-warnings", "failures", "left-out", "inputs"}
+#: Elements whose text is not the report's: code, and the table of input files.
+FOREIGN = {"script", "style", "pre", "inputs"}
+
+#: Tables of what readers said of files.
+READERS = {"record-warnings", "failures", "left-out"}
 
 #: Fields, values of the configuration, settings and commands.
 QUOTED = re.compile(r"\{\w+\}|«[^»]*»|\[\w+\] \w+( = \S+)?|rockpulse \w+")
@@ -17,9 +20,15 @@ QUOTED = re.compile(r"\{\w+\}|«[^»]*»|\[\w+\] \w+( = \S+)?|rockpulse \w+")
 class PageTexts(HTMLParser):
     """The texts and labels of a page, but for the facts under some headings."""
 
-    def __init__(self, foreign_facts):
+    def __init__(self, foreign_facts, foreign):
         super().__init__()
-        self.foreign_facts, self.open, self.texts, self.fact = foreign_facts, [], [], ""
+        self.foreign, self.foreign_facts, self.open, self.texts, self.fact = (
+            FOREIGN | foreign,
+            foreign_facts,
+            [],
+            [],
+            "",
+        )
 
     def handle_starttag(self, tag, attrs):
         own = dict(attrs)
@@ -30,7 +39,7 @@ class PageTexts(HTMLParser):
             scenes = [scene for body in data["bodies"] for scene in body["scenes"]]
             self.texts += [text for scene in scenes for text in (*scene["why"], scene.get("warning", ""))]
         if tag not in VOID:
-            self.open.append((tag, bool(FOREIGN & {tag, own.get("id")})))
+            self.open.append((tag, bool(self.foreign & {tag, own.get("id")})))
 
     def handle_startendtag(self, tag, attrs):
         """A drawn line or point."""
@@ -48,9 +57,9 @@ class PageTexts(HTMLParser):
             self.texts.append(text.strip())
 
 
-def page_texts(page, foreign_facts, names):
+def page_texts(page, foreign_facts, names, foreign=frozenset()):
     """The texts of a page without names of the user's, values of the configuration, and commands."""
-    parser = PageTexts(foreign_facts)
+    parser = PageTexts(foreign_facts, foreign)
     parser.feed(page)
     found = []
     for text in parser.texts:

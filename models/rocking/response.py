@@ -18,7 +18,11 @@ DRAWN, TOP = 200, 1.2
 
 
 class Outcome(IntEnum):
-    """How a motion ends."""
+    """How a motion ends.
+
+    >>> Outcome(rocking.resonance(pier, impulse=0.5, half_cycles=3).outcome).word
+    'overturns'
+    """
 
     AT_REST = 0  #: never uplifted
     ROCKS = 1  #: uplifted, then returns to rest or to a bounded motion
@@ -32,7 +36,11 @@ class Outcome(IntEnum):
 
 
 class Reason(IntEnum):
-    """Why a lane is UNRESOLVED."""
+    """Why a lane is UNRESOLVED.
+
+    >>> Reason(rocking.resonance(pier, impulse=0.5, half_cycles=3).reason)
+    <Reason.NONE: 0>
+    """
 
     NONE = 0
     IMPACT_LIMIT = 1  #: more impacts in a row than the solver computes (restitution of one or close to it)
@@ -61,6 +69,11 @@ class HalfCycles(LaneValues):
         Time to the next impact, inf if there is none, and corrected interval dT_i of the intermediate impulses [s].
     impulse_count : (h, ...) ndarray of int
         Number n_i of intermediate impulses (0 for none, -1 if n -> infinity or there is no half-cycle).
+
+    Examples
+    --------
+    >>> rocking.resonance(pier, impulse=0.5, half_cycles=3).half_cycles.peak.round(3)
+    array([0.076, 0.316,   inf])
     """
 
     __repr__ = one_line
@@ -101,6 +114,11 @@ class Response(LaneValues, Shown):
         possible motion, and the impulse train gives another result.
     active_samples : int or ndarray or None
         Response to a record only: number of samples in which the block moved.
+
+    Examples
+    --------
+    >>> rocking.recorded_response(pier, record.acceleration, record.dt)
+    <Response rocks, peak 0.581 alpha_c, impacts 77>
     """
 
     peak_rotation_ratio: Floats = lane_field()

@@ -7,27 +7,59 @@ from typing import Literal
 
 
 class RockpulseError(ValueError):
-    """Base class of every error whose message states what was found, what was expected and what to do."""
+    """Base class of every error whose message states what was found, what was expected and what to do.
+
+    >>> try:
+    ...     rp.assess(record)
+    ... except rp.RockpulseError as error:
+    ...     print(error)
+    no body to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT
+    """
 
 
 class RecordFormatError(RockpulseError):
-    """Error: a file violates the rules of its format, or no reader recognises it."""
+    """Error: a file violates the rules of its format, or no reader recognises it.
+
+    >>> rp.read("curve.csv")
+    Traceback (most recent call last):
+    rockpulse.errors.RecordFormatError: curve.csv:2: expected acceleration in the column 'pga [g]'...
+    """
 
 
 class RecordRefused(RockpulseError):
-    """Error: a well-formed file contains no usable ground acceleration (velocity, spectra, counts without a gain)."""
+    """Error: a well-formed file contains no usable ground acceleration (velocity, spectra, counts without a gain).
+
+    >>> rp.condition_pair(rp.Pair(record, record))
+    Traceback (most recent call last):
+    rockpulse.errors.RecordRefused: burst.2, burst.2: expected azimuths at least 9.79 degrees from...
+    """
 
 
 class TooWeak(RecordRefused):
-    """Error: a record moves too few bodies to be used; it is listed as "skipped", as its file is not faulty."""
+    """Error: a record moves too few bodies to be used; it is listed as "skipped", as its file is not faulty.
+
+    >>> config = rp.Config(fragility=rp.FragilitySettings(pga_min=6.0))
+    >>> rp.fragility(record, config, {"pier": (1.0, 4.0)})["failures"]["reason"].item()
+    'burst.2: PGA 3.76 m/s2 is below [fragility] pga_min = 6 m/s2'
+    """
 
 
 class UnitError(RockpulseError):
-    """Error: a unit is missing or unknown, or contradicts the file."""
+    """Error: a unit is missing or unknown, or contradicts the file.
+
+    >>> rp.read("records/burst.2.AT2", units="ft")
+    Traceback (most recent call last):
+    rockpulse.errors.UnitError: option units: unknown unit of acceleration 'ft' (displacement)...
+    """
 
 
 class ConfigError(RockpulseError):
-    """Error: a configuration file or a command-line option cannot be used."""
+    """Error: a configuration file or a command-line option cannot be used.
+
+    >>> rp.BlockSettings("pier", width=1.0, height=-3.0)
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [[block]] "pier" height: expected a number in m > 0, found -3.0
+    """
 
 
 class ResultsError(RockpulseError):
@@ -37,6 +69,12 @@ class ResultsError(RockpulseError):
     ----------
     tells_resume : bool
         Whether the message states what happens to a stopped run, and how to continue it.
+
+    Examples
+    --------
+    >>> rp.load("curve.csv")
+    Traceback (most recent call last):
+    rockpulse.errors.ResultsError: curve.csv: not a rockpulse results file, or damaged...
     """
 
     def __init__(self, message: str, tells_resume: bool = False) -> None:
@@ -45,7 +83,12 @@ class ResultsError(RockpulseError):
 
 
 class StoppedAtFailure(RockpulseError):
-    """Error: a batch with ``strict`` has stopped at the first file or record that failed."""
+    """Error: a batch with ``strict`` has stopped at the first file or record that failed.
+
+    >>> rp.assess_files("velocity.csv", config, "none.h5", rp.BatchOptions(strict=True))
+    Traceback (most recent call last):
+    rockpulse.errors.StoppedAtFailure: stopped at the first failure (--strict): velocity.csv:1...
+    """
 
 
 #: Reason for skipping a file among the records that is a text, a table or a picture.

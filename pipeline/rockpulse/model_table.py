@@ -231,7 +231,12 @@ def fullest(names: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class ModelSettings(Section):
-    """The models in use, and their options."""
+    """The models in use, and their options.
+
+    >>> rp.ModelSettings(use=["nonlinear", "liner"])
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [models] use: expected a list of one or more of "resonance"...
+    """
 
     heading = "[models]"
     use: tuple[str, ...] = choices(DEFAULT_MODELS, NAMES)
@@ -241,7 +246,11 @@ class ModelSettings(Section):
 
 @dataclass(frozen=True)
 class SearchSettings(Section):
-    """The models for which scale factors of overturning are computed, and the grid of the search."""
+    """The models for which scale factors of overturning are computed, and the grid of the search.
+
+    >>> rp.SearchSettings(models=["linear"], intervals=True).asks_for("linear")
+    True
+    """
 
     heading = "[search]"
     models: tuple[str, ...] = choices(NAMES, NAMES, empty=True)

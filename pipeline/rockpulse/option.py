@@ -7,8 +7,14 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from rocking.pictures import one_line
 from rockpulse.errors import ConfigError
+
+
+def _one_line(section: Any) -> str:
+    """Return the repr of a section; numpy, which that takes, is not loaded for a help text."""
+    from rocking.pictures import one_line
+
+    return one_line(section)
 
 
 @dataclass(frozen=True)
@@ -30,15 +36,14 @@ LARGEST = 1e15
 class Section:
     """Base class of the sections: it checks the value of every field, and can be unpacked as keyword arguments.
 
-    >>> from rockpulse import HalfWaveSettings
-    >>> dict(**HalfWaveSettings(threshold=0.05))
+    >>> dict(**rp.HalfWaveSettings(threshold=0.05))
     {'threshold': 0.05, 'min_duration_s': 0.0, 'merge': True}
     """
 
     heading: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:
-        cls.__repr__ = one_line  # type: ignore[method-assign]
+        cls.__repr__ = _one_line  # type: ignore[method-assign]
 
     @property
     def where(self) -> str:

@@ -150,6 +150,14 @@ def test_every_public_name_is_in_the_reference(module):
     assert public - listed - {"rockpulse.__version__", "rockpulse.Block"} == set()  # Block: as rockpulse.models.Block
 
 
+@pytest.mark.parametrize("module", [rockpulse, rockpulse.models, rockpulse.plots], ids=lambda m: m.__name__)
+def test_every_public_callable_shows_an_example_that_is_run(module):
+    """`make doctest` runs the examples; it would pass over those that are to be skipped."""
+    public = {public: getattr(module, public) for public in module.__all__}
+    shown = {public: one.__doc__ or "" for public, one in public.items() if callable(one)}
+    assert [public for public, text in shown.items() if ">>> " not in text or "+SKIP" in text] == []
+
+
 def test_every_picture_of_a_page_is_drawn_by_that_page():
     """docs/images holds what the commands of the pages draw: `make docs-pictures` writes them again."""
     for page in PAGES:

@@ -1,10 +1,12 @@
 """The command line as a whole: its exit codes, what it prints, and that no wrong input shows a traceback."""
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import pytest
@@ -88,6 +90,27 @@ def test_the_help_of_every_verb_fits_the_terminal_and_shows_its_examples(capsys,
         assert max(map(len, head.splitlines())) <= 80, verb.name
         for example in verb.examples:
             assert f"\n  {example}\n" in text
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.name)
+def test_the_examples_of_a_help_run(verb, example_names, tmp_path, monkeypatch, capsys):
+    """Each in a new folder, which holds the files that it names but the one that it writes."""
+    assert verb.examples
+    for number, example in enumerate(verb.examples):
+        folder = tmp_path / str(number)
+        shutil.copytree(example_names.folder, folder, symlinks=True)
+        monkeypatch.chdir(folder)
+        words = shlex.split(example.partition(" >")[0])[1:]  # `completion` is redirected to a file
+        for path in Path("records").glob("burst.[1-9].*") if verb.name == "fragility" else ():
+            path.unlink()  # two records are enough for a study that takes seconds a record
+        written = Path(words[words.index("-o") + 1] if "-o" in words else "report.html")
+        if "--overwrite" not in words:
+            written.unlink(missing_ok=True)
+        capsys.readouterr()
+        assert main(words) == 0, (example, capsys.readouterr().err)
+        assert capsys.readouterr().out
+        assert "-o" not in words or list(Path().glob(f"{written.stem}*{written.suffix}")), example
 
 
 @pytest.mark.sweep

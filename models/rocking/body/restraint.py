@@ -91,6 +91,11 @@ class Load:
     friction : float or None
         Friction coefficient between load and body [-]: the load stays with the building and restrains the body, in both
         directions, by at most friction times weight. None: the mass of the load moves with the body.
+
+    Examples
+    --------
+    >>> Load(weight=20e3, height=3.0, friction=0.4)
+    Load(weight=20000.0, height=3.0, friction=0.4)
     """
 
     __repr__ = one_line
@@ -117,6 +122,12 @@ class Thrust:
         Force [N], positive towards theta > 0.
     height, distance : float
         Height z of its line of action above the base, and distance xi of its point behind the corner of theta > 0 [m].
+
+    Examples
+    --------
+    >>> Thrust(force=5e3, height=-2.5)
+    Traceback (most recent call last):
+    ValueError: thrust height: expected a number above 0 m, got -2.5
     """
 
     __repr__ = one_line

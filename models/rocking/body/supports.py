@@ -83,6 +83,11 @@ class FloorMotion(NamedTuple):
         interval of the ground motion divided by a whole number.
     amplification : float
         Peak acceleration of the floor divided by that of the ground [-].
+
+    Examples
+    --------
+    >>> round(rocking.floor_motion(record.acceleration, record.dt, period=0.4).amplification, 2)
+    1.21
     """
 
     acceleration: np.ndarray

@@ -313,6 +313,11 @@ def resonance_safety(
     with the factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1 -
     C^j)/(1 - C). t_N grows with N, so the result is the lower edge for the largest N with t_N < duration. As S_j/S_N >=
     j/N and the sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
+
+    Examples
+    --------
+    >>> round(rocking.resonance_safety(pier, 0.5, half_cycles=1), 2), round(pier.critical_impulse / 0.5, 2)
+    (2.62, 2.62)
     """
     count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
     shape, drop, lanes = _lanes(block, impulse, count, duration)

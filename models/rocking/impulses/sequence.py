@@ -184,6 +184,13 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
     :func:`sequence_response`. An overturning half-cycle ends the train with its main impulse. The limit of infinitely
     many secondary impulses is a jump of I_s/2 against the main impulse at the start of the half-cycle and a jump of
     I_s/2 along it at the end.
+
+    Examples
+    --------
+    >>> sequence = ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=2)
+    >>> times, impulses = impulse_train(pier, sequence)
+    >>> times.round(2)[:4], impulses[:4]
+    (array([0.  , 0.1 , 0.19, 0.29]), array([ 0.5, -0.1,  0.1, -0.1]))
     """
     if block.shape or sequence.shape:
         raise ValueError(f"expected one block and one sequence, got shapes {block.shape} and {sequence.shape}")
@@ -262,6 +269,13 @@ class SteadyState(LaneValues):
         x* = 1 - sqrt(1 - v*^2), largest theta/alpha_c [-], and 2 atanh(v*)/p [s]; inf if the motion does not stabilise.
     stable : bool or ndarray
         Whether the motion stabilises, v* <= 1 (at v* = 1 the limit is never reached).
+
+    Examples
+    --------
+    >>> sequence = ImpulseSequence(0.3, 0.0, np.nan, np.inf, spacing="continuous")
+    >>> steady = steady_state(Block(1.0, 3.0, restitution=0.6), sequence)
+    >>> steady.stable, round(steady.peak, 3)
+    (True, 0.126)
     """
 
     __repr__ = one_line

@@ -108,6 +108,12 @@ class Demand:
     settled : float
         A lane will not overturn if, right after an impact, its speed divided by the speed that overturns it on still
         ground, plus the remaining build-up, is no more than this [-].
+
+    Examples
+    --------
+    >>> demand = rocking.ground_demand(pier, record.acceleration, record.dt)
+    >>> round(float(demand.largest[0]), 2), demand.samples
+    (0.47, 800)
     """
 
     __repr__ = one_line

@@ -244,6 +244,12 @@ class SlidingDemand(NamedTuple):
         the required coefficient is above the given one [-], NaN if none is given.
     loses_contact : (m,) ndarray of bool
         True if the normal force vanishes.
+
+    Examples
+    --------
+    >>> demand = rocking.sliding_demand(pier, record.acceleration, record.dt, friction=0.2)
+    >>> demand.required.round(2), demand.share.round(2)
+    (array([0.28]), array([0.11]))
     """
 
     required: np.ndarray

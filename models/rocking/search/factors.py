@@ -45,6 +45,12 @@ class ScaleIntervals(LaneValues):
     step : (m,) ndarray
         Ratio of neighbouring factors of the scan [-]: narrower intervals and gaps may be missed. 1 if none can be
         missed (closed form, or a start beyond the end of the search); NaN without a search.
+
+    Examples
+    --------
+    >>> found = rocking.exceedance_intervals(lambda lanes, factors: factors > 1.2, [0.5], 10.0, 64)
+    >>> found.safety_factor.round(3), found.upper, found.open
+    (array([1.2]), array([10.]), array([ True]))
     """
 
     __repr__ = one_line

@@ -132,6 +132,12 @@ class OverturningProbability(OverturningFactors):
         Probability of overturning at the levels, fitted so that it never falls [-].
     unresolved : (m,) ndarray
         Share of the lanes that are UNRESOLVED (free flight) [-]; they count as overturning.
+
+    Examples
+    --------
+    >>> found = rocking.overturning_probability(pier, record.acceleration, record.dt)
+    >>> found.overturning([[1.0, 3.0]]).round(1)
+    array([[0. , 0.9]])
     """
 
     __repr__ = one_line

@@ -103,6 +103,12 @@ class HalfWaveDemand:
     ratio, interval : (m,) ndarray
         Root mean square of the other lobes between the first and the last main lobe, divided by the largest [-], 0 if
         there are none; median spacing of the lobes from the first to the last main one [s], NaN for only one.
+
+    Examples
+    --------
+    >>> demand = demand_of_half_waves(Block(1.0, 4.0), [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3])
+    >>> demand.main_count, demand.march.round(3)
+    (array([2]), array([0.145]))
     """
 
     __repr__ = one_line

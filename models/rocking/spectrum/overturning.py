@@ -62,6 +62,12 @@ class OverturningFactors:
         Factor on the record at which the probability is 0.1, 0.5 [-].
     capacity_mean : (m,) ndarray
         exp of the mean logarithm of the factor at which the block overturns [-].
+
+    Examples
+    --------
+    >>> factors = rocking.overturning_probability(pier, record.acceleration, record.dt)
+    >>> factors.factor_10.round(1), factors.factor_50.round(1)
+    (array([1.6]), array([2.4]))
     """
 
     __repr__ = one_line
@@ -134,6 +140,12 @@ class OverturningSpectrum:
     ----------
     p, level : (a,) ndarray, (k,) ndarray
         Frequency parameters [1/s], and levels of x = f p/(g tan alpha) [s/m].
+
+    Examples
+    --------
+    >>> spectrum = OverturningSpectrum(rocking.spectrum_lanes(record.acceleration, record.dt, [1.8, 2.2]))
+    >>> spectrum.factors(rocking.Block([1.0], [4.0])).factor_10.round(1)
+    array([1.4])
     """
 
     def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:

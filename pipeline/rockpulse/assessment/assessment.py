@@ -77,12 +77,8 @@ def assess(
 
     Examples
     --------
-    >>> import numpy as np, rockpulse as rp
-    >>> t = np.arange(0.0, 4.0, 0.01)
-    >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
-    >>> tree = rp.assess([record], bodies={"pier": (1.0, 3.873)})
-    >>> tree["summary"]["model"].values.tolist()
-    ['sequence', 'nonlinear']
+    >>> rp.assess(record, bodies={"pier": (1.0, 4.0)}).rockpulse
+    <Results 1 record, 1 body, model nonlinear, rocks 1>
     """
     asked = given_config(config, units, dt)
     if all_models:
@@ -178,11 +174,9 @@ def assess_sequence(
 
     Examples
     --------
-    >>> import rockpulse as rp
     >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
-    >>> tree = rp.assess_sequence(sequence, bodies={"pier": (1.0, 3.873)})
-    >>> tree["summary"]["model"].values.tolist()
-    ['sequence']
+    >>> rp.assess_sequence(sequence, bodies={"pier": (1.0, 4.0)}).rockpulse
+    <Results 1 record, 1 body, model sequence, rocks 1>
     """
     asked_for = given_config(config)
     gathered = gather_bodies(asked_for.bodies if bodies is None else bodies)

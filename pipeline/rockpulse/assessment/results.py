@@ -46,13 +46,10 @@ class Results(Shown):
 
     Examples
     --------
-    >>> import numpy as np, rockpulse as rp
-    >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
-    >>> tree = rp.assess([sine], bodies={"chest": (1.0, 1.2), "wall": (0.25, 2.2)})
-    >>> tree.rockpulse.verdicts()["verdict"].to_dict()
-    {'chest': 'at rest', 'wall': 'overturns'}
-    >>> tree.rockpulse
-    <Results 1 record, 2 bodies, model nonlinear, at rest 1, overturns 1>
+    >>> results.rockpulse.verdicts()["verdict"].to_dict()
+    {'stele': 'overturns', 'pier': 'rocks'}
+    >>> results.rockpulse
+    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
 
     def __init__(self, tree: xr.DataTree) -> None:
@@ -205,6 +202,11 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
         For a file that is not HDF5, is damaged, was not written by rockpulse, or has another major schema version.
     OSError
         If the file cannot be opened.
+
+    Examples
+    --------
+    >>> rp.load("results.h5").rockpulse
+    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
     return registered(results_file.load(path))
 
@@ -231,9 +233,9 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
 
     Examples
     --------
-    >>> import rockpulse as rp
-    >>> with rp.open_results("results.h5") as tree:  # doctest: +SKIP
-    ...     worst = tree["summary"]["factor_10"].min("record").load()
+    >>> with rp.open_results("results.h5") as tree:
+    ...     round(float(tree["summary"]["pga"].max()), 2)  # m/s2
+    4.86
     """
     with results_file.open_results(Path(path)) as file:
         yield registered(file.tree())

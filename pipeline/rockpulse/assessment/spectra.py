@@ -81,8 +81,7 @@ def overturning_spectrum(
 
     Examples
     --------
-    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
-    >>> spectrum = overturning_spectrum(sine, p=[1.5, 1.7, 1.9], restitution=[0.9])
+    >>> spectrum = overturning_spectrum(record, p=[1.5, 1.7, 1.9], restitution=[0.9])
     >>> dict(spectrum.sizes)
     {'p': 3, 'restitution': 1, 'rotation': 4, 'level': 65}
     """
@@ -157,8 +156,7 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
 
     Examples
     --------
-    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
-    >>> spectrum = overturning_spectrum(sine, p=[1.8, 2.0], restitution=[0.85, 0.9])
+    >>> spectrum = overturning_spectrum(record, p=[1.8, 2.0], restitution=[0.85, 0.9])
     >>> read = overturning_factors(spectrum, Block(half_width=0.5, half_height=1.9365, restitution=0.9))
     >>> bool(read["factor_10"][0] < read["factor_50"][0])
     True
@@ -248,8 +246,7 @@ def rocking_spectrum(
 
     Examples
     --------
-    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
-    >>> spectrum = rocking_spectrum(sine, p=[1.0, 4.0], alpha=[0.1, 0.4])
+    >>> spectrum = rocking_spectrum(record, p=[1.0, 4.0], alpha=[0.1, 0.4])
     >>> spectrum["outcome"].values.tolist()
     [[1, 2], [0, 0]]
     """

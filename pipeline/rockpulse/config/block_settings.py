@@ -73,7 +73,12 @@ class _OfModel(Section):
 
 @dataclass(frozen=True)
 class TieSettings(_OfModel):
-    """A tie or restrainer (:class:`rocking.Tie`); yield force and ultimate elongation are optional."""
+    """A tie or restrainer (:class:`rocking.Tie`); yield force and ultimate elongation are optional.
+
+    >>> rp.TieSettings(height=8.0, stiffness=6e6, side="left")
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [[block.tie]] side: expected one of "positive", "negative"...
+    """
 
     heading = "[[block.tie]]"
     height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
@@ -90,6 +95,9 @@ class FloorSettings(Section):
     """A mode of the building under a body (as in :func:`rocking.floor_motion`), and the mass of the floor.
 
     `level` is the height of the floor divided by the height of the building [-], needed for code checks.
+
+    >>> rp.FloorSettings(period=0.4).damping, rp.FloorSettings(period=0.4).participation
+    (0.05, 1.0)
     """
 
     heading = "[[block.floor]]"
@@ -102,7 +110,11 @@ class FloorSettings(Section):
 
 @dataclass(frozen=True)
 class LoadSettings(_OfModel):
-    """A roof or floor that rests on a body (:class:`rocking.Load`)."""
+    """A roof or floor that rests on a body (:class:`rocking.Load`).
+
+    >>> rp.LoadSettings(weight=20e3, height=3.0, friction=0.4).made()
+    Load(weight=20000.0, height=3.0, friction=0.4)
+    """
 
     heading = "[[block.load]]"
     weight: float = number(dataclasses.MISSING, low=0.0, above=True, unit="N")
@@ -113,7 +125,11 @@ class LoadSettings(_OfModel):
 
 @dataclass(frozen=True)
 class ThrustSettings(_OfModel):
-    """A constant horizontal force on a body (:class:`rocking.Thrust`)."""
+    """A constant horizontal force on a body (:class:`rocking.Thrust`).
+
+    >>> rp.ThrustSettings(force=5e3, height=2.5).made()
+    Thrust(force=5000.0, height=2.5)
+    """
 
     heading = "[[block.thrust]]"
     force: float = number(dataclasses.MISSING, unit="N")
@@ -126,6 +142,10 @@ class PedestalSettings(Section):
     """A rectangular pedestal centred under a body; both may rock together as one body.
 
     `friction` is the coefficient of friction at the base of the pedestal, used to check whether both slide together.
+
+    >>> pedestal = rp.PedestalSettings(width=0.9, height=1.2, mass=2300.0)
+    >>> list(rp.BlockSettings("statue", 0.5, 1.8, mass=600.0, pedestals=[pedestal]).with_pedestals())
+    ['statue with pedestal']
     """
 
     heading = "[[block.pedestal]]"
@@ -310,7 +330,7 @@ class BlockSettings(Section):
         restitution = list(self.restitution) if isinstance(self.restitution, tuple) else self.restitution
         for place, part in enumerate(self.pedestals, 1):
             try:
-                whole = with_pedestal(whole, part.width, part.height, part.mass, restitution)
+                whole = with_pedestal(whole.lanes().lane(0), part.width, part.height, part.mass, restitution)
             except ValueError as error:
                 raise ConfigError(f"{self.where} pedestal {place}: {error}") from None
             found[f"{self.name} with pedestal{'' if place == 1 else f' {place}'}"] = whole

@@ -188,6 +188,11 @@ def load_config(path: str | Path) -> Config:
         that is not allowed, or a logo that is not a small PNG.
     OSError
         If the file cannot be opened.
+
+    Examples
+    --------
+    >>> rp.load_config("site.toml").bodies[0].block()
+    <Block width 1 m, height 4 m, p 1.889 1/s, alpha_c 0.245 rad, C 0.9118>
     """
     path = Path(path)
     document = parse_toml(read_text(path, TOML_LIMIT, "a TOML file"), str(path))

@@ -27,7 +27,11 @@ def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "
 
 @dataclass(frozen=True)
 class SiteSettings(Section):
-    """Name and description of the study: free text that is stored in the results."""
+    """Name and description of the study: free text that is stored in the results.
+
+    >>> rp.Config(site=rp.SiteSettings(name="Basilica of San Bernardino")).site
+    SiteSettings(name='Basilica of San Bernardino')
+    """
 
     heading = "[site]"
     name: str = text()
@@ -43,6 +47,10 @@ class RecordSettings(Section):
 
     The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, e.g. 45 degrees
     for a façade that faces north-east. For a body that rocks to both sides, 45 and 225 degrees are the same.
+
+    >>> rp.RecordSettings(components="azimuth")
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [records] components: "azimuth" needs the direction in which the...
     """
 
     heading = "[records]"
@@ -90,7 +98,11 @@ class RecordSettings(Section):
 
 @dataclass(frozen=True)
 class ConditioningSettings(Section):
-    """Options of baseline, filter and sampling; keyword arguments of :func:`rockpulse.condition`."""
+    """Options of baseline, filter and sampling; keyword arguments of :func:`rockpulse.condition`.
+
+    >>> rp.condition(record, **rp.ConditioningSettings(highpass_hz=0.1)).processing[-1].split(",")[0]
+    'filter: Butterworth high-pass 0.1 Hz'
+    """
 
     heading = "[conditioning]"
     baseline: str = choice("auto", ("auto", "none", "mean", "pre-event", "linear", "quadratic"))
@@ -112,7 +124,11 @@ class ConditioningSettings(Section):
 
 @dataclass(frozen=True)
 class HalfWaveSettings(Section):
-    """Criteria for half-waves; keyword arguments of :func:`rockpulse.half_waves`."""
+    """Criteria for half-waves; keyword arguments of :func:`rockpulse.half_waves`.
+
+    >>> rp.half_waves(record, **rp.HalfWaveSettings(threshold=0.2))
+    <HalfWaves of burst.2, waves 8, largest impulse 1.186 m/s, from 0 to 7.99 s>
+    """
 
     heading = "[half_waves]"
     threshold: float = number(0.0, low=0.0, high=1.0)
@@ -122,7 +138,11 @@ class HalfWaveSettings(Section):
 
 @dataclass(frozen=True)
 class IntensePhaseSettings(Section):
-    """The part of the record used for calibration; keyword arguments of :func:`rockpulse.intense_phase`."""
+    """The part of the record used for calibration; keyword arguments of :func:`rockpulse.intense_phase`.
+
+    >>> rp.intense_phase(record, **rp.IntensePhaseSettings(method="window", start_s=1.0, end_s=3.0))
+    IntensePhase(start=1.0, end=3.0)
+    """
 
     heading = "[intense_phase]"
     method: str = choice("D5-95", ("D5-95", "D5-75", "bracketed", "window"))
@@ -148,6 +168,9 @@ class SequenceSettings(Section):
 
     The method "rule" gives every body its own sequence, from the conservative variant of the rule; "statistics" gives
     one sequence for all bodies, from the half-waves of the record.
+
+    >>> rp.record_sequence(rp.half_waves(record), **rp.SequenceSettings(secondary="mean").statistics)
+    <ImpulseSequence I 1.186 m/s, I_s 0.2749 m/s, dT 0.4922 s, duration 7.99 s, main impulses 4, spacing end>
     """
 
     heading = "[sequence]"
@@ -175,6 +198,9 @@ class DemandSettings(Section):
     """The demand of the site in one limit state: the intensity to which records are scaled to assess bodies.
 
     `acceleration` is short for `measure = "pga"` with this `value`.
+
+    >>> rp.DemandSettings("SLV", measure="pga", value=2.5).strength
+    2.5
     """
 
     heading = "[[demand]]"
@@ -214,6 +240,9 @@ class CalibrationSettings(Section):
 
     By default earthquakes have equal weights with the method "spectrum", and records have equal weights with
     "statistics".
+
+    >>> rp.CalibrationSettings(method="statistics").weighting
+    'equal'
     """
 
     heading = "[calibration]"
@@ -247,7 +276,12 @@ class CalibrationSettings(Section):
 
 @dataclass(frozen=True)
 class RunSettings(Section):
-    """Options of the execution of a run."""
+    """Options of the execution of a run.
+
+    >>> rp.RunSettings(workers=0)
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [run] workers: expected one of "all" or an integer from 1 to...
+    """
 
     heading = "[run]"
     workers: str | int = choice("all", ("all",), most=MOST_WORKERS)

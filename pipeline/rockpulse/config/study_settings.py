@@ -81,6 +81,9 @@ class UncertaintySettings(Section):
 
     The probability is computed only with the nonlinear model. For a body whose restitution is a list, the range of its
     values replaces `restitution`.
+
+    >>> rp.UncertaintySettings(restitution=(0.85, 0.95)).of_draws()
+    Uncertainty(restitution=(0.85, 0.95))
     """
 
     heading = "[uncertainty]"
@@ -109,6 +112,12 @@ class FragilitySettings(Section):
     ------
     ConfigError
         If a selection is given without stripes.
+
+    Examples
+    --------
+    >>> rp.FragilitySettings(limit_states=[2.0])
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [fragility] limit_states: expected a list of "uplift", numbers in...
     """
 
     heading = "[fragility]"
@@ -144,6 +153,12 @@ class HazardSettings(Section):
     ------
     ConfigError
         If both a file and a power law are given, or only one of k0 and k, or only one of longitude and latitude.
+
+    Examples
+    --------
+    >>> rp.HazardSettings(k0=1e-4)
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [hazard] k0, k: expected both of the power law k0 x^-k, found one
     """
 
     heading = "[hazard]"
@@ -195,6 +210,11 @@ class CheckSettings(Section):
     ------
     ConfigError
         If "table" has no file, a file is given without "table", or parameters of the spectrum are missing.
+
+    Examples
+    --------
+    >>> rp.CheckSettings(spectrum="en_1998_1", ag=0.15, ground="B").confidence_factor
+    1.35
     """
 
     heading = "[check]"
@@ -238,7 +258,11 @@ class CheckSettings(Section):
 
 @dataclass(frozen=True)
 class ReportSettings(Section):
-    """Author, client and project of a report, and the PNG file of a logo, which is copied into the results."""
+    """Author, client and project of a report, and the PNG file of a logo, which is copied into the results.
+
+    >>> rp.Config(report=rp.ReportSettings(author="A. Rossi")).report
+    ReportSettings(author='A. Rossi')
+    """
 
     heading = "[report]"
     author: str = text()

@@ -102,6 +102,11 @@ def write(
         If a record read from the file would differ; nothing is written.
     OSError
         For an error of the operating system; all files remain unchanged.
+
+    Examples
+    --------
+    >>> rp.write(record, "burst.AT2", overwrite=True)[0].path.name
+    'burst.AT2'
     """
     records = [records] if isinstance(records, Record) else list(records)
     if not records:

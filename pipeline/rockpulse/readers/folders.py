@@ -92,7 +92,6 @@ def read(
 
     Examples
     --------
-    >>> import rockpulse as rp
     >>> [record.component for record in rp.read("data/samples/records/CICLC.v1")]
     ['90 Deg', '360 Deg', 'Up']
     >>> len(rp.read("data/samples/records"))
@@ -154,6 +153,12 @@ def read_all(
         If `units` is not an accepted unit. Faulty files raise no error.
     ConfigError
         If `response` is not an accepted value, or a pattern of `files` matches no file.
+
+    Examples
+    --------
+    >>> records, failures = rp.read_all(["records", "velocity.csv"])
+    >>> len(records), [one.kind for one in failures]
+    (5, ['failed'])
     """
     options = ReadOptions(units, dt, response, tuple(files))
     found, failures = find_files(paths)

@@ -118,6 +118,11 @@ def from_trace(
         For fewer than two samples, or samples that are not finite.
     ConfigError
         If `azimuth` is not finite.
+
+    Examples
+    --------
+    >>> from_trace(to_trace(record)).azimuth
+    0.0
     """
     where = f"trace {trace.id}"
     if azimuth is not None and not np.isfinite(azimuth):

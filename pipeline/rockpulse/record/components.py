@@ -37,7 +37,11 @@ OVERLAP_SHARE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two horizontal channels of one instrument with known azimuths."""
+    """Two horizontal channels of one instrument with known azimuths.
+
+    >>> [channel.azimuth for channel in rp.Pair(records[2], records[3]).channels]
+    [0.0, 90.0]
+    """
 
     __repr__ = one_line
 
@@ -125,6 +129,12 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
         In the order of their first channels.
     failures : list of Failure
         A row for each channel without a known azimuth, without a partner, or with several.
+
+    Examples
+    --------
+    >>> pairs, failures = rp.find_pairs(rp.read("data/samples/records/CICLC.v1"))
+    >>> [one.azimuth for one in pairs[0].channels], len(failures)  # the vertical channel has no azimuth
+    ([90.0, 0.0], 1)
     """
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:

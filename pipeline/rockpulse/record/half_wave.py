@@ -38,6 +38,12 @@ class HalfWaves(Shown):
         Sampling interval of the record [s].
     record_id : str
         Identifier of the record.
+
+    Examples
+    --------
+    >>> waves = rp.half_waves(record, threshold=0.2)
+    >>> len(waves), round(waves.largest, 2), waves.centroid.round(2).tolist()
+    (8, 1.19, [2.39, 2.77, 3.26, 3.75, 4.25, 4.74, 5.23, 5.61])
     """
 
     impulse: np.ndarray

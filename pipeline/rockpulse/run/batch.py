@@ -64,6 +64,13 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
         With ``options.strict``, at the first file or record that fails.
     Interrupted
         At Ctrl-C.
+
+    Examples
+    --------
+    >>> rp.assess_files("records", config, "batch.h5", rp.BatchOptions(overwrite=True)).records
+    5
+    >>> rp.load("batch.h5").rockpulse
+    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
     return _Batch(Assessment(config), output, options or BatchOptions()).run(paths)
 
@@ -73,6 +80,10 @@ def calibrate_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
     Arguments, result and errors are as in :func:`assess_files`; a table of weights that does not match the records
     raises ConfigError, records without a design RecordRefused.
+
+    >>> report = rp.calibrate_files("records", config, "design.h5", rp.BatchOptions(overwrite=True))
+    >>> rp.load_design(report.path).restitution.tolist()
+    [0.75, 0.8, 0.85, 0.9, 0.95, 1.0]
     """
     # Imports scipy.stats, which would add a third to the start time of a worker.
     from rockpulse.studies.site.calibration import SiteCalibration
@@ -84,6 +95,10 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
     """Fit fragility curves to all records of some files (:func:`rockpulse.fragility`) and write the file.
 
     Arguments, result and errors are as in :func:`assess_files`.
+
+    >>> options = rp.BatchOptions(overwrite=True)
+    >>> rp.fragility_files("records/burst.2.AT2", config, "curves.h5", options).records
+    1
     """
     from rockpulse.studies.fragility.fragility import FragilityAnalysis
 

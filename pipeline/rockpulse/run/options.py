@@ -47,6 +47,12 @@ class BatchOptions:
         Function of ``total``, ``initial``, ``desc`` and ``unit`` that returns a progress bar, as ``tqdm.tqdm`` does.
     tell : callable
         Function that shows a line of text to the user.
+
+    Examples
+    --------
+    >>> options = rp.BatchOptions(workers=1, overwrite=True)
+    >>> rp.assess_files("records/burst.2.AT2", config, "batch.h5", options).records
+    1
     """
 
     __repr__ = one_line
@@ -78,6 +84,12 @@ class BatchReport:
         Number of failures that a resumed run tries again.
     seconds : dict of str to float
         Total time of the workers for each step [s]: "read", "condition", "solve", "pack".
+
+    Examples
+    --------
+    >>> report = rp.assess_files("velocity.csv", config, "none.h5")
+    >>> report.path, report.records, report.failures[0].kind
+    (None, 0, 'failed')
     """
 
     __repr__ = one_line

@@ -110,9 +110,7 @@ def record_sequence(
 
     Examples
     --------
-    >>> from rockpulse.record.half_wave import half_waves
-    >>> from rockpulse.record.record import Record
-    >>> waves = half_waves(Record([0.0, 2.0, -6.0, 3.0, 0.0], dt=0.1, id="three"))
+    >>> waves = rp.half_waves(rp.Record([0.0, 2.0, -6.0, 3.0, 0.0], dt=0.1, id="three"))
     >>> sequence = record_sequence(waves, secondary="mean")
     >>> round(sequence.main, 6), round(sequence.secondary, 6), sequence.main_count
     (0.425, 0.1625, 1)

@@ -55,6 +55,12 @@ class Rule:
     within : dict of str to (float, float)
         Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C divided by Housner's value [-]) of the
         bodies on which the rule was fitted; other quantities are unlimited.
+
+    Examples
+    --------
+    >>> rule = rp.load_rule("conservative")
+    >>> round(rule.factor, 2), rule.within["radius"]
+    (0.97, (1.0, 4.0))
     """
 
     __repr__ = one_line

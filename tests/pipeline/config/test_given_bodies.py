@@ -1,5 +1,7 @@
 """Bodies as Python gives them, and what is said of anything else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,18 @@ def test_a_mapping_may_mix_sizes_blocks_and_settings():
     bodies = gather_bodies({"wall": (0.25, 2.2), "pier": Block(width=1.0, height=4.0), "statue": statue})
     assert bodies.names == ("wall", "pier", "statue", "statue with pedestal")
     assert bodies.width[:3].tolist() == [0.25, 1.0, 0.4]
+
+
+def test_a_body_with_a_list_of_restitutions_has_pedestals():
+    one, other = (PedestalSettings(width=width, height=0.5, mass=400.0) for width in (0.6, 0.8))
+    settings = {c: BlockSettings("s", 0.4, 1.6, mass=300.0, pedestals=(one, other), restitution=c) for c in (0.9, 0.8)}
+    listed = gather_bodies([replace(settings[0.9], restitution=(0.9, 0.8))])
+    assert listed.names == ("s", "s with pedestal", "s with pedestal 2")
+    for case, alone in enumerate(settings.values()):
+        expected = gather_bodies([alone]).lanes
+        for name in ("p", "alpha_c", "restitution"):
+            found = listed.per_case(np.asarray(getattr(listed.lanes, name)))[:, case]
+            np.testing.assert_allclose(found, getattr(expected, name))
 
 
 def test_settings_of_a_mapping_keep_what_a_direction_of_their_own_needs():

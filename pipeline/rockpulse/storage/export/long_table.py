@@ -173,8 +173,9 @@ def results_table(
 
     Examples
     --------
-    >>> import rockpulse as rp
-    >>> worst = rp.results_table("results.h5", model="nonlinear", sort="safety_factor", limit=20)  # doctest: +SKIP
+    >>> worst = rp.results_table("results.h5", model="nonlinear", sort="factor_10", limit=2)
+    >>> worst[["record", "block"]].values.tolist()
+    [['burst.2', 'stele'], ['burst.1', 'stele']]
     """
     names = {dim: (pattern,) for dim, pattern in (("record", record), ("block", block), ("model", model)) if pattern}
     selection = RowSelection(names, tuple(map(Condition.parse, where)), sort, descending, limit)

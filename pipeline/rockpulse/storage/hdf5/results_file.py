@@ -59,6 +59,12 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
     See Also
     --------
     load : reads the file.
+
+    Examples
+    --------
+    >>> rp.save(results, "again.h5", overwrite=True)
+    >>> rp.load("again.h5").rockpulse
+    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
     from rockpulse.storage.hdf5.writer import write_tree
 

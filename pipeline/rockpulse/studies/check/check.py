@@ -61,7 +61,6 @@ def check(
 
     Examples
     --------
-    >>> import rockpulse as rp
     >>> wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
     >>> config = rp.Config(bodies=(wall,), check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=1.0))
     >>> found = check(config=config, code="circolare_2009")

@@ -207,6 +207,12 @@ class KinematicCheck(NamedTuple):
         T_s [s].
     nonlinear : (m,) ndarray
         d_u* divided by S_De(T_s) [-]; 1 or more passes.
+
+    Examples
+    --------
+    >>> found = kinematic_check(Block(width=[0.4], height=[4.0]), lambda periods: 2.5 / periods, ground=2.0)
+    >>> found.linear.round(2), found.nonlinear.round(2)  # the wall fails the first check and passes the second
+    (array([0.98]), array([1.02]))
     """
 
     activation: np.ndarray

@@ -140,16 +140,9 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
 
     Examples
     --------
-    >>> import numpy as np, rockpulse as rp
-    >>> t = np.arange(0.0, 4.0, 0.01)
-    >>> shake = [
-    ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", processed=True) for f in (0.7, 1.1)
-    ... ]
-    >>> config = rp.Config(uncertainty=rp.UncertaintySettings(spectrum="all"))
-    >>> tree = rp.assess(shake, config, bodies={"pier": rp.models.Block(width=1.0, height=5.0)})
-    >>> found = rp.free_body_fragility(tree, rp.models.Block(width=[1.0], height=[5.0]), [1.0, 3.0, 30.0])
-    >>> bool(found["probability"][0, 0] == 0.0), bool(found["probability"][0, 2] > 0.9)
-    (True, True)
+    >>> found = rp.free_body_fragility(results, rp.models.Block(width=[1.0], height=[5.0]), [1.0, 3.0, 30.0])
+    >>> found["probability"].values.round(2).tolist()
+    [[0.0, 0.04, 0.68]]
     """
     at = np.atleast_1d(np.asarray(levels, dtype=float))
     spectra, summary = spectra_of(results, measure)

@@ -266,6 +266,12 @@ class SiteHazards:
     ------
     ConfigError
         If there is no hazard, for different measures or units, or invalid indices of hazards.
+
+    Examples
+    --------
+    >>> hazards = rp.load_site_hazards("curves.csv", [(12.0, 42.0), (13.0, 42.0), (13.1, 42.0)])
+    >>> len(hazards.hazards), hazards.of_body.tolist(), hazards.distance.round(-2).tolist()
+    (2, [0, 1, 1], [0.0, 0.0, 8300.0])
     """
 
     __repr__ = one_line

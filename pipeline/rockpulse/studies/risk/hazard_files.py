@@ -110,6 +110,12 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     ------
     ConfigError
         For a file of another format, a file of several points without `site`, or no point near the site.
+
+    Examples
+    --------
+    >>> hazard = rp.load_hazard("curve.csv")  # 0.0005 a year at 0.4 g
+    >>> round(float(hazard.rate(0.4 * 9.80665)), 6)
+    0.0005
     """
     sheet = _read(path)
     row, warnings = sheet.at(site)
@@ -137,6 +143,12 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     ------
     ConfigError
         As :func:`load_hazard`; also for a file without coordinates, or invalid sites or soil factors.
+
+    Examples
+    --------
+    >>> hazards = rp.load_site_hazards("curves.csv", [(12.0, 42.0), (13.1, 42.0)])
+    >>> [one.rates.round(4).tolist() for one in hazards.hazards]
+    [[0.0202, 0.001], [0.0305, 0.002]]
     """
     sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:

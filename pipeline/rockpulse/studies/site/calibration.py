@@ -73,16 +73,9 @@ def calibrate(
 
     Examples
     --------
-    >>> import numpy as np, rockpulse as rp
-    >>> t = np.arange(0.0, 4.0, 0.01)
-    >>> shake = [
-    ...     rp.Record(size * np.sin(2.0 * np.pi * t), dt=0.01, id=f"sine{size}", event=name, processed=True)
-    ...     for size, name in ((2.5, "Kobe"), (3.0, "Maule"))
-    ... ]
-    >>> config = rp.Config(calibration=rp.CalibrationSettings(method="statistics"))
-    >>> tree = rp.calibrate(shake, config, bodies={"pier": rp.models.Block(1.0, 6.0)})
-    >>> int(tree["site"]["event_count"])
-    2
+    >>> site = rp.calibrate(records, rp.Config(calibration=rp.CalibrationSettings(method="statistics")))
+    >>> site["site"]["parameter"].values.tolist(), site["site"]["design"].values.round(2).tolist()
+    (['main', 'ratio', 'interval', 'main_count', 'duration'], [0.83, 0.76, 0.49, 4.0, 1.83])
     """
     return run(SiteCalibration(given_config(config, units, dt), bodies), records, failures, progress)
 
@@ -199,6 +192,12 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
         For a file of another kind, or one with too few earthquakes for a design.
     OSError
         If the file cannot be opened.
+
+    Examples
+    --------
+    >>> design = rp.load_design("site.h5")
+    >>> design.p.size, design.restitution.tolist()
+    (24, [0.75, 0.8, 0.85, 0.9, 0.95, 1.0])
     """
     tree = load(path)
     kind = tree.attrs.get("kind", ASSESSMENT)

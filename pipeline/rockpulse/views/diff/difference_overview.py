@@ -65,9 +65,7 @@ def diff(
 
     Examples
     --------
-    >>> import numpy as np, rockpulse as rp
-    >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
-    >>> before, after = (rp.assess(sine, bodies={"wall": (width, 2.2)}) for width in (0.25, 0.8))
+    >>> before, after = (rp.assess(record, bodies={"wall": (width, 2.2)}) for width in (0.25, 0.8))
     >>> rp.diff(before, after).same, rp.diff(before, before).same
     (False, True)
     """

@@ -58,6 +58,12 @@ def overturning_map(
         Axes to draw on; by default a new figure with a height that fits its rows.
     most : int
         Largest number of rows; the smallest factors are shown.
+
+    Examples
+    --------
+    >>> ax = rp.plots.overturning_map(results, block="stele")
+    >>> ax.get_xlabel(), [label.get_text() for label in ax.get_yticklabels()]
+    ('scale factor on the record [-]', ['burst.2', 'burst.1', 'burst.0', 'burst.3', 'CI.CCC'])
     """
     summary = tree["summary"].to_dataset()
     model = fullest_model(summary) if model is None else one_name(summary, "model", model)
@@ -132,6 +138,11 @@ def critical_scale(
         Number of the restitution, from 1.
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure with a height that fits its rows.
+
+    Examples
+    --------
+    >>> rp.plots.critical_scale(results, "pier").get_xlabel()
+    "smallest factor on the model's input that overturns [-]"
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)

@@ -177,11 +177,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
 
     Examples
     --------
-    >>> import rockpulse as rp
-    >>> record = rp.read("data/samples/records/CICLC.v1")[0]
-    >>> results = rp.assess([record], rp.Config(bodies=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
     >>> rp.plots.draw(results, "bodies").axes[0].get_title()
-    'wall'
+    'stele'
     """
     if kind not in KINDS:
         told = f"there are: {', '.join(KINDS)}"
@@ -241,7 +238,6 @@ def plot(
 
     Examples
     --------
-    >>> import rockpulse as rp
     >>> figure = rp.plot(rp.models.Block(width=0.25, height=2.2))
     >>> figure.axes[0].texts[0].get_text()
     '2.2 m'

@@ -55,6 +55,11 @@ def fragility(
     matplotlib Axes
         Axes with a line for every fitted curve, one filled band unless it spans nearly 0 to 1, and, for up to three
         limit states and if every record was scaled, a mark for each single capacity.
+
+    Examples
+    --------
+    >>> rp.plots.fragility(fragility, "pier", measure="pga").get_xlabel()
+    'PGA [m/s²]'
     """
     measure = measure or shown_measure(tree["fragility"].to_dataset())
     found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
@@ -79,6 +84,11 @@ def fragility_panels(
         of the power law in `[hazard]` or, without a power law, PGA.
     axes : matplotlib Axes, optional
         Axes for each measure; by default on a new figure.
+
+    Examples
+    --------
+    >>> [ax.get_xlabel() for ax in rp.plots.fragility_panels(fragility, "pier", measures=["pga", "pgv"])]
+    ['PGA [m/s²]', 'PGV [m/s]']
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)

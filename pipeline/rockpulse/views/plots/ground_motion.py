@@ -38,6 +38,12 @@ def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
     ------
     ResultsError
         If the file does not contain the accelerogram.
+
+    Examples
+    --------
+    >>> impulse = rp.plots.stored_motion(results, "burst.2")["impulse"]
+    >>> round(float(impulse.max()), 2), impulse.attrs["units"]
+    (1.19, 'm s-1')
     """
     summary = tree["summary"].to_dataset()
     own = summary.sel(record=record)
@@ -74,8 +80,7 @@ def motion_of_record(
 
     Examples
     --------
-    >>> from rockpulse.record.record import Record
-    >>> motion = motion_of_record(Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three triangles"))
+    >>> motion = motion_of_record(rp.Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three triangles"))
     >>> motion["impulse"].values.round(3).tolist(), motion["impulse"].attrs["units"]
     ([0.225, -0.225, 0.1], 'm s-1')
     """
@@ -141,6 +146,11 @@ def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
         Result of :func:`~rockpulse.plots.stored_motion` or :func:`~rockpulse.plots.motion_of_record`.
     axes : array_like of three matplotlib Axes, optional
         Axes to draw on; by default a new figure.
+
+    Examples
+    --------
+    >>> rp.plots.accelerogram(rp.plots.stored_motion(results, "burst.2"))[0].get_ylabel()
+    '[m/s²]'
     """
     panels = style.several_axes(axes, 3, height=5.6, height_ratios=[0.55, 1.0, 1.0])[:, 0]
     if axes is None:

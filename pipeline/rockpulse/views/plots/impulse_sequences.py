@@ -40,6 +40,12 @@ def limit_accelerogram(
     (2,) ndarray of Axes
         The main sequence alone (Figure 1 of the paper), and with the secondary sequence (Figure 2). The last of the
         ``lines`` of each are the half-cycles of the block, with abs(theta)/alpha_c at their peaks.
+
+    Examples
+    --------
+    >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
+    >>> [ax.get_ylabel() for ax in rp.plots.limit_accelerogram(pier, sequence)]
+    ['impulse of the ground [m/s]', 'impulse of the ground [m/s]']
     """
     panels = style.several_axes(axes, 2, height=5.0, sharex=True, sharey=True)[:, 0]
     drawn = [replace(sequence, secondary=0.0), sequence]

@@ -34,7 +34,12 @@ _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other mod
 
 
 class ModelHistory(NamedTuple):
-    """The motion of a body in one model; without samples if the model gave no result."""
+    """The motion of a body in one model; without samples if the model gave no result.
+
+    >>> history = rp.plots.histories(results, "burst.2", "pier")[0]
+    >>> history.model, round(history.peak, 3)
+    ('nonlinear', 0.581)
+    """
 
     model: str
     time: np.ndarray = np.zeros(0)  # (n,) time after the first sample of the record [s]
@@ -79,6 +84,11 @@ def histories(
     Histories of models that use the record are read if stored ([models] histories = true). If not, and at other scale
     factors, they are recomputed from the stored accelerogram, those of impulsive from the stored half-waves. Sequence
     and resonance have their own time axis: their first main impulse is placed at the start of the intense phase.
+
+    Examples
+    --------
+    >>> [(one.model, round(one.peak, 3)) for one in rp.plots.histories(results, "burst.2", "pier")]
+    [('nonlinear', 0.581)]
     """
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)

@@ -39,6 +39,11 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
         Half-waves of one record.
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure.
+
+    Examples
+    --------
+    >>> rp.plots.half_wave_impulses(rp.half_waves(record)).get_ylabel()
+    'impulse [m/s]'
     """
     ax = style.one_axes(ax, height=2.6)
     size = np.abs(waves.impulse)
@@ -64,6 +69,12 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
         of a block (see :func:`limit_accelerogram`).
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure.
+
+    Examples
+    --------
+    >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0)
+    >>> rp.plots.two_half_cycles(sequence).get_ylabel()
+    'impulse of the ground [m/s]'
     """
     ax = style.one_axes(ax, height=2.6)
     mains, others = sequence.two_half_cycles()
@@ -87,6 +98,9 @@ def block_outlines(block: Block) -> Figure:
     """Draw a block, or the first eight of (m,) blocks, with sizes and restraints, each at its own scale.
 
     The view is along the base, with theta > 0 to the right.
+
+    >>> rp.plots.block_outlines(pier).axes[0].texts[0].get_text()
+    '4 m'
     """
     count = block.shape[0] if block.shape else 0
     names = [say("plot.object.block", number=lane + 1) for lane in range(count)]
@@ -102,6 +116,11 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         Response of any model, with a history if it was requested.
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure.
+
+    Examples
+    --------
+    >>> rp.plots.response(rp.models.recorded_response(pier, record.acceleration, record.dt)).get_xlabel()
+    'body'
     """
     ax = style.one_axes(ax)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
@@ -146,6 +165,9 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
     """Draw the first eight bodies, or a selected body, from the results of an assessment.
 
     The view is along the base, with theta > 0 to the right; each body has its own scale.
+
+    >>> [ax.get_title() for ax in rp.plots.bodies(results).axes[:2]]
+    ['stele', 'pier']
     """
     summary = tree["summary"].to_dataset()
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]

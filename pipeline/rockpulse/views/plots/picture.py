@@ -35,6 +35,9 @@ def picture_bytes(figure: Figure, form: str) -> bytes:
 
     Equal figures give equal bytes, without a time stamp and, in SVG, without random ids. Text remains text in SVG and
     PDF.
+
+    >>> rp.plots.picture_bytes(rp.plots.bodies(results), "png")[1:4]
+    b'PNG'
     """
     buffer = BytesIO()
     # The writers read these settings only globally; they are restored at once, under the lock.
@@ -59,6 +62,11 @@ def svg(figure: Figure, name: str | None = None) -> str:
     ------
     ValueError
         For a name that cannot start an id.
+
+    Examples
+    --------
+    >>> rp.plots.svg(rp.plots.bodies(results), "wall").count('id="wall')
+    22
     """
     text = picture_bytes(figure, "svg").decode("utf-8")
     element = text[text.index("<svg") :].rstrip()

@@ -42,6 +42,11 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         Name of a demand to which every record is scaled; by default the records are unscaled.
     ax : matplotlib Axes, optional
         Axes to draw on; by default a new figure with a height that fits its rows.
+
+    Examples
+    --------
+    >>> [label.get_text() for label in rp.plots.probability_map(results).get_xticklabels()]
+    ['stele', 'pier']
     """
     answers = answers_of(tree)
     motions, known = answers.motions, answers.probable

@@ -31,6 +31,11 @@ def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = No
         Axes to draw on; by default a new figure with a common time axis.
     title : str
         Title of the figure.
+
+    Examples
+    --------
+    >>> rp.plots.rotation_history(rp.plots.histories(results, "burst.2", "pier"))[1].get_ylabel()
+    'impacts'
     """
     rows = 0.35 + 0.17 * len(histories)
     ratios = [2.9, rows]

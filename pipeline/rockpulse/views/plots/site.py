@@ -40,6 +40,11 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
         Main impulse, I_s/I, interval, number of main impulses, duration, and the legend. Each step of a distribution is
         a record, with its weight as height; an interval from the calibration of a single record is a horizontal line.
         (1,) for a site with a spectrum.
+
+    Examples
+    --------
+    >>> rp.plots.calibration(site)[0].get_xlabel()
+    'frequency parameter of the blocks $p$ [1/s]'
     """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
@@ -55,7 +60,15 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
     counts = style.record_counts(int(site["record_count"]), int(site["event_count"]))
     name = style.plain(tree.attrs.get("title", ""))
-    style.title(panels[0], say("plot.site.title", name=name, records=counts, method=site.attrs["method"]))
+    style.title(
+        panels[0],
+        say(
+            "plot.site.title",
+            name=name,
+            records=counts,
+            method=translated(f"options.{site.attrs['method']}", site.attrs["method"]),
+        ),
+    )
     style.caption(panels[-2], " ".join(_warnings(site)))
     return panels
 

@@ -47,6 +47,11 @@ def rocking_spectrum(
         p [1/s] and alpha_c [rad] of bodies, by name.
     note : str
         Additional sentence for the small print.
+
+    Examples
+    --------
+    >>> rp.plots.rocking_spectrum(rp.rocking_spectrum(record, p=[1.0, 2.0], alpha=[0.1, 0.2])).get_xlabel()
+    'frequency parameter $p$ [1/s]'
     """
     ax = style.one_axes(ax, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
@@ -171,6 +176,11 @@ def overturning_spectra(
         Scale factors of the records for each demand, by its name; the median spectrum at each demand is also drawn.
     gravity : float
         Acceleration of gravity at the bodies [m/s2].
+
+    Examples
+    --------
+    >>> rp.plots.overturning_spectra(site["spectra"].dataset).get_xlabel()
+    'frequency parameter of the blocks $p$ [1/s]'
     """
     ax = style.one_axes(ax, height=4.4)
     several = spectra if "record" in spectra.dims else spectra.expand_dims("record")

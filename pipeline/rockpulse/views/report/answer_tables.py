@@ -14,7 +14,7 @@ from rockpulse.views.shared import shown_columns as col
 from rockpulse.views.shared.formatting import ratio, share
 from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table
-from rockpulse.views.shared.words import numerals, say
+from rockpulse.views.shared.words import body_name, numerals, say
 
 #: Grade of a cell for each result of a body under a record.
 _GRADES = {
@@ -98,7 +98,7 @@ class AnswerCells:
         (last,) = col.headed(col.columns(factor))
         if probable:
             return col.headed(col.columns("overturning_probability"))[0], last._replace(note=say("head.of_record"))
-        first = Heading(say("head.answer"), note=say(f"models.{self.answers.model}"))
+        first = Heading(say("head.answer"), note=say("model.name", name=say(f"models.{self.answers.model}")))
         return first, last._replace(note=factor_name(factor))
 
     def factor(self, record: int, lane: int) -> Cell:
@@ -143,7 +143,7 @@ def count_table(answers: Answers) -> Table:
     rows = []
     for k, body in enumerate(answers.bodies):
         cells = (_count(fallen[k], total, silent[k]) for fallen, silent in counts)
-        rows.append((Cell(body.name, link=f"body-{body.place}"), *cells))
+        rows.append((Cell(body_name(body.name), link=f"body-{body.place}"), *cells))
     headings = (Heading(say("head.body")), *map(model_heading, answers.models))
     return Table("counts", say("caption.counts"), headings, tuple(rows))
 

@@ -19,7 +19,7 @@ from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import share
 from rockpulse.views.shared.shown_columns import shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
-from rockpulse.views.shared.words import counted_words, listed, say
+from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated
 from rockpulse.views.text import fragility as curves_text
 from rockpulse.views.text.site import about_records, coverage, design, site_tables, site_warnings
 
@@ -250,7 +250,7 @@ def _every_record(site: xr.Dataset) -> Table:
         titled("PGA", number_cell, "pga", unit="m/s2"),
         titled("PGV", number_cell, "pgv", unit="m/s"),
         *(titled(title, number_cell, title, unit=unit) for title, unit in parameters),
-        titled(say("site.misfit"), number_cell, "misfit", note="ln, rms"),
+        titled(say("site.misfit"), number_cell, "misfit", note=translated("labels.ln, rms", "ln, rms")),
         titled(say("site.below"), shown(share), "unsafe_share", note=say("site.of_blocks")),
     )
     values = {title: site["value"].isel(parameter=place) for place, (title, _) in enumerate(parameters)}
@@ -285,6 +285,6 @@ def _warning_table(own: xr.Dataset) -> Table:
         for state in own["limit_state"].values.tolist():
             if said := curves_text.statement(own.sel(block=block, limit_state=state)):
                 found.setdefault(said, []).append(curves_text.state_words(state))
-        rows += [(Cell(block), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
+        rows += [(Cell(body_name(block)), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
     headings = tuple(Heading(say(key)) for key in ("head.body", "fragility.limit_states", "fragility.warning"))
     return Table("fragility-warnings", say("fragility.warnings"), headings, tuple(rows))

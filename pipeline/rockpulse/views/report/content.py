@@ -30,7 +30,7 @@ from rockpulse.views.report.verdict import (
     figures_legend,
 )
 from rockpulse.views.shared.files_used import files_used
-from rockpulse.views.shared.formatting import ABSENT, restitution, three_digits
+from rockpulse.views.shared.formatting import ABSENT, restitution, six_digits, three_digits
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.shown_columns import columns, grade_cell, headed
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
@@ -59,6 +59,7 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
     sections = stored_sections(configuration)
     files, drawn = files_used(tree), drawings(tree)
     calibrated = None if site is None else site.tree["site"].to_dataset()
+    motions_tree = site.tree if by_sequence and site else tree  # whose files were read
     said = warnings(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
     title = str(tree.attrs.get("title", ""))
     history = (line.partition(WRITTEN_BY) for line in str(tree.attrs.get("history", "")).splitlines())
@@ -80,7 +81,7 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
         verdict=body_table(answers, found),
         legend=figures_legend(answers),
         used=records.used_table(answers),
-        left_out=records.left_out_table(site.tree if by_sequence and site else tree),
+        left_out=records.left_out_table(motions_tree),
         counted_by=counted_by(answers),
         warnings=said,
         counts=count_table(answers),
@@ -98,7 +99,7 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
         not_covered=tuple(_fact(f"not_covered.{name}") for name in _NOT_COVERED),
         versions=records.versions(tree),
         inputs=records.input_table(summary),
-        failures=records.left_out_files(tree),
+        failures=records.left_out_files(motions_tree),
         record_warnings=records.warning_table(summary),
         configuration=configuration,
     )
@@ -197,7 +198,7 @@ def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
 def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[Fact, ...]:
     one = Known(answers.summary, block=block)
     known = one.number
-    size = f"{known('width', 'm')} × {known('height', 'm')}"
+    size = " × ".join(known(name, "m") for name in ("width", "height") if not math.isnan(one.value(name)))
     facts = {
         "size": say("fact.by_numbers") if math.isnan(one.value("width")) else size,
         "beside": one.support,
@@ -237,9 +238,11 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
     names = {name: say(f"fact.{name}") for name in ("source", "sha256")}
     told = {names["source"]: own("source"), names["sha256"]: own("source_sha256")}
     if one.value("npts") >= 0:
+        angle = one.value("azimuth")
+        azimuth = "" if math.isnan(angle) else f" ({say('direction.azimuth', angle=six_digits(angle))})"
         start, end = (known(f"intense_{side}", "s") for side in ("start", "end"))
         facts = {
-            "component": f"{own('station')}, {one.component} ({known('azimuth', '°')})",
+            "component": f"{own('station')}, {one.component}{azimuth}",
             "station_name": own("station_name"),
             "start": in_dates(own("start_time")),
             "samples": say("fact.at_interval", count=one.value("npts"), interval=known("dt", "s")),
@@ -248,7 +251,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
             "arias": known("arias_intensity", "m/s"),
             "intense": say("between", low=start, high=end),
         }
-        told |= {say("fact.earthquake"): records.event_name(event), **dict(one.stated)}
+        told |= {say("fact.earthquake"): records.event_name(event, one), **dict(one.stated)}
         told |= {say(f"fact.{name}"): value for name, value in facts.items()}
     told[say("fact.sequence")] = _sequence(one)
     lists = {name: one.lines(name) for name in ("processing", "warnings")}

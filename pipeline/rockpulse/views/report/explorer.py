@@ -22,7 +22,7 @@ from rockpulse.views.plots.model_histories import ModelHistory, histories, recom
 from rockpulse.views.plots.selection import block_of, plain_bodies
 from rockpulse.views.report.record_tables import record_words
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.words import say, section
+from rockpulse.views.shared.words import body_name, say, section
 
 #: Number of scale factors of each record.
 STEPS = 5
@@ -87,7 +87,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
         ],
         "bodies": [
             {
-                "name": body.name,
+                "name": body_name(body.name),
                 "block": stored[body.place] if stored else body.block,
                 "case": body.case + 1 if body.several else 0,
                 **_outline(block_of(answers.summary, body.block, body.case + 1)),

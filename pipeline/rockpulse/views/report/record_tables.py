@@ -12,12 +12,12 @@ from rockpulse.assessment.assessment import NAME
 from rockpulse.errors import alike
 from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.selection.events import UNKNOWN
+from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.files_used import failure_rows, reasons_of
 from rockpulse.views.shared.formatting import ratio, three_digits
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
-from rockpulse.views.shared.words import counted_words, in_dates, listed, say
+from rockpulse.views.shared.words import body_name, counted_words, in_dates, listed, numerals, say
 from rockpulse.views.text.left_out import apart, by_kind
 
 #: Largest number of rows in the table of records, of directions in a row, and of reasons for a kind.
@@ -28,14 +28,19 @@ LONGEST = 90
 _TOLD = ("failed", "skipped")
 
 
-def event_name(event: str) -> str:
-    """Return the name of the earthquake to which a record is assigned."""
-    return say("unknown_event.name") if event == UNKNOWN else event
+def event_name(event: str, known: Known | None) -> str:
+    """Return the name of the earthquake to which a record is assigned, or its date for a label without a name."""
+    if event == UNKNOWN:
+        return say("unknown_event.name")
+    return event if words_of(event) or known is None else earthquake_words(known) or event
 
 
 def record_label(record: str) -> str:
     """Return the id of a record, or the label of a design sequence."""
-    return say("motions.design") if record == NAME else record
+    start, design, quantile = record.partition(NAME)
+    if start or not design:
+        return record
+    return say("motions.design_of", quantile=numerals(quantile.strip())) if quantile else say("motions.design")
 
 
 def earthquake_words(known: Known) -> str:
@@ -97,7 +102,8 @@ def _worst(answers: Answers, rows: list[int]) -> Cell:
         return Cell("")
     lane = int(np.nanargmax(np.nanmax(np.where(np.isnan(table), -math.inf, table), axis=0)))
     what = say(f"column.{'overturning_probability' if answers.probable else 'safety_factor'}.head")
-    return Cell(f"{answers.bodies[lane].name} ({what}\N{NO-BREAK SPACE}{ratio(abs(float(np.nanmax(table[:, lane]))))})")
+    value = ratio(abs(float(np.nanmax(table[:, lane]))))
+    return Cell(f"{body_name(answers.bodies[lane].name)} ({what}\N{NO-BREAK SPACE}{value})")
 
 
 def earthquake_table(answers: Answers) -> Table:
@@ -111,7 +117,14 @@ def earthquake_table(answers: Answers) -> Table:
         members = np.unique(motions.index[places])
         known = [Known(answers.summary, record=answers.records[row]) for row in members if row >= 0]
         names = ", ".join(motions.names[place] for place in places)
-        rows.append((Cell(event_name(event)), *_of_earthquake(known), number_cell(len(places), str), Cell(names)))
+        rows.append(
+            (
+                Cell(event_name(event, known[0] if known else None)),
+                *_of_earthquake(known),
+                number_cell(len(places), str),
+                Cell(names),
+            )
+        )
     titles, always = ("earthquake", "date", "magnitude", "distance", "motions", "which"), (0, 4, 5)
     shown = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
     of_shown = tuple(tuple(row[place] for place in shown) for row in rows)

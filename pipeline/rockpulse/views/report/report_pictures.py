@@ -17,7 +17,7 @@ from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.beside import Paired
 from rockpulse.views.report.drawings import strip
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.words import body_name, say
 
 #: Largest number of records that are all drawn with half-waves and impulses; of more, only records that govern a body.
 IN_FULL = 20
@@ -105,7 +105,7 @@ class Pictures:
             ax: Axes = rotation_history(found)[0]
             return ax
 
-        caption = say("picture.rotation", body=body.name, record=record, model=say(f"models.{model}"))
+        caption = say("picture.rotation", body=body_name(body.name), record=record, model=say(f"models.{model}"))
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[PageElement]:

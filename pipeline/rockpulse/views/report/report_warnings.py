@@ -24,7 +24,7 @@ from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.shown_columns import doubt_notes, record_cells
-from rockpulse.views.shared.words import counted_words, listed, say
+from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
 
@@ -55,7 +55,7 @@ def warnings(
         if any(has_warning(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
             said.append(_limit("decides", "not_compared"))  # a sequence has no PGA
         said += [] if site is None else _of_design(site, found)
-    said += [_confidence(motions, site), _at_rest(found, motions)]
+    said += [_confidence(found, motions, site), _at_rest(found, motions)]
     if files.line:
         told = files.counted or say("warning.files.none")
         said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
@@ -79,8 +79,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
     if motions.kind == "sequence":
         lines += [one.text for one in said if one.head == say("warning.site_confidence.head")]
     else:
-        counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
-        fewest = min(counts, default=motions.event_count)
+        fewest = _fewest(found, motions)
         most = share(float(probability_interval(0.0, fewest)[1]))
         lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=most))
     return [*lines, say("limits.not_covered")]
@@ -113,19 +112,26 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
     ]
 
 
-def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
+def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
+    """Return the smallest number of earthquakes that a verdict is based on."""
+    counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
+    return min(counts, default=motions.event_count)
+
+
+def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
         told = say("warning.site_confidence.ask") if site is None else coverage(site)
         return _limit("limits", "site_confidence", coverage=told)
-    events = counted_words(motions.event_count, "earthquake")
+    count = _fewest(found, motions)
+    events = counted_words(count, "earthquake")
     few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
     return _limit(
         "limits",
         "confidence",
         events=events,
-        most=share(float(probability_interval(0.0, motions.event_count)[1])),
+        most=share(float(probability_interval(0.0, count)[1])),
         confidence=share(CONFIDENCE),
-        few=few if motions.event_count < FEWEST_EVENTS else "",
+        few=few if count < FEWEST_EVENTS else "",
         unknown=of_unknown_event(motions),
     )
 
@@ -148,10 +154,14 @@ def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[li
     """Find surviving bodies that overturn within the interval of the main impulse or under a record of the site."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [one for one in standing if one.margin.smallest <= factor]
-    within = [f"{one.body.name} ({factor_heading('safety_factor')} {ratio(one.margin.smallest)})" for one in near]
+    within = [
+        f"{body_name(one.body.name)} ({factor_heading('safety_factor')} {ratio(one.margin.smallest)})" for one in near
+    ]
     overturned = np.isinf(site["rotation_ratio"].transpose("block", "record").values).sum(axis=1)
     named = zip(map(str, site["block"].values), overturned.tolist(), strict=True)
-    fallen = [say("of_all", name=name, count=count, total=site.sizes["record"]) for name, count in named if count]
+    fallen = [
+        say("of_all", name=body_name(name), count=count, total=site.sizes["record"]) for name, count in named if count
+    ]
     return within, fallen
 
 
@@ -162,7 +172,9 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
     own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
     within = [name for name, one in own.items() if float(one["design_factor_lower"]) <= 1.0]
     shares = {name: float(one["overturned_share"]) for name, one in own.items()}
-    return within, [f"{name} ({share(value)})" for name, value in shares.items() if value > 0.0]
+    return [body_name(name) for name in within], [
+        f"{body_name(name)} ({share(value)})" for name, value in shares.items() if value > 0.0
+    ]
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
@@ -170,11 +182,14 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.decides.value)
-        said.append(_limit("limits", "pedestal", name=alone, worst=worst.body.name, value=value))
+        said.append(_limit("limits", "pedestal", name=alone, worst=body_name(worst.body.name), value=value))
     for one in sliding(answers):
-        told = {"total": counted_words(one.total, "record"), "most": ratio(one.most)}
+        told = {
+            "total": counted_words(one.total, "record"),
+            "most": ratio(one.most) if np.isfinite(one.most) else say("infinite"),
+        }
         own = six_digits(one.friction)
-        said.append(_limit("decides", "slides", name=one.body.name, count=one.above, friction=own, **told))
+        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **told))
     return said
 
 

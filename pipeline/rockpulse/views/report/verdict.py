@@ -27,7 +27,7 @@ from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.shown_columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
-from rockpulse.views.shared.words import counted_words, in_numerals, say
+from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 
 #: Separator between the ends of an interval, which allows no line break.
 TO = "\N{WORD JOINER}–\N{WORD JOINER}"
@@ -76,7 +76,8 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
     """Return the drawing of every body of the results on its pedestals."""
     summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
     blocks = config_from_text(configuration).bodies if configuration else ()
-    below = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
+    sizes = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
+    below = sizes | {own_name(name): own for name, own in sizes.items()}
     names = [str(name) for name in summary["block"].values]
     alone = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else [""] * len(names)
     found = []
@@ -115,7 +116,9 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
             say("verdict.at_demand", name=demand.name, events=counted_words(demand.earthquakes, "earthquake")) + lost
         )
         under += say("verdict.few", needed=FEWEST_AT_DEMAND) if demand.few else ""
-    fields = {"what": what, "value": ratio(one.decides.value), "high": ratio(one.decides.high)}
+    value = ratio(one.decides.value)
+    value = say("less_than", value=value[1:]) if value.startswith("<") else value
+    fields = {"what": what, "value": value, "high": ratio(one.decides.high)}
     return say("verdict.probability", under=under, confidence=share(CONFIDENCE), **fields)
 
 
@@ -125,6 +128,8 @@ def basis(answers: Answers, unused: str) -> str:
     said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
         told = in_numerals(demand.words.replace("m/s2", "m/s²"))
+        if demand.words.startswith("PGA "):
+            told += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
         said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))
     return " ".join(said)
 
@@ -192,7 +197,7 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     columns: list[tuple[Heading, Callable[[BodyVerdict], Cell]]] = [
         (Heading(say("head.body")), lambda one: Cell(one.body.block, link=f"body-{one.body.place}")),
         (c.heading._replace(note=""), lambda one: c.cell(one.body.restitution)),
-        (COLUMNS["verdict"].heading._replace(note=say(f"models.{answers.model}")), grade_cell),
+        (COLUMNS["verdict"].heading._replace(note=say("model.name", name=say(f"models.{answers.model}"))), grade_cell),
         *(
             (Heading(say("head.at", what=of, name=name), note=say("head.interval")), partial(_at_demand, place))
             for place, name in enumerate(answers.demands)

@@ -27,9 +27,10 @@ from rockpulse.version import __version__
 from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
+from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.shared.table import Fact
-from rockpulse.views.shared.words import in_dates, own_name, say, writing
+from rockpulse.views.shared.words import in_dates, own_name, result_texts, say, writing
 
 #: Mark in the head of every report; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
@@ -90,7 +91,8 @@ def report(
     overwrite : bool
         Whether an existing report may be replaced; other files are never replaced.
     language : str
-        Language of text and numbers: "en" or "it". Warnings and reasons of readers remain in English.
+        Language of texts and numbers: "en" or "it". Reasons for which a file could not be read, and warnings on the
+        contents of its header, stay English.
     config : Config or path, optional
         Configuration whose author, client, project and logo ([report]) replace those in the results.
 
@@ -107,6 +109,11 @@ def report(
         browser to print it.
     OSError
         If a file cannot be read or written.
+
+    Examples
+    --------
+    >>> rp.report(results, "report.html", overwrite=True).name
+    'report.html'
     """
     target = check_report_target(output, overwrite)
     as_pdf = target.suffix.lower() == ".pdf"
@@ -198,14 +205,21 @@ def report_page(
 
 
 def _in_language(tree: xr.DataTree) -> xr.DataTree:
-    """Return the tree with names of bodies, title and description of the samples in the current language."""
+    """Return the tree with the names of samples, and warnings and processing of records, in the current language."""
 
     def renamed(node: xr.Dataset) -> xr.Dataset:
         attrs = {name: own_name(str(node.attrs[name])) for name in ("title", "site_description") if name in node.attrs}
-        kept = [name for name in ("block", "pedestal_of") if name in node]
+        of_demand = ("demand", "limit_state") if "demand" in node.dims else ()
+        kept = [name for name in ("block", "pedestal_of", *of_demand) if name in node]
         names = {name: [own_name(str(one)) for one in node[name].values] for name in kept}
-        if len(set(names.get("block", ()))) < node.sizes.get("block", 0):
-            return node  # two bodies would have one name
+        if "record" in node.dims:
+            names["record"] = [record_label(str(one)) for one in node["record"].values]
+        if any(len(set(every)) < node.sizes.get(name, 0) for name, every in names.items()):
+            names = {}  # two bodies or demands would have one name
+        for name in (name for name in ("warnings", "processing", "block_warnings") if name in node):
+            coded = name == "warnings" and "warning_codes" in node
+            codes = node["warning_codes"].values.tolist() if coded else [""] * node[name].size
+            names[name] = [result_texts(str(one), code) for one, code in zip(node[name].values, codes, strict=True)]
         changed = {name: (node[name].dims, np.array(every, dtype=object)) for name, every in names.items()}
         return node.assign(changed).assign_attrs(attrs)
 

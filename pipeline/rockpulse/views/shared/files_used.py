@@ -11,7 +11,7 @@ import xarray as xr
 
 from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
-from rockpulse.views.shared.words import counted_words, say
+from rockpulse.views.shared.words import counted_words, language, result_text, say
 
 #: Kinds of rows of channels that were read but not assessed, and whose file therefore is used.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
@@ -111,7 +111,11 @@ def failure_rows(tree: xr.DataTree) -> list[Failure]:
         return []
     failures = tree["failures"].to_dataset()
     columns = (failures[name].values.tolist() for name in ("file", "stage", "reason", "kind"))
-    return [Failure(*row) for row in zip(*columns, strict=True)]
+    return [_translated(Failure(*row)) for row in zip(*columns, strict=True)]
+
+
+def _translated(row: Failure) -> Failure:
+    return row if language() == "en" else replace(row, reason=row.reason.replace(row.bare, result_text(row.bare)))
 
 
 def _named(row: Failure) -> list[str]:

@@ -62,7 +62,9 @@ class RecordFacts:
     def title(self) -> str:
         """Return the name of the earthquake, with its date unless the name contains it; empty without a name."""
         title = self._named
-        return title if not title or _DATED.search(title) else f"{title} {in_dates(self.date)}".rstrip()
+        if not title or not self.date or _DATED.search(title):
+            return title
+        return say("earthquake_on", name=title, date=in_dates(self.date))
 
     @property
     def date(self) -> str:

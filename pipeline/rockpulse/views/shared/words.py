@@ -12,7 +12,7 @@ from typing import Any
 
 from rockpulse.errors import ConfigError
 from rockpulse.option import hint
-from rockpulse.warning_text import WarningText, restored
+from rockpulse.warning_text import TEMPLATES, WarningText, restored
 
 _FOLDER = files("rockpulse.views").joinpath("words")
 #: Codes of the available languages.
@@ -20,8 +20,12 @@ LANGUAGES = tuple(sorted(one.name.removesuffix(".toml") for one in _FOLDER.iterd
 _LANGUAGE = ContextVar("language", default="en")
 #: Pattern of the decimal point of a number, but not of an id or a version.
 _POINT = re.compile(r"(?<![\w.])([-−+~<>≤]?\d+)\.(\d+)(?![\w.]*\.\d)(?![A-Za-z_]*@)")
+#: A number in the English text of a result.
+_NUMBER = re.compile(r"[-+]?(?:\d[\d.]*(?:e[-+]?\d+)?|inf|nan)%?")
 #: Pattern of a date, with the T before a time.
 _DATE = re.compile(r"\b(\d{4})-(\d\d)-(\d\d)(T(?=\d)|\b)")
+#: Restitution at the end of the name of a body.
+_RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
 
 
 @contextmanager
@@ -108,6 +112,11 @@ def in_dates(text: str) -> str:
     return text if language() == "en" else _DATE.sub(shown, text.removesuffix("+00:00"))
 
 
+def body_name(name: str) -> str:
+    """Return the name of a body with its restitution, if any, in the form of the current language."""
+    return _RESTITUTION.sub(lambda found: numerals(found[0]), name)
+
+
 def own_name(name: str) -> str:
     """Return the name of a body (alone or with its pedestal) or site of the samples in the current language."""
     body, pedestal, number = name.partition(" with pedestal")
@@ -124,7 +133,9 @@ class _Numerals(Formatter):
         return _translated(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
-        """Return the formatted value of a field."""
+        """Format a value as text."""
+        if isinstance(value, str):
+            return value
         shown = super().format_field(value, format_spec)
         if isinstance(value, int | float):
             return numerals(shown if language() == "en" else shown.replace("%", " %"))
@@ -134,6 +145,8 @@ class _Numerals(Formatter):
 def _translated(value: Any) -> Any:
     if isinstance(value, WarningText):
         return warning_words(value)
+    if isinstance(value, str):
+        return result_text(value)
     return ", ".join(map(_translated, value)) if isinstance(value, list) else value
 
 
@@ -146,3 +159,40 @@ def warning_words(warning: WarningText) -> str:
 def warnings_of(stored: str) -> list[str]:
     """Return stored warnings (codes and values) in the current language."""
     return [warning_words(one) for one in restored(stored)]
+
+
+def result_text(text: str, code: str = "") -> str:
+    """Return an English text of the results in the current language, by the code of a warning or by [phrases]."""
+    if language() == "en":
+        return text
+    first, _, inner = code.partition("/")
+    words = table(language()).get(f"warnings.{first}")
+    for template, told in ({TEMPLATES[first]: words} if words else section("phrases")).items():
+        if found := _pattern(template).fullmatch(text):
+            parts = {name: _part(name, part, inner) for name, part in found.groupdict().items()}
+            return _Numerals().vformat(told, (), parts)
+    return text
+
+
+def _part(name: str, part: str, code: str) -> str:
+    if _NUMBER.fullmatch(part):
+        return numerals(part.replace("%", " %"))
+    return result_text(part, code if name == "warning" else "")
+
+
+@cache
+def _pattern(template: str) -> re.Pattern[str]:
+    """Return the pattern of the texts made from a template; a field with a format is a number."""
+    fields = Formatter().parse(template)
+    return re.compile(
+        "".join(
+            re.escape(text) + (f"(?P<{name}>{_NUMBER.pattern if form else '.*?'})" if name else "")
+            for text, name, form, _ in fields
+        )
+    )
+
+
+def result_texts(texts: str, codes: str = "") -> str:
+    """Return English texts of the results, one per line, in the current language; `codes` are those of warnings."""
+    lines, of_lines = texts.split("\n"), codes.split(" ")
+    return "\n".join(map(result_text, lines, of_lines if len(of_lines) == len(lines) else [""] * len(lines)))

@@ -12,7 +12,7 @@ from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, six_digits
 from rockpulse.views.shared.shown_columns import count_of, shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell, table_text
-from rockpulse.views.shared.words import counted_words, numerals, say, translated, warnings_of
+from rockpulse.views.shared.words import body_name, counted_words, numerals, say, translated, warnings_of
 from rockpulse.views.text.left_out import unused
 
 #: Mark of a median beyond all levels analysed.
@@ -75,7 +75,7 @@ def median_table(tree: xr.DataTree) -> Table:
         return number_cell(limit, lambda high: say("no_limit") if math.isinf(high) else ratio(high))
 
     selected = (
-        titled(say("head.body"), Cell, "block", width=30),
+        titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=30),
         titled(say("fragility.limit_state"), lambda state: Cell(state_words(state)), "limit_state"),
         titled(say("site.head.median"), beyond, "median", "extrapolated"),
         titled(say("site.head.low"), shown(ratio), "median_low", note=level),
@@ -133,7 +133,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
     for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, shown], strict=True):
         if np.any(np.isfinite(own)):
             counts = [(int(np.sum(found < LEVEL)), int(np.sum(np.isfinite(found)))) for found in own]
-            rows.append((Cell(name), *(count_of(*pair) for pair in counts)))
+            rows.append((Cell(translated(f"measures.{name}", name)), *(count_of(*pair) for pair in counts)))
     qualities = p_value["quality"].values[shown].tolist()
     headings = (Heading(""), *(Heading(say(f"quality.{name}")) for name in qualities))
     note = say("fragility.tests", tests=tests, few=f"{LEVEL * tests:.0f}")

@@ -22,7 +22,7 @@ from rockpulse.views.shared.formatting import (
 )
 from rockpulse.views.shared.shown_columns import Column, shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
-from rockpulse.views.shared.words import counted_words, listed, say, translated, warnings_of
+from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Largest number of listed bodies and earthquakes.
@@ -76,9 +76,17 @@ def about_records(site: xr.Dataset) -> list[str]:
         names=listed([f"{name} ({count})" for name, count in each], LISTED),
     )
     if method == "spectrum":
-        return [on_records, say(f"site.spectra.{site.attrs['spectrum']}", weights=weights)]
+        return [on_records, say(f"site.spectra.{site.attrs['spectrum']}", weights=_option(weights))]
     misfit, below = three_digits(_median(site["misfit"])), share(_median(site["unsafe_share"]))
-    return [on_records, say("site.sequences", method=method, weights=weights, misfit=misfit, share=below)]
+    return [
+        on_records,
+        say("site.sequences", method=_option(method), weights=_option(weights), misfit=misfit, share=below),
+    ]
+
+
+def _option(word: str) -> str:
+    """Return a word of the configuration in the current language."""
+    return translated(f"options.{word}", word)
 
 
 def _parameter_table(site: xr.Dataset) -> Table:
@@ -116,7 +124,7 @@ def design(site: xr.Dataset) -> str:
         spacing=three_digits(value["interval"], "s"),
         impulses=say("site.no_limit") if math.isnan(count) else counted_words(round(count), "main_impulse"),
         within=say("site.for_ever") if math.isnan(duration) else say("site.within", time=three_digits(duration, "s")),
-        kind=site.attrs["spacing"],
+        kind=_option(site.attrs["spacing"]),
     )
 
 
@@ -152,7 +160,7 @@ def _block_table(site: xr.Dataset) -> Table:
         return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number_cell(peak, ratio)
 
     selected = (
-        titled(say("site.head.block"), Cell, "block", width=34),
+        titled(say("site.head.block"), lambda name: Cell(body_name(name)), "block", width=34),
         _restitution(),
         titled(say("site.head.under"), under, "design_rotation_ratio", note="theta_max/alpha_c"),
         titled(say("site.coverage_head"), shown(share), "block_coverage", note=say("site.left_out")),
@@ -177,13 +185,13 @@ def _design_table(site: xr.Dataset) -> Table:
         return Cell(words, factor, grade="bad") if factor <= 1.0 else number_cell(factor, ratio)
 
     selected = (
-        titled(say("head.body"), Cell, "block", width=34),
+        titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=34),
         _restitution(),
         titled(
             "I_eff", number_cell, "effective_impulse", unit="m/s", note=say("site.note.effective", quantile=quantile)
         ),
         _interval(say("site.head.interval", confidence=confidence), "effective_impulse"),
-        titled(say("site.head.overturns_at"), number_cell, "speed", unit="m/s", note="g tan(alpha)/p"),
+        titled(say("site.head.overturns_at"), number_cell, "speed", unit="m/s", note="g tan(alpha_c)/p"),
         titled(say("site.factor"), over, "design_factor", note=say("site.note.on_design")),
         titled(say("site.head.overturned_by"), shown(share), "overturned_share", note=say("site.note.weight")),
     )
@@ -196,7 +204,7 @@ def _sequence_table(site: xr.Dataset) -> Table:
     """Return a table of a sequence equivalent to the design for every body."""
     interval_of = "site.head.interval_of"
     selected = (
-        titled(say("head.body"), Cell, "block", width=34),
+        titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=34),
         titled("I", number_cell, "main", unit="m/s", note=say("site.note.main")),
         _interval(say(interval_of, what="I"), "main"),
         titled("I_s/I", number_cell, "ratio", note=say("site.note.half_waves")),

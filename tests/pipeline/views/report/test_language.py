@@ -6,14 +6,17 @@ from importlib.resources import files
 from pathlib import Path
 from string import Formatter
 
+import numpy as np
 import pytest
-from page_texts import QUOTED, page_texts
+from page_texts import QUOTED, READERS, page_texts
 from results_tree import results_tree
 
 import rockpulse as rp
 from rocking.response import Reason
 from rockpulse.errors import ConfigError
 from rockpulse.model_table import MODELS
+from rockpulse.record.conditioning import condition
+from rockpulse.record.record import Record
 from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import REFERENCE, page_content
 from rockpulse.views.report.report_pictures import Pictures
@@ -21,18 +24,22 @@ from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import between, ratio
 from rockpulse.views.shared.shown_columns import columns, filled
-from rockpulse.views.shared.words import LANGUAGES, in_numerals, say, table, warning_words, writing
-from rockpulse.warning_text import TEMPLATES, WarningText
+from rockpulse.views.shared.words import LANGUAGES, in_numerals, result_texts, say, table, warning_words, writing
+from rockpulse.warning_text import TEMPLATES, WARNINGS, WarningText, with_codes
 
 WORDS = table("en")
 OTHERS = [language for language in LANGUAGES if language != "en"]
 
 #: Sections of other languages for what is declared in English below the views.
-BELOW = ("labels", "variables", "measures", "model_words", "parameters", "names", "warnings")
+BELOW = ("labels", "variables", "measures", "model_words", "parameters", "names", "warnings", "phrases", "options")
 
 
 def fields(text):
     return {name for _, name, _, _ in Formatter().parse(text) if name}
+
+
+def fixed_parts(text):
+    return [part for fixed, *_ in Formatter().parse(text) if (part := fixed.strip(" ;,"))]
 
 
 @pytest.mark.parametrize("language", OTHERS)
@@ -47,6 +54,13 @@ def test_no_word_is_missing_and_no_field_differs(language):
 def test_what_is_declared_below_has_words(language):
     told = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("warnings.")}
     assert {code for code, text in told.items() if fields(text) != fields(TEMPLATES[code])} == set()
+    assert set(WARNINGS) <= set(told)
+    phrases = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("phrases.")}
+    assert {english for english, text in phrases.items() if not fields(text) <= fields(english)} == set()
+    sources = [path.read_text(encoding="utf-8") for path in Path(str(files("rockpulse"))).rglob("*.py")]
+    sources.append(Path(str(files("rocking")), "body", "block.py").read_text(encoding="utf-8"))
+    written = re.sub(r'"\s*\n\s*f?"', "", "\n".join(sources))  # a text over several lines
+    assert {english for english in phrases if not any(part in written for part in fixed_parts(english))} == set()
     assert {f"{of}.{name}" for of in ("model_words", "labels") for name in MODELS} <= set(table(language))
     assert {f"models.{name}" for name in MODELS} <= set(WORDS)
     assert {f"unknown.{reason.name.lower()}" for reason in Reason if reason} <= set(WORDS)
@@ -85,7 +99,23 @@ def test_a_warning_is_told_by_its_code_and_values():
         assert "wall 2.5: appena al di sotto" in told
         assert "25 %" in told
         assert "non resta alcun blocco" in told
-        assert warning_words(WarningText("clipped", count=8, end="largest")).startswith("8 samples")  # a reader's
+        clipped = warning_words(WarningText("of_vertical", warning=WarningText("clipped", count=8, end="largest")))
+        assert clipped.startswith("canale verticale: 8 campioni consecutivi al valore massimo: ")
+
+
+def test_stored_texts_are_translated_with_their_numbers():
+    record = Record(np.sin(np.arange(4000) * 0.05) + 0.5, dt=0.01, id="a", processed=False)
+    drift = WarningText("baseline_drift", velocity=-0.96, slow=0.31, rest=0.2, pgv=0.96)
+    warnings, codes = with_codes([drift, WarningText("of_channel", channel="HNE", warning=WarningText("dead_channel"))])
+    with writing("it"):
+        first, second = result_texts(warnings, codes).splitlines()
+        steps = result_texts("\n".join(condition(record, highpass_hz=0.1, resample_s=0.005).processing)).splitlines()
+        assert result_texts("a note of the user, 0.5 m") == "a note of the user, 0.5 m"
+    assert "-0,96 m/s, con una parte lenta di 0,31 m/s" in first
+    assert second == "HNE: tutti i campioni sono uguali: canale non funzionante"
+    begins = "linea di base, linea di base, rastremazione, filtro, ricampionamento"
+    assert ", ".join(step.partition(":")[0] for step in steps) == begins
+    assert not re.search(r"\d\.\d", " ".join(steps))
 
 
 @pytest.mark.sweep
@@ -140,8 +170,11 @@ def test_no_english_word_is_left_on_a_page(request, language, case, site, fragil
     names = {str(name) for axis in axes if axis in results["summary"] for name in results["summary"][axis].values}
     names |= {str(name) for name in site["site"]["event"].values} | {REFERENCE}
     names.add(files_used(results).reasons or REFERENCE)
-    facts = [table(language)[f"fact.{name}"] for name in ("warnings", "processing", "source", "component")]
-    texts = page_texts(report_page(results, *beside, language=language), facts, sorted(names, key=len, reverse=True))
+    invented = case == "by hand"  # warnings and reasons that no reader gives
+    kept = ("source", "component", *(("warnings", "processing") if invented else ()))
+    facts = [table(language)[f"fact.{name}"] for name in kept]
+    page, longest = report_page(results, *beside, language=language), sorted(names, key=len, reverse=True)
+    texts = page_texts(page, facts, longest, READERS if invented else frozenset())
     assert len(texts) > 100
     assert {text: found for text in texts if (found := words_in([text]) & english)} == {}
 

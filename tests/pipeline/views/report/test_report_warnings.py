@@ -90,8 +90,10 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
     summary = probable([0.0] * 3, at_demand=[0.0] * 3, demand=0.5, to_demand=[1.0, 1.0, 5.0])
     of = motions(3)
     found = [verdict(summary, of)]
-    told = limits(warnings(answers(summary, of), found, FilesUsed(1)), found, of)
+    said = warnings(answers(summary, of), found, FilesUsed(1))
+    told = limits(said, found, of)
     assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "78 %" in line]
+    assert [one for one in said if "2 earthquakes" in one.head and "78 %" in one.text]
 
 
 def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing_count():

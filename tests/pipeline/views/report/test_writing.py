@@ -95,7 +95,7 @@ def test_the_verdict_names_what_is_counted(page, results):
         "stele overturns Probability of overturning 0.97, up to 1.00 (end of the 90 % interval), under 4 records of 4",
         "rocks Probability of overturning",
         "plinth at rest Lifted by none of 4 records of 4 earthquakes",
-        "the verdict rests on 4 earthquakes",
+        "The verdict rests on 4 earthquakes",
         "upper end of an interval of 90 %",
         "4 of 5 files used (1 rejected)",
         "the body is not lifted",
@@ -147,9 +147,11 @@ def test_cases_of_restitution_are_bodies_of_their_own():
 def test_the_design_sequence_of_a_site(tmp_path, site, bodies, undrawn):
     rp.save(site, tmp_path / "site.h5")
     sequence = rp.load_design(tmp_path / "site.h5")
-    words = Page(report_page(rp.assess_sequence(sequence, bodies=bodies), site)).text
+    results = rp.assess_sequence(sequence, bodies=bodies)
+    assert "read and used" not in report_page(results)  # no file was read for it
+    words = Page(report_page(results, site)).text
     assert "under one design sequence" in words
-    said = words[words.index("the confidence is that of the site calibration") :].split("Site calibration")[0]
+    said = words[words.index("The confidence is that of the site calibration") :].split("Site calibration")[0]
     assert "a design made without the event of a record covers" in said or "is not known" in said
     assert "Design sequence (quantile 0.84 of the recorded rotations)" in words
 
