@@ -176,7 +176,7 @@ def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
     found = page_content(changed(results, pga=98.1))
     first = found.warnings[0]
     assert (first.grade, first.head) == ("decides", "the samples of 1 record are doubtful")
-    assert found.limits[0].startswith("What may change a verdict: the peak of 1 record is doubtful")
+    assert found.limits[0].startswith("What may change a verdict: the samples of 1 record are doubtful")
     assert first.text.startswith("burst0 (peak?). (peak?): a peak above 5 g")
     assert "burst0 (peak?)" in cells(found.answers)
     assert found.records[0].name == "burst0 (peak?)"
