@@ -74,7 +74,7 @@ class ResultsError(RockpulseError):
     --------
     >>> rp.load("curve.csv")
     Traceback (most recent call last):
-    rockpulse.errors.ResultsError: curve.csv: expected a results file of rockpulse...
+    rockpulse.errors.ResultsError: curve.csv: not a rockpulse results file, or damaged...
     """
 
     def __init__(self, message: str, tells_resume: bool = False) -> None:

@@ -15,12 +15,11 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from rockpulse.errors import ConfigError, ResultsError, RockpulseError
 from rockpulse.foreign_text import first_line
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
 
 
@@ -121,6 +120,7 @@ def table_of(path: str, text: str) -> pd.DataFrame:
 
 def column_numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
     """Return a column (n,) of finite numbers; ConfigError for a cell that is not a number."""
+    import numpy as np
     import pandas as pd
 
     found = pd.to_numeric(table[column], errors="coerce").to_numpy(dtype=float)

@@ -7,8 +7,14 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from rocking.pictures import one_line
 from rockpulse.errors import ConfigError
+
+
+def _one_line(section: Any) -> str:
+    """Return the repr of a section; numpy, which that takes, is not loaded for a help text."""
+    from rocking.pictures import one_line
+
+    return one_line(section)
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ class Section:
     heading: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:
-        cls.__repr__ = one_line  # type: ignore[method-assign]
+        cls.__repr__ = _one_line  # type: ignore[method-assign]
 
     @property
     def where(self) -> str:

@@ -62,7 +62,7 @@ class Record(Shown):
     orientation : {"horizontal", "vertical", "structural", "unknown"}
         What the direction means; "structural" is a channel on a building.
     azimuth : float
-        Clockwise from north [degrees]; NaN if unknown or not horizontal.
+        Clockwise from north [degrees]; NaN (given as None or not at all) if unknown or not horizontal.
     start_time, origin_time : datetime or None
         UTC times of the first sample and of the earthquake, with ``tzinfo=UTC``.
     source, source_sha256 : str
@@ -167,6 +167,7 @@ class Record(Shown):
         acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration", acceleration)
         object.__setattr__(self, "dt", float(self.dt))
+        object.__setattr__(self, "azimuth", math.nan if self.azimuth is None else self.azimuth)
 
     def __reduce__(self) -> tuple[Any, ...]:
         values = [getattr(self, item.name) for item in fields(self)]
@@ -207,16 +208,14 @@ class Record(Shown):
         return float(np.max(np.abs(self.acceleration)))
 
     def _facts(self) -> dict[str, str]:
-        facts = {"": self.id}
-        if self.event or math.isfinite(self.magnitude):
-            size = f"{self.magnitude_type or 'M'} {self.magnitude:g}" if math.isfinite(self.magnitude) else ""
-            facts["event"] = f"{self.event} {size}".strip()
+        facts = {"": self.id, "samples": f"{self.npts} at {self.dt:.4g} s", "PGA": f"{self.pga:.4g} m/s2"}
         if self.orientation == "horizontal" and math.isfinite(self.azimuth):
             facts["azimuth"] = f"{self.azimuth:g} degrees"
         elif self.orientation != "unknown":
             facts["direction"] = self.orientation
-        facts["samples"] = f"{self.npts} at {self.dt:.4g} s"
-        facts["PGA"] = f"{self.pga:.4g} m/s2"
+        if self.event or math.isfinite(self.magnitude):
+            size = f"{self.magnitude_type or 'M'} {self.magnitude:g}" if math.isfinite(self.magnitude) else ""
+            facts["event"] = f"{self.event} {size}".strip()
         return facts | ({"warnings": str(len(self.warnings))} if self.warnings else {})
 
     def _picture(self) -> Picture:

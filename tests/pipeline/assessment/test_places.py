@@ -325,11 +325,11 @@ def test_a_body_on_a_pedestal_is_assessed_alone_and_as_one_with_it():
     expected = models.recorded_response(whole, GROUND, 0.01).peak_rotation_ratio
     assert float(summary["peak_rotation_ratio"].sel(model="nonlinear", block="statue with pedestal")) == expected
     told = " ".join(overview(tree).split())
-    assert "statue: of its screens, alone and with its pedestal as one body, that of statue" in told
-    assert "statue: 1 of 1 record ask for more friction than 0.01" in told
+    assert "statue: assessed alone and with its pedestal as one body" in told
+    assert "statue: 1 of 1 record require more friction than 0.01" in told
     asked = float(models.impact_friction(statue.block()))
     assert Known(tree["summary"].to_dataset(), block="statue").impact_friction(statue.block().restitution) == asked
-    assert f"friction of an impact   {asked:.3g} in its instant" in block_details(
+    assert f"friction of an impact   {asked:.3g} required during an impact" in block_details(
         tree["summary"].to_dataset(), "statue"
     )
     with pytest.raises(rp.ConfigError, match=r'"statue" pedestal 1: pedestal width: expected at least'):

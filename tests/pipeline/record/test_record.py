@@ -161,7 +161,7 @@ def test_an_id_is_matched_as_a_whole_and_by_its_capital_letters(patterns, expect
 
 def test_a_record_is_told_in_a_line_and_drawn(ccc):
     record = ccc[0]
-    told = f"<Record {record.id}, event {record.event}"
+    told = f"<Record {record.id}, samples"
     assert repr(record).startswith(told)
     assert f"samples {record.npts}" in repr(record)
     card = record._repr_html_()
