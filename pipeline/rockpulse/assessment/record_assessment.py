@@ -163,7 +163,7 @@ def _assess_at(
         if scene.sequence is not None and contact is not None and np.any(contact):
             warnings.append(
                 f"{model}: with spacing {scene.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
-                f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
+                f"{np.size(contact)} bodies touch the ground within a half-cycle; use another spacing"
             )
     for model in responses:
         # The column of the sequence marks it for each record and body.

@@ -76,8 +76,8 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
     others = [place for place, _ in found if place.azimuth is not None]
     if others and pair is None:
         raise RecordRefused(
-            f"{record.id}: no other channel goes with it, and it faces {azimuth:g} degrees: it cannot be taken in the "
-            f"direction {others[0].azimuth:g} of a body"
+            f"{record.id}: it has no second horizontal channel, and its azimuth is {azimuth:g} degrees: it cannot be "
+            f"rotated to the direction {others[0].azimuth:g} of a body"
         )
     return found
 

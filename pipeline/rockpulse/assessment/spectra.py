@@ -185,8 +185,9 @@ def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarr
     inside = within(block, *axes)
     if not np.all(inside):
         raise ValueError(
-            f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more with its p and "
-            f"C, not for {np.count_nonzero(~inside)} of {inside.size}, the first one at place {int(np.argmin(inside))}"
+            f"block: the spectrum covers free blocks of slenderness {LEAST_SLENDERNESS:g} or more within its ranges of "
+            f"p and C, but not {np.count_nonzero(~inside)} of {inside.size} blocks, the first at index "
+            f"{int(np.argmin(inside))}"
         )
     speed = block.gravity * np.tan(block.alpha_c) / block.p
     capacity = speed / np.exp(at_blocks(block, *axes, np.log(spectrum["spectrum"].values)))

@@ -28,7 +28,7 @@ def _tolerance(words: str) -> float:
 
 VERB = Verb(
     name="diff",
-    summary="what changed between two results files",
+    summary="list what changed between two results files",
     description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
     "verdicts that changed, scale factors and capacities over demand that crossed 1, and variables beyond a "
     "tolerance. Bodies are compared by the nonlinear model if it answered; its changes come first in every list. Rows "

@@ -36,7 +36,7 @@ def _run(args: argparse.Namespace) -> int:
 
 VERB = Verb(
     name="fragility",
-    summary="fragility curves of blocks under a set of records",
+    summary="compute fragility curves of blocks under a set of records",
     description="Scale every record until each limit state is reached (or to given levels), fit fragility curves with "
     "confidence bands over earthquakes in every intensity measure, and report the dispersion of capacity in each "
     "measure. Limit states, measures and the way of scaling: section [fragility] of the configuration; without one its "

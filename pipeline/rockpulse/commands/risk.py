@@ -68,7 +68,7 @@ def _run(args: argparse.Namespace) -> int:
 
 VERB = Verb(
     name="risk",
-    summary="annual frequency of overturning from a fragility file and a hazard curve",
+    summary="compute the annual frequency of overturning from a fragility file and a hazard curve",
     description="Integrate the fragility of each body over the hazard curve of its site: annual frequency of a limit "
     "state with a band over earthquakes, probability in a number of years, and the levels of ground motion that "
     "contribute. The hazard is taken as known; a warning is given if much of the frequency comes from levels that were "

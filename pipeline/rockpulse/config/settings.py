@@ -81,8 +81,8 @@ class RecordSettings(Section):
             raise misplaced(self, "azimuth", "components", '"azimuth"', "remove it or change components")
         if not math.isclose(180.0 / self.azimuth_step, round(180.0 / self.azimuth_step), rel_tol=1e-9):
             raise ConfigError(
-                f"[records] azimuth_step: expected a divisor of 180 degrees, found {self.azimuth_step:g}; "
-                "take 5, 10, 15, 22.5, 30 or 45"
+                f"[records] azimuth_step: expected a divisor of 180 degrees, found {self.azimuth_step:g}; use 5, 10, "
+                "15, 22.5, 30 or 45"
             )
 
     def for_all(self, units: str | None, dt: float | None) -> RecordSettings:

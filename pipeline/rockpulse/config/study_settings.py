@@ -138,7 +138,8 @@ class FragilitySettings(Section):
         super().__post_init__()
         if self.selection is not None and self.data != "stripes":
             raise ConfigError(
-                f'[fragility] selection: records chosen elsewhere are stripes, found data = "{self.data}"; drop one'
+                f'[fragility] selection: expected data = "stripes", found data = "{self.data}"; change data, or remove '
+                "selection"
             )
 
 
@@ -236,7 +237,7 @@ class CheckSettings(Section):
         of_ntc = {"f0": self.f0, "tc_star": self.tc_star}
         named = [name for name, value in {"ag": self.ag, **of_ntc}.items() if value is not None]
         if self.spectrum == "table" and named:
-            raise ConfigError(f'[check] {named[0]}: the numbers of spectrum = "table" are in its file; drop it')
+            raise ConfigError(f'[check] {named[0]}: spectrum = "table" takes its values from the file; remove this key')
         if self.spectrum != "table" and self.file is not None:
             raise misplaced(self, "file", "spectrum", '"table"')
         if self.spectrum != "ntc" and (given := [name for name, value in of_ntc.items() if value is not None]):

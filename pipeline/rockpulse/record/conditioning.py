@@ -263,7 +263,7 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
     if pad > LONGEST_PAD:
         raise ConfigError(
             f"condition: corner {highpass or lowpass:g} Hz: pads of {pad:.3g} samples, expected at most "
-            f"{LONGEST_PAD:g}; take a higher corner, {record.id} is {record.duration:g} s long"
+            f"{LONGEST_PAD:g}; use a higher corner, {record.id} is {record.duration:g} s long"
         )
     filtered = signal.sosfiltfilt(np.concatenate(sections), np.pad(record.acceleration, pad), padtype=None)
     cut = replace(record, acceleration=filtered[pad : pad + record.npts])

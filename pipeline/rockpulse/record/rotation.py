@@ -69,7 +69,7 @@ def rotate(pair: Pair, azimuth: float) -> Record:
     if first.npts != second.npts or not math.isclose(first.dt, second.dt, rel_tol=1e-9):
         raise RecordRefused(
             f"{first.id}, {second.id}: expected the same samples in both, found {first.npts} at {first.dt:g} s and "
-            f"{second.npts} at {second.dt:g} s; take condition_pair"
+            f"{second.npts} at {second.dt:g} s; use condition_pair"
         )
     one, other = _weights(first.azimuth, second.azimuth, azimuth)
     note = (

@@ -123,7 +123,7 @@ def test_between_the_axes_the_logarithm_is_linear():
     ],
 )
 def test_a_body_outside_the_spectrum_is_refused(spectrum, block):
-    with pytest.raises(ValueError, match="not for 1 of 1"):
+    with pytest.raises(ValueError, match="not 1 of 1"):
         overturning_factors(spectrum, block)
 
 

@@ -72,7 +72,7 @@ def test_every_shaking_votes_once_and_the_list_says_why(folder, capsys):
     capsys.readouterr()
     assert main(["inspect", str(folder.parent / "results.h5"), "--failures"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "a processed volume goes before a raw one" in told
+    assert "a processed volume is preferred to a raw one" in told
     assert "this one was recorded at the bottom of a borehole, the other at the surface" in told
     assert told.count("[records] keep with this id assesses both") == 6
 

@@ -136,7 +136,7 @@ def test_files_of_another_kind_are_refused(assessed, motions, config, tmp_path, 
     text.write_text("no site")
     with pytest.raises(ResultsError, match=r"expected a site file of 'rockpulse calibrate', found an assessment"):
         rp.load_design(results)
-    with pytest.raises(ResultsError, match="expected a results file of rockpulse"):
+    with pytest.raises(ResultsError, match="not a rockpulse results file"):
         rp.load_design(text)
     for wrong in (results, text, tmp_path / "none.h5"):
         arguments = ["assess", "--sequence", str(wrong), "--config", str(config), "-o", str(tmp_path / "again.h5")]

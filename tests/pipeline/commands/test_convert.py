@@ -23,7 +23,7 @@ def test_a_file_becomes_another_and_its_loss_is_reported(folder, capsys):
     assert main(["convert", str(folder / "a.AT2"), "-o", str(out)]) == 0
     text = capsys.readouterr().out
     assert "a.090 as .A090..HNE: 200 samples at 0.01 s, PGA 0.3 g" in text
-    assert "not the event" in " ".join(text.split())
+    assert "does not store the event" in " ".join(text.split())
     assert np.array_equal(read(out)[0].acceleration, read(folder / "a.AT2")[0].acceleration)
 
 

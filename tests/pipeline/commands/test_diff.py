@@ -72,7 +72,7 @@ def test_an_unknown_variable_to_ignore_is_exit_code_two(files, capsys):
 def test_exit_code_two_for_what_is_no_results_file(files, tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("no results")
     assert main(["diff", files[0], str(tmp_path / "notes.txt")]) == 2
-    assert "expected a results file of rockpulse" in capsys.readouterr().err
+    assert "not a rockpulse results file" in capsys.readouterr().err
     assert main(["diff", files[0], str(tmp_path / "none.h5")]) == 2
     with pytest.raises(SystemExit) as end:
         main(["diff", *files, "--rtol", "-1"])

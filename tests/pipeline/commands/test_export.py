@@ -48,7 +48,7 @@ def test_other_groups_and_rows(results, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--descending"], "--descending goes with --sort"),
+        (["--descending"], "--descending: needs --sort"),
         (["--group", "nothing"], "no group 'nothing'"),
         (["--rows", ""], "expected at least one dimension"),
         (["--columns", ","], "expected at least one column"),

@@ -82,7 +82,7 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     assert RECORDS[1] not in out
     assert main(["inspect", results, "--blocks", "--sort", "slenderness", "--descending", "--failures"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("3 blocks, largest slenderness first")
+    assert out.startswith("3 bodies, largest slenderness first")
     assert out.endswith("skipped (find) notes.txt: no record\n")
 
 
@@ -90,7 +90,7 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
 def test_worst_does_not_go_with_another_order_or_list(results, capsys):
     for beside in (["--sort", "pga"], ["--limit", "3"], ["--records"], ["--blocks"]):
         assert main(["inspect", results, "--worst", "2", *beside]) == 2
-        assert f"cannot be combined with {beside[0]}; take --sort" in capsys.readouterr().err
+        assert f"cannot be combined with {beside[0]}; use --sort" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("gone", ["pga", pytest.param("record", marks=pytest.mark.sweep)])
@@ -142,4 +142,4 @@ def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
 
 def test_files_that_are_shown_whole_take_no_filters(golden, capsys):
     assert main(["inspect", str(golden.site), "--records", "--worst", "3"]) == 2
-    assert "--records, --worst: for results of 'rockpulse assess'; this is a site file" in capsys.readouterr().err
+    assert "--records, --worst: only for results of 'rockpulse assess'; this is a site file" in capsys.readouterr().err

@@ -48,7 +48,7 @@ def test_what_is_drawn_is_what_the_file_holds(results):
     assert next(line for words, line in lines.items() if "pm I$" in words).get_ydata()[0] == stored["main_impulse"][0]
     assert (impulses.get_ylabel()[-5:], units) == ("[m/s]", "m s-1")
     (ax,) = rp.plots.draw(tree, "overturning-map").axes
-    (dot,) = (line for line in ax.lines if line.get_label() == "smallest factor")
+    (dot,) = (line for line in ax.lines if line.get_label() == "smallest scale factor")
     assert dot.get_xdata() == stored["safety_factor"][0, 0, 1] == lower[0]
     overturns = next(bars for bars in ax.containers if bars.get_label() == "overturns")
     assert overturns[0].get_x() == lower[0]

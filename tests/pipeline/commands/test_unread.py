@@ -84,8 +84,8 @@ def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path, monk
     assert main(["report", str(assessed), "-o", str(tmp_path / "report.html")]) == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page.split("<body", 1)[1]))
-    first, second = words.split("What limits it", 1)[0], words.split("What it rests on", 2)[2]
-    assert f"({COUNT})." in first
+    first, second = words.split("Limits of the verdict", 1)[0], words.split("Basis of the verdict", 2)[2]
+    assert f"; {COUNT}." in first
     told = f"failed 6 {WHY}"
     assert told in second.split("Explore the motion", 1)[0]
     assert words.count("m05.acc no reader recognises the file") == 1  # the annex names every file, by its reason

@@ -52,7 +52,7 @@ def test_a_table_that_is_not_there_is_told(tmp_path):
 
 
 def test_a_selection_is_of_stripes_and_of_records_whose_ids_are_known():
-    with pytest.raises(ConfigError, match="records chosen elsewhere are stripes"):
+    with pytest.raises(ConfigError, match=r"expected data = .stripes"):
         FragilitySettings(selection="a.csv", data="ida")
     from rockpulse.config.settings import RecordSettings
 

@@ -82,14 +82,14 @@ def test_what_it_covers(p, slenderness, restitution, inside):
     block = Block.from_parameters(p=p, alpha=np.arctan(1.0 / slenderness), restitution=restitution, log=False)
     assert DESIGN.covers(block).tolist() == [inside]
     if not inside:
-        with pytest.raises(ValueError, match=r"not for 1 of 1, the first one at place 0"):
+        with pytest.raises(ValueError, match=r"not 1 of 1 blocks, the first at index 0"):
             DESIGN.sequence(block)
 
 
 def test_the_first_block_that_is_not_covered_is_named():
     blocks = Block.from_parameters(p=[2.0, 9.0, 2.0, 0.1], alpha=0.1, restitution=0.9, log=False)
     assert DESIGN.covers(blocks).tolist() == [True, False, True, False]
-    with pytest.raises(ValueError, match=r"p from 0.5 to 8 1/s and C from 0.75 to 1, not for 2 of 4, .* at place 1"):
+    with pytest.raises(ValueError, match=r"C from 0.75 to 1, but not 2 of 4 blocks, .* at index 1"):
         DESIGN.factor(blocks)
 
 

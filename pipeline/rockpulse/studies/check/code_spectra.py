@@ -105,7 +105,7 @@ class TabledSpectrum:
         elif period[0] != 0.0:
             wrong = f"a first period of 0 s, that of the ground's peak, found {period[0]:g} s"
         elif not (np.all(np.isfinite(period)) and np.all(np.diff(period) > 0.0)):
-            wrong = "periods that ascend"
+            wrong = "periods in ascending order"
         elif not np.all(np.isfinite(values) & (values > 0.0)):
             wrong = "positive accelerations"
         if wrong:
@@ -122,7 +122,7 @@ class TabledSpectrum:
         """Return S_e [m/s2] at a period [s]; raise TableEnds beyond the table."""
         if period > self.period[-1]:
             raise TableEnds(
-                f"{self.words}: the table ends at {self.period[-1]:g} s, and {period:.3g} s are asked for; continue it"
+                f"{self.words}: the table ends at {self.period[-1]:g} s, but {period:.3g} s is needed; extend it"
             )
         value = float(np.interp(period, self.period, self.acceleration))
         return value * damping_factor(damping) if period > 0.0 else value

@@ -194,7 +194,7 @@ class HazardCurve(_Hazard):
                 f"{self.source}: expected as many rates as levels, two or more, found {rates.size} and {level.size}"
             )
         if not (np.all(np.isfinite(level) & (level > 0.0)) and np.all(np.diff(level) > 0.0)):
-            raise ConfigError(f"{self.source}: expected positive levels that ascend, found {level.tolist()}")
+            raise ConfigError(f"{self.source}: expected positive levels in ascending order, found {level.tolist()}")
         if not (np.all(np.isfinite(rates) & (rates > 0.0)) and np.all(np.diff(rates) <= 0.0)):
             raise ConfigError(f"{self.source}: expected positive annual rates that do not rise, found {rates.tolist()}")
         slopes = -np.diff(np.log(rates)) / np.diff(np.log(level))

@@ -208,7 +208,7 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
     site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
     if settings.k0 is not None and settings.k is not None:
         if site is not None:
-            raise ConfigError("[hazard] longitude, latitude: a power law has no place; take them out, or name a file")
+            raise ConfigError("[hazard] longitude, latitude: a power law has no site; remove them, or give a file")
         law = partial(PowerLawHazard, settings.k0, settings.k, settings.measure, settings.unit or "")
         return lambda factor: law(soil_factor=factor)
     if settings.file is None:

@@ -69,7 +69,7 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
         title=title,
         description=str(tree.attrs.get("site_description", "")),
         history=[
-            say("page.written_by", when=in_dates(when), version=version) if by else when
+            say("page.written_by", when=in_dates(when.strip()).replace("Z", " UTC"), version=version) if by else when
             for when, by, version in history
         ],
         motions=motions,

@@ -234,9 +234,10 @@ def with_symbols(words: str) -> str:
 def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     tree = load(source) if isinstance(source, str | Path) else source
     groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # an unsaved tree may lack the attribute
-    by_group = next((groups[name] for name in groups if name in tree.children), "tree of another kind")
+    by_group = next((groups[name] for name in groups if name in tree.children), "")
     if (found := str(tree.attrs.get("kind", by_group))) != kind:
-        raise ResultsError(f"{_name(source)}: expected {kind_in_words(kind)}, found {kind_in_words(found)}")
+        words = kind_in_words(found) if found else "a tree of another kind"
+        raise ResultsError(f"{_name(source)}: expected {kind_in_words(kind)}, found {words}")
     return tree
 
 

@@ -44,7 +44,7 @@ def test_parquet_is_the_table_itself(opened, table, tmp_path):
     for name in table:
         assert back[name].tolist() == table[name].tolist() or np.array_equal(back[name], table[name], equal_nan=True)
     assert back["warnings"].unique().tolist() == TEXTS
-    assert "Parquet, SI units, numbers with all their digits" in readme.read_text()
+    assert "Parquet, SI units, numbers with all digits" in readme.read_text()
 
 
 @pytest.mark.sweep

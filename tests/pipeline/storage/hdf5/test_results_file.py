@@ -250,7 +250,7 @@ def test_files_that_are_not_ours_are_refused(tmp_path):
         file["summary"] = 1.0
     with h5py.File(numbered, "w") as file:
         file.attrs["schema_version"] = "1.0"
-    with pytest.raises(ResultsError, match=r"notes\.txt: expected a results file of rockpulse"):
+    with pytest.raises(ResultsError, match=r"notes\.txt: not a rockpulse results file"):
         load(text)
     for path in (foreign, numbered):
         with pytest.raises(ResultsError, match="not written by rockpulse"):

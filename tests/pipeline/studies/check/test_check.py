@@ -55,7 +55,7 @@ def test_what_cannot_be_checked_at_all_is_an_error():
         ({"f0": 2.4, "tc_star": 0.3}, "ag: ntc requires it in addition to f0, tc_star"),
         ({"spectrum": "en_1998_1", "ag": 0.2, "f0": 2.4}, 'f0: it belongs to spectrum = "ntc"'),
         ({"spectrum": "en_1998_2", "ag": 0.2, "topography": "T2"}, "put its factor into ag"),
-        ({"spectrum": "table", "ag": 0.2}, "are in its file; drop it"),
+        ({"spectrum": "table", "ag": 0.2}, "takes its values from the file; remove this key"),
         ({"ag": 0.2, "file": "s.csv"}, 'file: it belongs to spectrum = "table"'),
         ({"ag": 25.0}, "ag: expected a number in g > 0 and <= 5, found 25.0"),
         ({"confidence_factor": 0.9}, "confidence_factor: expected a number >= 1"),
@@ -98,6 +98,6 @@ def test_a_table_that_ends_early_costs_only_what_it_does_not_reach(tmp_path):
     assert found["activation_ratio"].values[0] == pytest.approx([0.1 / 0.15, 0.1 / 0.15, 0.1 / 0.3])
     assert np.isnan(found["displacement_ratio"].values).all()
     told = found["statement"].values[0].tolist()
-    assert "the table ends at 1 s, and 1.24 s are asked for; continue it" in told[0]
-    assert "1.95 s are asked for" in told[1]
+    assert "the table ends at 1 s, but 1.24 s is needed; extend it" in told[0]
+    assert "but 1.95 s is needed" in told[1]
     assert told[2] == ""

@@ -99,9 +99,9 @@ def test_a_site_is_chosen_among_several(tmp_path):
         ("pga [g],rate\n0.1,0.2\n", "two or more levels at which the rate is finite and not zero, found 1 of 1"),
         ("pga [g],rate\n0.1,0.01,7\n0.3,0.02\n", r"row 1: expected 2 cells, as in the heading, found 3"),
         ("pga [g],rate,rate\n0.1,0.01,7\n", "expected each column once, found 'rate' 2 times"),
-        ("LON,LAT,T30ag [g],T50ag [g]\n13,42,0,0\n", "place 13 E 42 N: expected positive levels that ascend"),
+        ("LON,LAT,T30ag [g],T50ag [g]\n13,42,0,0\n", "place 13 E 42 N: expected positive levels in ascending order"),
         ("pga [g],rate\n0.1,0.01\n0.3,0.02\n", "annual rates that do not rise"),
-        ("pga [g],rate\n0.1,0.01\n0.1,0.01\n", "positive levels that ascend"),
+        ("pga [g],rate\n0.1,0.01\n0.1,0.01\n", "positive levels in ascending order"),
         ("pga [g],rate\n0.1,0.01\n0.2,0.01\n", "the last two rates are alike"),
         ("pga [g],probability in 50 years\n0.1,1.2\n0.2,0.01\n", "probabilities from 0 to 1"),
         ("TR [years],PGA\n30,0.1\n", 'expected the column "ag'),
@@ -165,7 +165,7 @@ def test_a_power_law_comes_from_the_section_and_the_section_survives_as_text():
     assert hazard_of(config.hazard).rate(0.01) == pytest.approx(1e-4)
     with pytest.raises(rp.ConfigError, match="found none of these"):
         hazard_of(HazardSettings())
-    with pytest.raises(rp.ConfigError, match="a power law has no place"):
+    with pytest.raises(rp.ConfigError, match="a power law has no site"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, longitude=13.0, latitude=42.0))
     with pytest.raises(rp.ConfigError, match="expected a unit of pgv"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, measure="pgv", unit="g"))

@@ -160,7 +160,7 @@ def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences
     one, other = found.sides[SAFETY].named
     assert one == ((RECORDS[0], "column", "sequence"), "1.7", "0.98")
     assert other == ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf")
-    assert text.index("Safety factors that crossed 1 (below it a weaker copy") < text.index("Variables beyond")
+    assert text.index("Smallest scale factors (SF) that crossed 1") < text.index("Variables beyond")
     found, text = compare(tree(), changed, listed=1)
     assert (found.sides[SAFETY].count, len(found.sides[SAFETY].named)) == (2, 1)
     assert "and 1 more (--limit)" in text

@@ -43,18 +43,20 @@ def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, firs
             drawn = [own for at, *own in bars(ax, words) if at == place]
             assert np.ravel(drawn) == pytest.approx(np.stack([lows, highs], axis=1).ravel())
         assert bars(ax, "does not overturn")[place][2] == pytest.approx(lower[0])
-    assert (ax.get_xscale(), ax.get_xlabel()) == ("log", "factor on the record [-]")
+    assert (ax.get_xscale(), ax.get_xlabel()) == ("log", "scale factor on the record [-]")
     assert named_rows(ax) == ["wall", r"column of \$one\$ piece"]
     assert 1.0 in [line.get_xdata()[0] for line in ax.lines]
     factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
     assert ax.get_xlim() == pytest.approx((0.7 * min(1.0, factor.min()), 10.0))
     assert ax.get_ylim() == pytest.approx((1.6, -0.6))  # the first on top
     factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
-    (dots,) = (line for line in overturning_map(assessed, record=first).lines if line.get_label() == "smallest factor")
+    (dots,) = (
+        line for line in overturning_map(assessed, record=first).lines if line.get_label() == "smallest scale factor"
+    )
     assert dots.get_xydata().tolist() == [[value, place] for place, value in enumerate(factor)]
     bound = np.zeros(assessed["summary"]["safety_factor"].shape, np.int8)
     ax = overturning_map(changed(factor_resolved=bound), record=first)
-    (dots,) = (line for line in ax.lines if line.get_label() == "smallest factor")
+    (dots,) = (line for line in ax.lines if line.get_label() == "smallest scale factor")
     assert dots.get_markerfacecolor() == "white"
     assert "Hollow: a lower bound" in small_print(ax)
 
@@ -74,8 +76,8 @@ def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, chan
     doubted = table.assign(resolved=table["resolved"].copy(data=np.zeros(table.sizes["interval"], np.int8)))
     ax = overturning_map(changed({"/overturning_intervals": doubted}), record=first)
     assert bars(ax, "overturns") == []
-    assert len(bars(ax, "cannot answer: counts as overturning")) > 1
-    doubts = [bar for one in ax.containers if one.get_label().startswith("cannot answer") for bar in one]
+    assert len(bars(ax, "no answer: counted as overturning")) > 1
+    doubts = [bar for one in ax.containers if one.get_label().startswith("no answer") for bar in one]
     assert {(bar.get_facecolor(), bar.get_hatch()) for bar in doubts} == {((1.0, 1.0, 1.0, 1.0), "xxxx")}
     factor = assessed["summary"]["safety_factor"].values.copy()
     factor[:, 1] = np.nan
@@ -91,7 +93,7 @@ def test_resonance_is_named_an_upper_bound_and_the_narrowest_interval_is_seen(as
     ax = overturning_map(assessed, block="wall", model="resonance")
     assert "upper-bound type input" in ax.figure.get_suptitle()
     assert "not a prediction" in small_print(ax)
-    assert ax.get_xlabel() == "factor on the impulses of the sequence [-]"
+    assert ax.get_xlabel() == "scale factor on the impulses of the sequence [-]"
     assert "not a prediction" in small_print(critical_scale(assessed, block="wall", models=["resonance"]))
     table = assessed["overturning_intervals"].to_dataset()
     thin = table.assign(upper=table["upper"].copy(data=table["lower"].values * (1.0 + 1e-7)))
@@ -221,11 +223,11 @@ def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, chang
     lowest = [f"record {k}" for k in np.argsort(factor[:, 0, 4])]
     ax = critical_scale(tree, block="wall", models=["nonlinear"])
     assert named_rows(ax) == lowest[:ROWS]
-    assert "The 60 smallest factors of 70 records" in small_print(ax)
+    assert "The 60 smallest scale factors of 70 records" in small_print(ax)
     assert ax.figure.get_size_inches()[1] < 11.7  # a page of A4
     drawn = overturning_map(tree, block="wall", most=3)
     assert named_rows(drawn) == lowest[:3]
-    assert "The 3 smallest factors of 70" in small_print(drawn)
+    assert "The 3 smallest scale factors of 70" in small_print(drawn)
 
 
 def test_rows_that_say_one_thing_are_one_row_with_their_number(assessed, asked_for):

@@ -101,7 +101,7 @@ def test_one_band_is_filled_and_said(fragility_tree, asked, expected):
 
 @pytest.mark.sweep
 def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
-    words = "Fitted one by one: where a curve lies above that of a milder limit state it says nothing."
+    words = "where it lies above that of a milder limit state it has no meaning"
 
     def said(above, states=None):
         tree = fragility_tree.copy(deep=True)

@@ -1,5 +1,6 @@
 """Files that do not belong together: a curve of another body is never shown, other ground motions are named."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -81,7 +82,7 @@ def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bu
     stele, other = bodies["stele"], Block(0.6, 4.0)
     found = curves_of(results, rp.fragility(bursts, CURVES, {"stele": stele, "other": other}))
     assert "Left out, because their bodies are not assessed here: the curves of other." in found.warnings
-    assert any(words.endswith("they are not in the fragility file: pier.") for words in found.warnings)
+    assert any("not in the fragility file: pier" in words for words in found.warnings)
     assert found.blocks == ("stele",)
     assert {row[0].text for row in found.tables[0].rows} == {"stele"}
     with pytest.raises(ResultsError, match=r"none of its bodies \(other\) is a body of the results \(stele"):
@@ -113,7 +114,7 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     stronger = changed(results, "summary", pga=1.1)
     found = paired(stronger, fragility, "fragility", "it")
     assert (found.same, found.changed) == (3, ("burst0",))
-    told = "Another motion here than there, by its PGA, under the same name: burst0."
+    told = "Records of the same name with a different PGA: burst0."
     assert found.other_motions("fragility", 4) == [told]
 
 
@@ -196,7 +197,7 @@ def cells(table):
 
 @pytest.mark.sweep
 def test_the_page_and_the_terminal_show_the_same_tables(results, site, fragility):
-    """The small print of the headings is a note on the terminal."""
+    """Headings with small print are explained in a note on the terminal."""
     beside = site_of(results, site), curves_of(results, fragility)
     shown = (
         (site_overview(site), site_tables(site["site"].to_dataset())),
@@ -209,8 +210,8 @@ def test_the_page_and_the_terminal_show_the_same_tables(results, site, fragility
                 for cell, heading in zip(row, table.headings, strict=True):
                     words = shortened(cell.text, heading.width or 100)
                     assert (words.upper() if cell.grade == "bad" else words) in told
-            for note in (heading.note for heading in table.headings if heading.note):
-                assert f": {note}." in " ".join(told.split())
+            for title in (heading.title for heading in table.headings if heading.note):
+                assert re.search(rf"{re.escape(title)}[^.:]*: ", " ".join(told.split()))
 
 
 def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is_one(fragility, curves):

@@ -58,7 +58,7 @@ def test_what_is_declared_below_has_words(language):
     phrases = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("phrases.")}
     assert {english for english, text in phrases.items() if not fields(text) <= fields(english)} == set()
     sources = [path.read_text(encoding="utf-8") for path in Path(str(files("rockpulse"))).rglob("*.py")]
-    sources.append(Path(str(files("rocking")), "body", "block.py").read_text(encoding="utf-8"))
+    sources += [path.read_text(encoding="utf-8") for path in Path(str(files("rocking")), "body").glob("*.py")]
     written = re.sub(r'"\s*\n\s*f?"', "", "\n".join(sources))  # a text over several lines
     assert {english for english in phrases if not any(part in written for part in fixed_parts(english))} == set()
     assert {f"{of}.{name}" for of in ("model_words", "labels") for name in MODELS} <= set(table(language))

@@ -138,16 +138,16 @@ def test_what_a_search_may_miss_is_said(searched, step, models, told):
 def test_notes_count_what_is_shown(searched):
     for shown in ({"record": [0]}, {"block": [1]}):
         text = " ".join(verdict_table(searched.isel(shown)).split())
-        assert "1 with SF below 1 that rocks:" in text
+        assert "1 with SF below 1 rocks only:" in text
     text = " ".join(verdict_table(searched.sel(record=list(RECORDS[1:]))).split())
     assert "SF: smallest" in text
     assert "SF below 1" not in text
     several = results_tree(2)["summary"].to_dataset()
     several["safety_factor"][:] = 0.9
-    assert "7 with SF below 1 that rock:" in verdict_table(several.assign(interval_count=several["outcome"] * 0 + 1))
-    assert "that rock" in verdict_table(searched)
+    assert "7 with SF below 1 rock only:" in verdict_table(several.assign(interval_count=several["outcome"] * 0 + 1))
+    assert "1 with SF below 1 rocks only" in verdict_table(searched)
     searched["outcome"][0, 1, 2] = 2
-    assert "that rock" not in verdict_table(searched)
+    assert "SF below 1" not in verdict_table(searched)
 
 
 def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searched):
@@ -218,9 +218,8 @@ def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
     searched = up_to_ten(searched)
     text = verdict_table(searched)
     assert row(text, "boundary wall", RECORDS[2])[-1] == ">10"
-    assert (
-        ">10: no overturning up to this scale factor, the largest scale factor tried ([search] factor_max)"
-        in " ".join(text.split())
+    assert ">10: no overturning up to this scale factor, the largest one tried ([search] factor_max)" in " ".join(
+        text.split()
     )
     assert "none" not in text.replace("none found", "")
     assert "none found" not in verdict_table(searched.sel(record=list(RECORDS[:2])))

@@ -126,7 +126,7 @@ def test_the_effective_impulse_is_shown_before_the_sequence():
 def test_without_bodies_the_spectrum_is_shown_and_of_few_earthquakes_one_line():
     text = site_overview(site_of(np.linspace(0.5, 1.4, 10), blocks=None, quantile=0.8))
     assert "Effective impulse I_eff of blocks with C = 0.9" in text
-    assert re.search(r"p \[1/s\] +median \[m/s\] +84 % \[m/s\] +80 % \[m/s\] +90 % interval", text)
+    assert re.search(r"\n +median +84 % +80 %\n +p \[1/s\] +\[m/s\] +\[m/s\] +\[m/s\] +90 % interval", text)
     assert re.search(r"^ +0\.5 +0\.255 +0\.368 +0\.339 ", text, re.M)  # 0.4 sqrt(p) times 0.9, 1.3, 1.2
     text = site_overview(site_of(np.ones(3)))
     assert text.startswith(

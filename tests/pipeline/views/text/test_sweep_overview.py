@@ -46,8 +46,8 @@ def test_of_a_large_sweep_the_worst_pairs_are_shown(monkeypatch):
     assert "worst of" not in text
     monkeypatch.setattr(overviews, "WHOLE", 50)
     text = overview(tree, whole=True)
-    assert ": 4 pairs, 9 directions, 2 blocks; linear" in text
-    assert "The 3 worst of 4 pairs of channels:" in text
+    assert ": 4 pairs, 9 directions, 2 bodies; models: linear" in text
+    assert "The worst 3 of 4 pairs of channels:" in text
     assert [f"\nCI.S{k}" in text for k in range(4)] == [False, True, True, True]
 
 
@@ -80,7 +80,7 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
     text = overview(tree, whole=True)
     rows = [line.split() for line in text.splitlines() if line.startswith("  wall")]
     assert rows[0][5:7] == [f"{factor:.2f}", f"{azimuth:g}°"]
-    assert "SF: smallest scale factor on the record, over direction, at which the block overturns" in text
+    assert "SF: smallest scale factor on the record, over direction" in text
     assert "of the pairs, each in its worst direction" in " ".join(text.split())
     capacity = f"{summary['capacity_ratio'].min().item():.2f}"
     assert rows[1][1:3] == ["no", "verdict"]  # of one earthquake
@@ -97,7 +97,7 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
     tree["summary"] = xr.DataTree(summary.assign(capacity_ratio=summary["capacity_ratio"] * 10.0))
     told = " ".join(smallest_capacities(answers_of(tree)).split())
     assert f"≤{10.0 * summary['capacity_ratio'].min().item():.2f}!, -" in told
-    assert "≤: may be less, for a direction has no answer; left out of the median (up to 1 of the pairs)" in told
+    assert "because one direction has no answer; left out of the median (up to 1 of the pairs)" in told
 
 
 def capacity_part(text):
