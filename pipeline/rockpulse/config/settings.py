@@ -74,7 +74,7 @@ class RecordSettings(Section):
         if self.components == "azimuth" and self.azimuth is None:
             raise ConfigError(
                 '[records] components: "azimuth" needs the direction in which the body rocks, for a wall or façade '
-                "that perpendicular to its plane; give azimuth, in degrees clockwise from north (a façade looking "
+                "the perpendicular to its plane; give azimuth, in degrees clockwise from north (a façade looking "
                 "north-east: 45)"
             )
         if self.components != "azimuth" and self.azimuth is not None:

@@ -239,7 +239,7 @@ def test_two_columns_of_one_axis_and_copies_are_told(tmp_path):
     cells = (f"{0.01 * at:.2f},{one},{0.5 * one},{-one}\n" for at, one in enumerate(values))
     (tmp_path / "a.csv").write_text("t [s],N [g],S [g],E [g]\n" + "".join(cells), encoding="ascii")
     north, south, east = read(tmp_path / "a.csv")
-    assert any("one direction" in note for note in south.warnings)
+    assert any("the same direction" in note for note in south.warnings)
     assert any("opposite sign" in note for note in north.warnings)
     assert any("opposite sign" in note for note in east.warnings)
 
