@@ -19,7 +19,9 @@ def test_sizes_in_millimetres_are_exit_code_two_before_any_work_unless_confirmed
     target = tmp_path / "results.h5"
     arguments = [folder / "strong.AT2", "--block", "statue=600x1700", "-o", target, "--config", quick]
     assert assess(*arguments) == 2
-    assert capsys.readouterr().err.startswith('rockpulse: --block "statue=600x1700": 600 x 1700: millimetres? A body ')
+    assert capsys.readouterr().err.startswith(
+        'rockpulse: --block "statue=600x1700": 600 x 1700: are these millimetres? A body '
+    )
     assert not target.exists()
     assert assess(*arguments, "--confirm-size") == 0
     stored = tmp_path / "stored.toml"

@@ -45,7 +45,7 @@ HINTS = [
     ("assess none --config millimetres.toml -o a.h5", "height", r"set (confirm_size = true)"),
     ("assess none --config 'body key.toml' -o a.h5", "widht", r'did you mean "(\w+)"'),
     ("inspect results.h5 --block colum", "colum", r'did you mean "(\w+)"'),
-    ("inspect results.h5 --record CCC", "CCC", r"the pattern '([^']+)' takes"),
+    ("inspect results.h5 --record CCC", "CCC", r"the pattern '([^']+)' selects"),
     ("inspect results.h5 --where 'safety < 1'", "safety", r'did you mean "(\w+)"'),
     ("inspect results.h5 --descending", "", r"needs (--sort) VARIABLE"),
     ("inspect results.h5 --outcome overturn", "overturn", r'did you mean "(\w+)"'),

@@ -36,9 +36,9 @@ def _comment(config: Config) -> str:
     known = config.uncertainty
     least, most = known.restitution
     return (
-        f"nonlinear model; scale factor lognormal ({100.0 * known.factor:g} %), C uniform ({least:g} to {most:g} of "
-        f"nominal, or its list), critical angle reduced by {100.0 * known.geometry:g} % |N|; scale factors up to "
-        f"{config.search.factor_max:g}"
+        f"nonlinear model; scale factor lognormal ({100.0 * known.factor:g} %), C uniform between {least:g} and "
+        f"{most:g} times nominal, or over the listed values, critical angle reduced by {100.0 * known.geometry:g} % "
+        f"|N|; scale factors up to {config.search.factor_max:g}"
     )
 
 
