@@ -9,6 +9,7 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: What the files do not say.
 OPTIONS = {
+    "clc_end_data.txt": {},  # states all, but obspy asks for the name of the format
     "clc_one_column.txt": {"units": "g", "dt": 0.01},
     "clc_deepsoil.txt": {"units": "g"},
     "clc_three_channels.csv": {"units": "cm/s2"},
