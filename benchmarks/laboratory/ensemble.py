@@ -21,9 +21,9 @@ from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.selection.directions import unconfirmed
+from rockpulse.selection.duplicate_selection import unmatched_patterns, without_duplicates
 from rockpulse.selection.events import group_events
 from rockpulse.selection.tables import read_event_table
-from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 __all__ = ["PROCESSING", "StrongMotion", "add_record_arguments", "blocks", "read_strong", "strong_motions"]
 
@@ -92,9 +92,9 @@ def strong_motions(
     if unknown := sorted(set(titles) - {record.id for record in every}):
         raise ConfigError(f"--events: no record has the id {some(unknown, 5)}")
     idle = unmatched_patterns("--confirm", confirm, [record.id for record in every], failures)
-    voting, outvoted, _ = one_vote_each(every, RecordSettings(confirm=tuple(confirm)), advice="")
-    horizontal, left_out = select_horizontal(voting, configured=False)
-    rows = [*idle, *outvoted, *left_out]
+    selected, rejected, _ = without_duplicates(every, RecordSettings(confirm=tuple(confirm)), advice="")
+    horizontal, left_out = select_horizontal(selected, configured=False)
+    rows = [*idle, *rejected, *left_out]
     found: list[tuple[Record, Record]] = []
     waveforms: list[np.ndarray] = []
     for record in horizontal:

@@ -35,7 +35,7 @@ from rockpulse.readers.folders import read_all
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
-from rockpulse.selection.votes import one_vote_each
+from rockpulse.selection.duplicate_selection import without_duplicates
 from rockpulse.views.plots.picture import picture_bytes
 
 #: Bias and dispersion of fewer survivors say nothing about an ensemble.
@@ -65,8 +65,8 @@ def accuracy(records: Iterable[Record], effort: Effort, seed: int = 0) -> dict[s
 
     `seed` is that of the first synthetic motion of the ensemble. The cases of the reference are fixed.
     """
-    voting, *_ = one_vote_each(list(records), advice="")
-    horizontal, _ = select_horizontal(voting, configured=False)
+    selected, *_ = without_duplicates(list(records), advice="")
+    horizontal, _ = select_horizontal(selected, configured=False)
     reference, ground = _reference(horizontal, effort)
     shared = shared_cases(reference, effort.cases)
     measured = work_precision(reference, ground, shared, effort.steps, effort.tolerances, effort.repeats)

@@ -14,7 +14,7 @@ HOW = {
     "powershell": "rockpulse completion powershell >> $PROFILE",
 }
 
-#: Placeholders that stand for file names in the help.
+#: Metavariables of the help that are file names.
 FILES = frozenset(
     "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )

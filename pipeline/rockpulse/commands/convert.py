@@ -29,8 +29,8 @@ def _run(args: argparse.Namespace) -> int:
     if not args.quiet and failures:
         tell(rows_not_used(failures, more_in="", listed=LISTED), sys.stderr)
     if not records:
-        told = "rockpulse: no record could be read; nothing was written"
-        tell(f"{told}: {failed}" if failed else told, sys.stderr)
+        message = "rockpulse: no record could be read; nothing was written"
+        tell(f"{message}: {failed}" if failed else message, sys.stderr)
         return 1
     if failed:
         tell(f"rockpulse: {failed}", sys.stderr)

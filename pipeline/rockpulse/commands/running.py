@@ -125,11 +125,11 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
     from rockpulse.views.text.left_out import rows_not_used
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
-    told = f"rockpulse: no record could be {what}; nothing was written"
+    message = f"rockpulse: no record could be {what}; nothing was written"
     # Where nothing failed, records that were too weak are why.
     weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
     why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))
-    tell("\n".join(filter(None, (listed, f"{told}: {why}" if why else told))), sys.stderr)
+    tell("\n".join(filter(None, (listed, f"{message}: {why}" if why else message))), sys.stderr)
     return 1
 
 

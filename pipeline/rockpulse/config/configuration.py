@@ -208,8 +208,8 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
     known = [*SECTIONS, *SEVERAL]
     for name in document:
         if name not in known:
-            told = f"known sections: {', '.join(known)}"
-            raise ConfigError(f"[{name}]: unknown section{hint(name, known, told)}")
+            known_sections = f"known sections: {', '.join(known)}"
+            raise ConfigError(f"[{name}]: unknown section{hint(name, known, known_sections)}")
     sections: Any = {name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document}
     blocks = _sections(BlockSettings, document, "block", "body")
     demands = _sections(settings.DemandSettings, document, "demand", "limit state")

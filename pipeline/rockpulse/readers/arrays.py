@@ -101,7 +101,7 @@ def _matlab(file: SourceFile) -> Iterable[str]:
 
     try:
         found = loadmat(io.BytesIO(file.content), squeeze_me=True, struct_as_record=True)
-    except NotImplementedError as fault:
+    except NotImplementedError as fault:  # raised by scipy for version 7.3
         raise RecordRefused(f"{file.name}: a MATLAB file of version 7.3, which is not read; {_SAVE}") from fault
     except Exception as fault:  # scipy raises anything from ValueError to TypeError on damaged bytes
         raise RecordFormatError(f"{file.name}: cannot be read as a MATLAB file: {fault}; {_SAVE}") from fault

@@ -26,9 +26,9 @@ from rockpulse.selection.directions import (
     plan_motions,
     unconfirmed_channels,
 )
+from rockpulse.selection.duplicate_selection import unmatched_patterns, without_duplicates
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.twins import clock_twin
-from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 __all__ = ["Analysis", "Blocks", "Part", "Plan", "Records", "Watch", "Work", "joined", "run", "worked"]
 logger = logging.getLogger("rockpulse")
@@ -96,7 +96,7 @@ class Analysis(ABC):
         unmatched = unmatched_patterns(
             "[records] confirm", self.config.records.confirm, [record.id for record in every], rows
         )
-        selected, duplicates, twins = one_vote_each(every, self.config.records, rows)
+        selected, duplicates, twins = without_duplicates(every, self.config.records, rows)
         planned, left_out = plan_motions(selected, self.config, twins)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
         return Plan(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])

@@ -16,6 +16,7 @@ from rockpulse.record.conditioning import condition
 from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
+from rockpulse.selection.duplicate_selection import Twin
 from rockpulse.selection.twins import (
     Comparison,
     clock_candidates,
@@ -23,7 +24,6 @@ from rockpulse.selection.twins import (
     component_comparisons,
     partners,
 )
-from rockpulse.selection.votes import Twin
 from rockpulse.warning_text import WarningText
 
 logger = logging.getLogger("rockpulse")

@@ -18,8 +18,8 @@ from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
 from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
+from rockpulse.selection.duplicate_selection import unmatched_patterns
 from rockpulse.selection.tables import selection_of
-from rockpulse.selection.votes import unmatched_patterns
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables import fragility as stored
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble

@@ -1,4 +1,4 @@
-"""A folder in which the same shaking lies several times: every shaking votes once, and the list says why."""
+"""A folder with several records of one motion: one of them is assessed, and the list says why."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def left(tree):
 
 
 @pytest.mark.sweep
-def test_every_shaking_votes_once_and_the_list_says_why(folder, capsys):
+def test_one_record_of_each_motion_is_assessed_and_the_list_says_why(folder, capsys):
     code, tree = assess(folder)
     assert code == 0
     assert used(tree) == sorted([CORRECTED, SURFACE.format("EW"), SURFACE.format("NS")])

@@ -10,7 +10,7 @@ import pytest
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.record.record import Record
-from rockpulse.selection.votes import one_vote_each, unmatched_patterns
+from rockpulse.selection.duplicate_selection import unmatched_patterns, without_duplicates
 from rockpulse.warning_text import WarningText
 
 START = datetime(2016, 11, 13, 11, 2, 20, tzinfo=UTC)
@@ -33,15 +33,15 @@ def volume(source, *azimuths, **options):
 
 def vote(*records, settings=None):
     """Ids of those that are assessed, and the kind of each that is not, by id."""
-    voting, rows, _ = one_vote_each(records, settings)
-    assert [one for one in records if one in voting] == voting
+    selected, rows, _ = without_duplicates(records, settings)
+    assert [one for one in records if one in selected] == selected
     assert all(row.stage == "select" for row in rows)
-    return [one.id for one in voting], {row.reason.split(": ")[0]: row.kind for row in rows}
+    return [one.id for one in selected], {row.reason.split(": ")[0]: row.kind for row in rows}
 
 
 def reason(*records, settings=None):
     """The only row of some records."""
-    (row,) = one_vote_each(records, settings)[1]
+    (row,) = without_duplicates(records, settings)[1]
     return row.reason
 
 
@@ -93,7 +93,7 @@ def test_the_sensor_at_the_bottom_of_a_borehole_of_kik_net_yields_to_the_one_abo
 def test_the_order_of_the_rules(better, worse, words):
     records = [channel(**{"source": "z"} | better), channel(**{"source": "c"} | worse)]
     for order in permutations(records):
-        assert one_vote_each(order)[0] == [records[0]]
+        assert without_duplicates(order)[0] == [records[0]]
         assert words in reason(*order)
 
 
@@ -158,8 +158,8 @@ def test_a_direction_that_only_the_other_volume_has_votes_with_its_own_vertical_
 
 def test_where_pairs_are_asked_for_a_volume_with_a_pair_goes_first():
     raw, processed = volume("a"), volume("b", 0.0, NAN, processed=True)
-    voting, rows = vote(*raw, *processed, settings=PAIRS)
-    assert (voting, rows) == (ids("a"), {"b.0": "duplicate", "b.Up": "duplicate"})
+    selected, rows = vote(*raw, *processed, settings=PAIRS)
+    assert (selected, rows) == (ids("a"), {"b.0": "duplicate", "b.Up": "duplicate"})
     assert "its volume holds a pair of horizontal channels" in reason(*raw[:2], processed[0], settings=PAIRS)
     # A pair at depth does not go before what there is at the surface.
     deep = volume("c", 0.0, 90.0, sensor_depth=50.0)
@@ -247,8 +247,8 @@ def test_records_that_are_kept_are_assessed_beside_the_one_that_votes():
 def test_a_pattern_that_fits_no_record_is_an_error_where_every_file_was_read():
     settings = RecordSettings(keep=("a.*", "x.*"))
     with pytest.raises(ConfigError, match=r"\[records\] keep: no record id matches x\.\*; the ids are a\.0"):
-        one_vote_each(volume("a"), settings, [Failure("n.txt", "read", "no record", "skipped")])
-    (row,) = one_vote_each(volume("a"), settings, [Failure("x", "read", "x: damaged", "failed")])[1]
+        without_duplicates(volume("a"), settings, [Failure("n.txt", "read", "no record", "skipped")])
+    (row,) = without_duplicates(volume("a"), settings, [Failure("x", "read", "x: damaged", "failed")])[1]
     assert (row.file, row.stage, row.kind) == ("[records] keep", "select", "failed")
     assert "x.*" in row.reason
     with pytest.raises(ConfigError, match="the ids are none; correct"):
@@ -269,6 +269,6 @@ def test_thousands_of_records_of_many_stations_and_times_are_settled_at_once():
         for source in "ab"
         for azimuth in (0.0, 90.0)
     ]
-    voting, rows, _ = one_vote_each(records)
-    assert {one.source[0] for one in voting} == {"a"}
-    assert (len(voting), len(rows)) == (800, 800)
+    selected, rows, _ = without_duplicates(records)
+    assert {one.source[0] for one in selected} == {"a"}
+    assert (len(selected), len(rows)) == (800, 800)

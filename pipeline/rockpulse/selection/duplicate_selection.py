@@ -35,7 +35,7 @@ class Twin:
 _PROCESSED = {True: "a processed volume", None: "one that may be processed", False: "a raw one"}
 
 
-def one_vote_each(
+def without_duplicates(
     records: Sequence[Record],
     settings: RecordSettings | None = None,
     failures: Iterable[Failure] = (),
@@ -55,15 +55,15 @@ def one_vote_each(
         site = _site(record, settings.structural)
         if site is not None:
             sites[site].append(record)
-    outvoted: dict[int, Failure] = {}
+    rejected: dict[int, Failure] = {}
     twins: list[Twin] = []
     for members in sites.values():
         for at_once in _at_once(members):
-            poll = _Poll(at_once, settings, advice)
-            outvoted |= poll.outvoted
+            poll = _DuplicateSelection(at_once, settings, advice)
+            rejected |= poll.rejected
             twins += poll.twins
-    voting = [record for record in records if id(record) not in outvoted]
-    return voting, [*rows, *(outvoted[id(record)] for record in records if id(record) in outvoted)], twins
+    selected = [record for record in records if id(record) not in rejected]
+    return selected, [*rows, *(rejected[id(record)] for record in records if id(record) in rejected)], twins
 
 
 def unmatched_patterns(
@@ -76,8 +76,8 @@ def unmatched_patterns(
     reason = f"{option}: no record id matches {', '.join(idle)}; the ids are {some(ids, 3)}"
     if not unread(failures):
         raise ConfigError(f"{reason}; correct or remove the pattern")
-    told = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
-    return [Failure(option, "select", told, "failed")]
+    reason_text = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
+    return [Failure(option, "select", reason_text, "failed")]
 
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
@@ -139,12 +139,12 @@ class _Volume:
         )
 
 
-class _Poll:
+class _DuplicateSelection:
     """The duplicate selection among the records of a site at one time."""
 
     def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
         self.settings, self.advice = settings, advice
-        self.outvoted: dict[int, Failure] = {}
+        self.rejected: dict[int, Failure] = {}
         self.twins: list[Twin] = []
         if len(records) == 1:
             return
@@ -156,7 +156,7 @@ class _Poll:
                     if bool(_fault(record, settings.confirm)) is yields:
                         self._ask(record, volume)
         # Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays.
-        stays = {id(volume): any(id(one) not in self.outvoted for one in volume.horizontal) for volume in self.volumes}
+        stays = {id(volume): any(id(one) not in self.rejected for one in volume.horizontal) for volume in self.volumes}
         for following in (True, False):
             for volume in self.volumes:
                 if stays[id(volume)] is following:
@@ -170,7 +170,7 @@ class _Poll:
             self.voters.append((record, volume))
         elif not id_matches(record.id, self.settings.keep):
             nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
-            self.outvoted[id(record)] = self._row(record, volume, *nearest)
+            self.rejected[id(record)] = self._row(record, volume, *nearest)
             voter, elected = nearest
             faults = [bool(_fault(one, self.settings.confirm)) for one in (record, voter)]
             alike = _one_direction(record, voter) and volume.level == elected.level and record.orientation != "vertical"
@@ -189,12 +189,12 @@ class _Poll:
     def _row(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> Failure:
         deeper = volume.level > elected.level
         how = "duplicate of" if _one_direction(record, voter) else "duplicate of the pair with"
-        told = f"{record.id}: {how} {voter.id} in {voter.source}, which is used instead: "
-        told += self._why(record, volume, voter, elected)
+        reason_text = f"{record.id}: {how} {voter.id} in {voter.source}, which is used instead: "
+        reason_text += self._why(record, volume, voter, elected)
         if (bare := uncovered(voter, record)) > 0.5 * record.duration:
-            told += f"; {bare:.0f} s of the {record.duration:.0f} s of this record are not in it"
-        told += f"; {self.advice}" if self.advice else ""
-        return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
+            reason_text += f"; {bare:.0f} s of the {record.duration:.0f} s of this record are not in it"
+        reason_text += f"; {self.advice}" if self.advice else ""
+        return Failure(record.source, "select", reason_text, "depth" if deeper else "duplicate")
 
     def _why(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> str:
         """Return the rule by which one record is preferred to the other."""
