@@ -141,7 +141,7 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     spectrum : xarray.Dataset
         Result of :func:`overturning_spectrum`, or one record of /spectra of a results file.
     block : Block
-        One block, which counts as (1,), or (m,) slender free-standing ones inside the p and C of the spectrum.
+        One slender free-standing block, with results of shape (1,), or an array of m; p and C must be in the spectrum.
 
     Returns
     -------

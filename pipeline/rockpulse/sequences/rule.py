@@ -19,7 +19,7 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES, radius_of_rectangle
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.main_sequence import effective_amplification
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rocking.spectrum.slender_lanes import SpectrumLanes
@@ -63,7 +63,7 @@ class Rule:
     (0.97, (1.0, 4.0))
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     point: str
     factor: float
@@ -83,7 +83,7 @@ class Rule:
         waves : HalfWaves
             All half-waves of the record; D is proportional to a scale factor on the record.
         block : Block
-            One block, which counts as (1,), or (m,) of them.
+            One block, with results of shape (1,), or an array of m blocks.
         """
         march = getattr(_half_wave_demand(waves, block), POINTS[self.point][0])
         return np.minimum(self.factor * march, _uplift(waves, block))

@@ -118,7 +118,7 @@ def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
     )
     covered = spectrum.covers(blocks, 0.9 * blocks.restitution, blocks.restitution)
     assert covered.tolist() == [True, False, False, False]
-    with pytest.raises(ValueError, match=r"not for 3 of 4, the first one at place 1"):
+    with pytest.raises(ValueError, match=r"not for 3 of 4 blocks, the first at index 1"):
         spectrum.factors(blocks)
 
 

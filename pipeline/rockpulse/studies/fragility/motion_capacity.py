@@ -98,16 +98,16 @@ def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
     return equation, MODELS[model].vertical_of(scene)
 
 
-class BodyLanes(NamedTuple):
-    """The (m,) lanes of all bodies."""
+class FragilityBlocks(NamedTuple):
+    """The (m,) blocks of all bodies."""
 
     block: Block
     bodies: Bodies
-    owner: np.ndarray  #: (m,) index of the body of each lane
+    owner: np.ndarray  #: (m,) index of the body of each block
 
 
 def motion_capacity(
-    motion: Motion, watch: Watch, lanes: BodyLanes, config: Config, selection: Selection | None = None
+    motion: Motion, watch: Watch, lanes: FragilityBlocks, config: Config, selection: Selection | None = None
 ) -> Part:
     """Compute the capacities of (m,) lanes under one record, as arrays by name.
 
