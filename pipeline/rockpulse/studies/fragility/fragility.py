@@ -23,7 +23,7 @@ from rockpulse.selection.tables import selection_of
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables import fragility as stored
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble
-from rockpulse.studies.fragility.motion_capacity import BodyLanes, empty_capacity, motion_capacity
+from rockpulse.studies.fragility.motion_capacity import FragilityBodies, empty_capacity, motion_capacity
 
 #: Number of points of a curve, its extent beyond the outermost medians of a body in dispersions, and largest absolute
 #: logarithm of a level, which prevents overflow for a nearly flat curve.
@@ -93,7 +93,7 @@ class FragilityAnalysis(Analysis):
         super().__init__(config)
         gathered = gather_bodies(config.bodies if bodies is None else bodies, config.records)
         self.block_names, block, owner = gathered.apart()
-        self.lanes = BodyLanes(block, gathered, owner)
+        self.lanes = FragilityBodies(block, gathered, owner)
         self.selection = selection_of(config)
 
     @property

@@ -98,7 +98,7 @@ def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
     return equation, MODELS[model].vertical_of(scene)
 
 
-class BodyLanes(NamedTuple):
+class FragilityBodies(NamedTuple):
     """The (m,) lanes of all bodies."""
 
     block: Block
@@ -107,7 +107,7 @@ class BodyLanes(NamedTuple):
 
 
 def motion_capacity(
-    motion: Motion, watch: Watch, lanes: BodyLanes, config: Config, selection: Selection | None = None
+    motion: Motion, watch: Watch, lanes: FragilityBodies, config: Config, selection: Selection | None = None
 ) -> Part:
     """Compute the capacities of (m,) lanes under one record, as arrays by name.
 
