@@ -91,7 +91,7 @@ def test_rebounds_are_numbers_from_0_to_1_or_that_of_slender_rectangles():
 
 @pytest.mark.parametrize("restitution", ["elastic", 0.9, [0.5, 0.6], None])
 def test_a_wall_has_no_restitution_of_impacts_on_the_base(restitution):
-    with pytest.raises(ValueError, match="expected none for a one-sided body, got .*; give a rebound from its wall"):
+    with pytest.raises(ValueError, match="restitution: expected none for a one-sided body"):
         Block(width=0.5, height=3.0, one_sided=True, restitution=restitution)
 
 
