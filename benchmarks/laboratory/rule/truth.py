@@ -57,7 +57,6 @@ def nonlinear_capacity(
     last = math.log(FACTOR_MAX)
     draws = qmc.Sobol(3, rng=SEED).random(LANES)
     loss = np.exp(-uncertainty.geometry * ndtri(0.5 + 0.5 * draws[:, 1]))
-    least, most = uncertainty.restitution
     rows = []
     for one in range(bodies.shape[0]):
         body = bodies.lane(one)
@@ -68,7 +67,7 @@ def nonlinear_capacity(
         lanes = Block.from_parameters(
             p=np.full(LANES, body.p),
             alpha=alpha,
-            restitution=body.restitution * (least + (most - least) * draws[:, 0]),
+            restitution=uncertainty.restitutions(body.restitution, draws[:, 0]),
             gravity=bodies.gravity,
             log=False,
         )

@@ -27,8 +27,6 @@ from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
 
 #: Truncation of the random shift of the factor and reduction of the angle, in standard deviations.
 REACH = 4.0
-#: Largest C of a lane: a body with C = 1 never comes to rest after the record and takes twenty times as long.
-MOST_RESTITUTION = 0.999
 #: Number of Sobol points drawn at once: the number of lanes in each part is a multiple of this.
 SET = 32
 #: Build-up (demand.py) at the estimated capacity, divided by the build-up that overturns.
@@ -40,7 +38,7 @@ MORE, MORE_LENGTH = 32, 0.8
 #: The first stage is complete if its lanes survive over this length in ln f at the bottom, and overturn at the top.
 QUIET = 0.2
 #: Number of lanes of the second stage, and their smallest density divided by the density at P = 0.5.
-SECOND, FLOOR = 192, 0.2
+SECOND, FLOOR = 768, 0.2
 #: Width in ln f over which the outcomes of the first stage are averaged, and number of points of the density.
 NEIGHBOURS, POINTS = 0.12, 201
 
@@ -84,8 +82,6 @@ class LaneMarch:
     dt: float
     vertical: np.ndarray | None
     uncertainty: Uncertainty
-    least: np.ndarray  # limits of the uniform distribution of C, (m,) [-]
-    most: np.ndarray
     seed: int
     threads: int | None
     parts: list[LanePart] = field(default_factory=list)
@@ -105,11 +101,10 @@ class LaneMarch:
         log_factor = np.array(
             [np.interp(place[:, 0] * one[-1], one, own) for one, own in zip(filled, grid, strict=True)]
         )
-        most = np.minimum(self.most[body], MOST_RESTITUTION)[:, np.newaxis]
-        least = np.minimum(self.least[body][:, np.newaxis], most)
+        restitution = self.uncertainty.restitutions(np.asarray(self.block.restitution)[body], place[:, 1])
         chance = 0.5 + 0.5 * math.erf(REACH / math.sqrt(2.0)) * place[:, 2]
         loss = self.uncertainty.geometry * ndtri(chance)
-        drawn = np.tile(loss, body.size), (least + (most - least) * place[:, 1]).reshape(-1)
+        drawn = np.tile(loss, body.size), restitution.reshape(-1)
         lanes = self.block.take(np.repeat(body, number)).varied(*drawn)
         outcome = self._outcome(lanes, np.exp(log_factor).reshape(-1)).reshape(log_factor.shape)
         unresolved = outcome == Outcome.UNRESOLVED
@@ -147,17 +142,15 @@ class LaneMarch:
         return outcome
 
 
-def probability_lanes(
-    march: LaneMarch, log_max: float, guess: np.ndarray | None = None
-) -> tuple[np.ndarray, list[BodyLanes | None]]:
-    """Return ln f of uplift (m,), and the lanes of each body; None for a body without uplift below `log_max`."""
+def probability_lanes(march: LaneMarch, log_max: float, guess: np.ndarray | None = None) -> list[BodyLanes | None]:
+    """Return the lanes of each body; None for a body without uplift below `log_max`."""
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
     some = np.flatnonzero(bottom < log_max)
     found: list[BodyLanes | None] = [None] * bottom.size
     if some.size == 0:
-        return bottom, found
+        return found
     if guess is None:
         demand = ground_demand(block.weaker, ground, march.dt).build_up
         guess = np.divide(BUILD_UP_AT_CAPACITY, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
@@ -172,7 +165,7 @@ def probability_lanes(
         march.add(bodies, grids, wanted, SECOND, 1)
     for body in some.tolist():
         found[body] = march.lanes(body, standing[body])
-    return bottom, found
+    return found
 
 
 def _extend_first_stage(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:

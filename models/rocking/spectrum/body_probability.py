@@ -11,13 +11,15 @@ from functools import cache
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, numbers, positive
+from rocking.arguments import ArrayLike, positive
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.pictures import short_repr
+from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability_lanes
-from rocking.spectrum.overturning import OverturningFactors
+from rocking.spectrum.overturning import OverturningFactors, slender_bodies
 from rocking.spectrum.probability import Uncertainty, factor_at, lane_probability, lane_sums, mean_capacity, rising
+from rocking.spectrum.slender_lanes import body_piece_lanes
 
 #: Levels are exp(LEVEL_STEP k) with integer k, including 1, the same for all bodies.
 LEVEL_STEP = 0.04
@@ -27,7 +29,7 @@ RESAMPLES, LOW, HIGH = 200, 0.05, 0.95
 SHARES = {"factor_10": 0.1, "factor_50": 0.5}
 #: A lane is near a level if its weight is at least this share of the largest weight there.
 NEAR = 0.01
-#: Rounding tolerance: a largest factor this close to a level counts as that level, and a C this little above 1 as 1.
+#: Rounding tolerance: a largest factor this close to a level counts as that level.
 ROUNDING = 1e-9
 
 
@@ -53,21 +55,34 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
         for name in (*SHARES, "capacity_mean"):
             found |= _up_to(factor_max, _interval(name, nothing + np.inf))
         return LaneFactors(found, 0, np.zeros(1))
-    first, last = _ends(lanes, reach)
-    logs = LEVEL_STEP * np.arange(first, last + 1)
-    bells, tails = lanes.sums(logs, shift)
-    counts = _counts(lanes.over.size)
-    probability = rising(lane_probability(lane_sums(counts * lanes.over, bells), lane_sums(counts, bells), *tails))
+    logs, probability = _curve(lanes, shift, reach, _counts(lanes.over.size))
+    first = round(logs[0] / LEVEL_STEP)
+    fitted = rising(probability)
     level = np.exp(logs)
     found = _at_one(lanes, probability, first, shift)
     for name, share in SHARES.items():
-        found |= _up_to(factor_max, _interval(name, factor_at(share, level, probability)))
+        found |= _up_to(factor_max, _interval(name, factor_at(share, level, fitted)))
     capacity = _interval("capacity_mean", mean_capacity(level, probability))
     if lanes.open:
         # P is unknown above the last level: a lower bound of the mean capacity is the area above P up to it.
         least = np.exp(logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1))
         capacity = {**dict.fromkeys(capacity, np.inf), "capacity_mean_low": _interval("least", least)["least_low"]}
     return LaneFactors(found | _up_to(factor_max, capacity), first, probability[0])
+
+
+def lane_capacity(lanes: BodyLanes, shift: Uncertainty, reach: float) -> tuple[float, float]:
+    """Return exp of the mean ln capacity of one body, and its factor of 10 %, without intervals."""
+    logs, probability = _curve(lanes, shift, reach, np.ones((1, lanes.over.size)))
+    level = np.exp(logs)
+    return float(mean_capacity(level, probability)[0]), float(factor_at(0.1, level, rising(probability))[0])
+
+
+def _curve(lanes: BodyLanes, shift: Uncertainty, reach: float, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the logarithms (k,) of the levels at which P of a body is between 0 and 1, and P (r, k) of resamples."""
+    first, last = _ends(lanes, reach)
+    logs = LEVEL_STEP * np.arange(first, last + 1)
+    bells, tails = lanes.sums(logs, shift)
+    return logs, lane_probability(lane_sums(counts * lanes.over, bells), lane_sums(counts, bells), *tails)
 
 
 def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
@@ -129,7 +144,9 @@ class OverturningProbability(OverturningFactors):
     level : (k,) ndarray
         Factors on the record, ascending, from the lowest one that can lift a body; they include 1.
     probability : (m, k) ndarray
-        Probability of overturning at the levels, fitted so that it never falls [-].
+        Probability of overturning at the levels [-]: the weighted share of samples, which may fall with the factor.
+    slender : (m,) ndarray of bool
+        Whether a body was computed in the limit of slender blocks.
     unresolved : (m,) ndarray
         Share of the lanes that are UNRESOLVED (free flight) [-]; they count as overturning.
 
@@ -144,6 +161,7 @@ class OverturningProbability(OverturningFactors):
 
     level: np.ndarray
     probability: np.ndarray
+    slender: np.ndarray
     unresolved: np.ndarray
 
     def overturning(self, factor: ArrayLike) -> np.ndarray:
@@ -160,8 +178,7 @@ def overturning_probability(
     vertical: ArrayLike | None = None,
     factor_max: float = 10.0,
     *,
-    least: ArrayLike | None = None,
-    most: ArrayLike | None = None,
+    slender_limit: bool = True,
     guess: ArrayLike | None = None,
     seed: int = 0,
     threads: int | None = None,
@@ -178,8 +195,9 @@ def overturning_probability(
         Uncertainty of factor, restitution and geometry; by default ``Uncertainty()``.
     factor_max : float
         Largest factor that is searched [-].
-    least, most : (m,) array_like, optional
-        Limits of the uniform distribution of C [-]; by default shares of the nominal C (`uncertainty`), at most 0.999.
+    slender_limit : bool
+        Whether bodies of slenderness 3.5 or more without ties, loads or vertical acceleration are computed in the
+        limit of slender blocks, which costs a third (docs/decisions/018); False for the nonlinear equation throughout.
     guess : (m,) array_like, optional
         Estimate of the factor at which a body overturns [-]. A good estimate saves computing time.
     seed : int
@@ -209,22 +227,37 @@ def overturning_probability(
     up = None if vertical is None else np.ascontiguousarray(vertical, dtype=float)
     limit = float(positive("factor_max", factor_max, "of the record", lanes=False))
     nominal = np.asarray(blocks.restitution)
-    low, high = (
-        np.broadcast_to(share * nominal if given is None else numbers(name, given, "a C from 0 to 1"), nominal.shape)
-        for name, given, share in zip(("least", "most"), (least, most), uncertainty.restitution, strict=True)
-    )
-    if not (np.all(low >= 0.0) and np.all(low <= high) and np.all(high <= 1.0 + ROUNDING)):
-        raise ValueError(f"least, most: expected 0 <= least <= most <= 1, got {least!r:.80} and {most!r:.80}")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed: expected a whole number of at least 0, got {seed!r}")
     near = None if guess is None else np.broadcast_to(positive("guess", guess, "of the record"), nominal.shape)
     # P at the largest factor, and at 1, needs lanes up to the largest random shift above it.
     log_max = max(math.log(limit), 0.0)
     reach = REACH * uncertainty.factor
-    march = LaneMarch(blocks, ground, float(dt), up, uncertainty, low, high, int(seed), threads)
-    bottom, lanes = probability_lanes(march, log_max + reach, near)
-    shift = Uncertainty(factor=uncertainty.factor, geometry=0.0)
-    rows = [lane_factors(one, shift, reach, limit) for one in lanes]
+    slender = slender_bodies(blocks) if slender_limit and up is None else np.zeros(nominal.shape, dtype=bool)
+    bottom = np.log(uplift_scale(blocks.varied(REACH * uncertainty.geometry, nominal), ground, vertical=up))
+    lanes: list[BodyLanes | None] = [None] * nominal.size
+    reach = REACH * math.hypot(uncertainty.factor, uncertainty.geometry)
+    for side in (0, 1, -1):
+        here = np.flatnonzero(slender & (np.asarray(blocks.side) == side) & (bottom < log_max + reach))
+        if here.size:
+            bodies = blocks.take(here).weaker
+            found = body_piece_lanes(
+                float(dt) * np.arange(ground.size), ground, bodies, uncertainty, threads, side=side
+            )
+            for place, own in zip(here.tolist(), found, strict=True):
+                lanes[place] = own
+    if not slender.all():
+        others = np.flatnonzero(~slender)
+        march = LaneMarch(blocks.take(others), ground, float(dt), up, uncertainty, int(seed), threads)
+        found = probability_lanes(march, log_max + reach, None if near is None else near[others])
+        for place, own in zip(others.tolist(), found, strict=True):
+            lanes[place] = own
+    # The lanes of the nonlinear equation have random angles already.
+    alone = Uncertainty(factor=uncertainty.factor, geometry=0.0)
+    rows = [
+        lane_factors(own, uncertainty if limit_lanes else alone, reach, limit)
+        for own, limit_lanes in zip(lanes, slender.tolist(), strict=True)
+    ]
     highest = min(max((one.top + reach for one in lanes if one is not None), default=0.0), log_max)
     first = math.floor(min(float(np.min(bottom)) - reach, 0.0) / LEVEL_STEP)
     places = np.arange(first, max(math.floor(highest / LEVEL_STEP + ROUNDING), 0) + 1)
@@ -232,5 +265,6 @@ def overturning_probability(
         **{one.name: np.array([row.found[one.name] for row in rows]) for one in fields(OverturningFactors)},
         level=np.exp(LEVEL_STEP * places),
         probability=np.array([row.at(places) for row in rows]),
+        slender=slender,
         unresolved=np.array([0.0 if one is None else float(np.mean(one.unresolved)) for one in lanes]),
     )

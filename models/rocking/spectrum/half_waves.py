@@ -15,13 +15,15 @@ import numpy as np
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
 from rocking.pictures import short_repr
-from rocking.spectrum.overturning import OverturningSpectrum
+from rocking.spectrum.body_lanes import REACH
+from rocking.spectrum.body_probability import lane_capacity
+from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
 from rocking.spectrum.slender import lobe_tops, weighted_impulse
 from rocking.spectrum.slender_lanes import (
     LEAST_RESTITUTION,
-    MOST_RESTITUTION,
     RATES,
     SpectrumLanes,
+    body_piece_lanes,
     check_strength,
     piece_lanes,
 )
@@ -30,11 +32,8 @@ from rocking.spectrum.slender_lanes import (
 POINTS = 8
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Frequency parameters of the marches are RATES[0] STEP^k with integer k: those of the default spectrum and others.
-STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
-#: Ranges of C of the marches, from 0.9 times the lowest nominal C to the highest. A body with a C below the last range
-#: is computed with the lowest C of that range, as its impacts leave almost no speed.
-BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
+#: Number of lanes of each block in the second stage.
+SECOND = 320
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -166,9 +165,8 @@ def demand_of_half_waves(
 
     Notes
     -----
-    The march depends only on p, C and x = f p/(g tan alpha) of a block. It is computed at frequency parameters with a
-    ratio of 1.128 and interpolated linearly in ln p, within 2 % of a march at the p of the body itself
-    (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
+    The march depends only on p, C and x = f p/(g tan alpha) of a block, so lengths four times and times twice as
+    large give the same. C is uniform in 0.95 to 1.05 times that of the block, at most 1.
 
     Examples
     --------
@@ -181,10 +179,8 @@ def demand_of_half_waves(
     first, centre, last, impulses = checked_half_waves(start, centroid, end, impulse)
     block = block.lanes()
     over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
-    nodes, of_body = np.unique(np.rint(_step_number(block.p)), return_inverse=True)
-    count, ratio, interval = (
-        column[of_body] for column in lobe_shapes(first, centre, last, impulses, RATES[0] * STEP**nodes)
-    )
+    nodes, of_body = np.unique(np.asarray(block.p), return_inverse=True)
+    count, ratio, interval = (column[of_body] for column in lobe_shapes(first, centre, last, impulses, nodes))
     waves = first, centre, last, impulses
     mean, at_10 = _spectra(waves, block, threads) if np.any(impulses) else np.zeros((2, over.size))
     return HalfWaveDemand(march=over * mean, march_10=over * at_10, main_count=count, ratio=ratio, interval=interval)
@@ -217,11 +213,6 @@ def lobe_shapes(
     return count, ratio, interval
 
 
-def _step_number(p: ArrayLike) -> np.ndarray:
-    """Return the number k of each frequency parameter p = RATES[0] STEP^k."""
-    return np.asarray(np.log(np.asarray(p, dtype=float) / RATES[0]) / math.log(STEP))
-
-
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
     """Return the number of main lobes, the rms of other lobes between them over the largest, the median spacing."""
     sizes = np.abs(lobes.sizes)
@@ -237,23 +228,15 @@ def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
 def _spectra(
     waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
 ) -> np.ndarray:
-    """Return effective impulses (2, m) of half-waves on blocks [m/s]: their mean, and their value at P = 10 %."""
-    rates = np.asarray(block.p)
-    found = np.empty((2, rates.size))
-    # Divided by the largest impulse, so that the levels of the spectrum scale with the record.
+    """Return effective impulses (2, m) of the half-waves on blocks [m/s]: mean, and at a probability of 10 %."""
+    # Each body is represented by a slender block of the same p and C.
+    slender = Block.from_parameters(p=block.p, alpha=0.1, restitution=block.restitution, log=False)
+    # Divided by the largest impulse, so that the levels of P scale with the record.
     start, centroid, end, impulse = waves
     largest = np.max(np.abs(impulse))
-    nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), rates.shape), BANDS[-1][0] / 0.9)
-    below = np.floor(_step_number(rates) + 1e-9)
-    band = np.sum(nominal[:, np.newaxis] < [least / 0.9 * (1.0 - 1e-12) for least, _ in BANDS[:-1]], axis=1)
-    for one in np.unique(band):
-        here = np.flatnonzero(band == one)
-        nodes = RATES[0] * STEP ** np.unique([below[here], below[here] + 1.0])
-        lanes = half_wave_lanes(start, centroid, end, impulse / largest, nodes, BANDS[one], threads)
-        spectrum = OverturningSpectrum(lanes)
-        # Each body is represented by a slender block of the same p and C.
-        slender = Block.from_parameters(p=rates[here], alpha=0.1, restitution=nominal[here], log=False)
-        read = spectrum.factors(slender)
-        speed = slender.gravity * np.tan(0.1) / slender.p
-        found[:, here] = largest * speed / read.capacity_mean, largest * speed / read.factor_10
-    return found
+    times, ground = triangles(start, centroid, end, impulse / largest)
+    uncertainty = Uncertainty()
+    reach = REACH * math.hypot(uncertainty.factor, uncertainty.geometry)
+    lanes = body_piece_lanes(times, ground, slender, uncertainty, threads, second=SECOND)
+    capacity = np.array([lane_capacity(one, uncertainty, reach) for one in lanes]).T
+    return largest * slender.gravity * np.tan(0.1) / slender.p / capacity

@@ -96,22 +96,26 @@ class OverturningFactors:
         return replace(self, **found)
 
 
+def slender_bodies(block: Block) -> np.ndarray:
+    """Return a mask (m,) of bodies that move as slender blocks: unrestrained, symmetric or beside a wall, not stout."""
+    alone = ~np.asarray(block.restrained) & (np.asarray(block.symmetric) | (np.asarray(block.side) != 0))
+    return alone & (np.asarray(block.weaker.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9))
+
+
 def covered(
     block: Block,
-    least: np.ndarray,
-    most: np.ndarray,
+    uncertainty: Uncertainty,
     p: np.ndarray = RATES,
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     side: int = 0,
 ) -> np.ndarray:
-    """Return a mask (m,) of slender bodies to which a spectrum applies: symmetric and free, or beside a wall on `side`.
+    """Return a mask (m,) of slender bodies to which a spectrum of free blocks, or of blocks beside a wall, applies.
 
-    Their p and their range `least` to `most` (m,) of C must lie within the ranges of the lanes; a range of C below a
-    tenth of the lanes' range contains too few lanes.
+    Their p and their random restitutions must lie within those of the lanes; a range of C below a tenth of the range of
+    the lanes contains too few lanes.
     """
-    alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
-    alone &= np.asarray(block.symmetric) | (side != 0)
-    return alone & slender_within(block.weaker, p) & covered_range(least, most, between)
+    alone = slender_bodies(block) & (np.asarray(block.side) == side)
+    return alone & slender_within(block.weaker, p) & covered_range(block.restitution, uncertainty, between)
 
 
 def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
@@ -121,11 +125,19 @@ def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
 
 
 def covered_range(
-    least: np.ndarray, most: np.ndarray, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
+    restitution: ArrayLike, uncertainty: Uncertainty, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
 ) -> np.ndarray:
-    """Return a mask of the ranges of C that lie within the range `between` of the lanes and contain enough lanes."""
+    """Return a mask (m,) of nominal restitutions for whose range a spectrum has enough lanes, `between` two C.
+
+    The uncertainty has the limits of a uniform distribution; restitutions above 1 count as 1.
+    """
+    nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
+    if len(uncertainty.restitution) != 2:
+        return np.zeros(nominal.shape, dtype=bool)
+    least, most = (share * nominal for share in uncertainty.restitution)
     wide = most - least >= LEAST_SHARE * (between[1] - between[0]) * (1.0 - 1e-9)
-    return wide & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
+    most = np.minimum(most, 1.0)
+    return wide & (least < most) & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
 
 
 class OverturningSpectrum:
@@ -163,45 +175,43 @@ class OverturningSpectrum:
         self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
-        """Return P(x; p, C) at the levels (a, c, k), fitted so that it never decreases with x.
+        """Return P(x; p, C) at the levels (a, c, k).
 
         The uncertainty gives the range of restitution as shares of the nominal C (c,). The limit state is a
         `rotation` theta/alpha; inf for overturning. Raises ValueError for a C whose range lies outside the lanes, or a
         rotation that is not positive.
         """
-        least, most = self._range(restitution)
         if not rotation > 0.0:
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
-        return rising(np.stack([one.reaching(rotation, least, most) for one in self._at]))
+        parts = self._parts(restitution)
+        return np.stack([sum(part * one.reaching(rotation, *ends) for part, *ends in parts) for one in self._at])
 
     def spectrum(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
         """Return S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a `rotation` (:meth:`probability`)."""
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
-    def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
+    def covers(self, block: Block) -> np.ndarray:
         """Return a mask (m,) of the blocks to which this spectrum applies (:func:`covered`)."""
-        return covered(block, least, most, self.p, self.lanes.between, self.lanes.side)
+        return covered(block, self.uncertainty, self.p, self.lanes.between, self.lanes.side)
 
-    def factors(
-        self, block: Block, least: ArrayLike | None = None, most: ArrayLike | None = None, factor_max: float = np.inf
-    ) -> OverturningFactors:
+    def factors(self, block: Block, factor_max: float = np.inf) -> OverturningFactors:
         """Compute the probability of overturning of blocks under the record, and scale factors at given probabilities.
 
         Parameters
         ----------
         block : Block
             (m,) blocks that the spectrum covers (:meth:`covers`).
-        least, most, factor_max
-            As for :func:`rocking.overturning_probability`.
+        factor_max : float
+            Largest factor that is searched [-].
         """
-        probability, error, speed = self._of_blocks(block, least, most)
+        probability, error, speed = self._of_blocks(block)
         # A higher probability means a lower factor; an interval ends at the outermost intersection of its band.
         upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
         lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
         at_one = -np.log(speed)[:, np.newaxis]
         middle, high, low = (
-            (_read(self._first, rows, at_one).ravel(), *(factor_at(at, self.level, rows) * speed for at in (0.1, 0.5)))
-            for rows in (rising(probability), upper, lower)
+            (_read(self._first, own, at_one).ravel(), *(factor_at(at, self.level, rows) * speed for at in (0.1, 0.5)))
+            for own, rows in ((probability, rising(probability)), (upper, upper), (lower, lower))
         )
         found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
         capacity = mean_capacity(self.level, probability) * speed
@@ -218,57 +228,59 @@ class OverturningSpectrum:
             found[f"{name}_high"] = value * np.exp(np.hypot(above, TWO_SIDED * INTERPOLATION))
         return OverturningFactors(**found).up_to(factor_max)
 
-    def overturning(
-        self, block: Block, factor: ArrayLike, least: ArrayLike | None = None, most: ArrayLike | None = None
-    ) -> np.ndarray:
+    def overturning(self, block: Block, factor: ArrayLike) -> np.ndarray:
         """Return the probability that blocks overturn under the record times factors (m, d) [-], as :meth:`factors`."""
-        probability, _, speed = self._of_blocks(block, least, most)
-        return _read(self._first, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
+        probability, _, speed = self._of_blocks(block)
+        return _read(self._first, probability, np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
 
-    def _of_blocks(
-        self, block: Block, least: ArrayLike | None, most: ArrayLike | None
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return P (m, k) of overturning for blocks, its standard error, and g tan(alpha)/p (m,)."""
+    def _of_blocks(self, block: Block) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return P (m, k) of blocks, its standard error, and g tan(alpha)/p (m,); ValueError for other blocks."""
+        outside = np.flatnonzero(~self.covers(block))
         block = block.weaker  # the corner about which a block beside a wall turns
-        nominal = np.asarray(block.restitution, dtype=float)
-        least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
-        most = self.uncertainty.restitution[1] * nominal if most is None else np.asarray(most, dtype=float)
-        outside = np.flatnonzero(~self.covers(block, least, most))
         if outside.size:
             raise ValueError(
-                f"block: the spectrum is valid for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
-                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.lanes.between[0]:g} to "
-                f"{self.lanes.between[1]:g}, not for {outside.size} of {nominal.size} blocks, the first at index "
+                f"block: the spectrum applies to free blocks of slenderness {LEAST_SLENDERNESS:g} or more, p from "
+                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and a range of C from {self.lanes.between[0]:g} to "
+                f"{self.lanes.between[1]:g}, but not to {outside.size} of {block.p.size} blocks, the first at index "
                 f"{int(outside[0])}"
             )
         speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
-        return *self._between(np.asarray(block.p), least, most), speed
+        return *self._between(np.asarray(block.p), np.asarray(block.restitution, dtype=float)), speed
 
-    def _range(self, restitution: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    def _parts(self, restitution: ArrayLike) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Return (r, 1) shares of the random C, and the range of C (r,) of the lanes that represent each of them.
+
+        Restitutions above 1 count as 1, which the lanes of the narrowest range below 1 represent.
+        """
         nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
-        least, most = (share * nominal for share in self.uncertainty.restitution)
-        if not np.all(covered_range(least, most, self.lanes.between)):
-            lowest, highest = self.lanes.between
+        lowest, highest = self.lanes.between
+        if not np.all(covered_range(nominal, self.uncertainty, self.lanes.between)):
             raise ValueError(
-                f"restitution: expected a nominal C whose range, {self.uncertainty.restitution[0]:g} to "
-                f"{self.uncertainty.restitution[1]:g} of it, lies in {lowest:g} to {highest:g} and is at least "
-                f"{LEAST_SHARE * (highest - lowest):.2g} wide, got {restitution!r}"
+                f"restitution: expected a nominal C whose random values, {self.uncertainty.restitution} of it, lie in "
+                f"{lowest:g} to {highest:g} and are at least {LEAST_SHARE * (highest - lowest):.2g} apart, got "
+                f"{restitution!r:.80}"
             )
-        return least, most
+        least, most = (share * nominal for share in self.uncertainty.restitution)
+        over = np.clip((most - 1.0) / (most - least), 0.0, 1.0)[:, np.newaxis]
+        narrowest = np.full(nominal.shape, 1.0 - LEAST_SHARE * (highest - lowest))
+        inside = 1.0 - over, least, np.minimum(most, 1.0)
+        return [inside, (over, narrowest, np.ones(nominal.shape))] if np.any(over) else [inside]
 
-    def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _between(self, p: np.ndarray, restitution: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
         above = np.minimum(np.searchsorted(self.p, p), self.p.size - 1)
-        below = above - 1  # -1, the last frequency parameter, gets zero weight
+        below = above - 1  # for the first one this is the last, which has zero weight
         step = np.log(self.p[above] / self.p[below])
         share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
         probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
-        for places, weights in ((below, 1.0 - share), (above, share)):
-            for place in np.unique(places):
-                here = np.flatnonzero(places == place)
-                own, spread = self._at[place].overturning(least[here], most[here])
-                probability[here] += weights[here, np.newaxis] * own
-                variance[here] += weights[here, np.newaxis] ** 2 * spread
+        for part, least, most in self._parts(restitution):
+            for places, weights in ((below, 1.0 - share), (above, share)):
+                for place in np.unique(places):
+                    here = np.flatnonzero(places == place)
+                    own, spread = self._at[place].overturning(least[here], most[here])
+                    weight = weights[here, np.newaxis] * part[here]
+                    probability[here] += weight * own
+                    variance[here] += weight**2 * spread
         return probability, np.sqrt(variance)
 
 

@@ -30,6 +30,11 @@ from rocking.pictures import short_repr
 LEAST_SPREAD = 0.02
 #: Largest standard deviations that are accepted [-]; larger numbers are probably in a wrong unit.
 LARGEST_SPREAD = 1.0
+#: Largest restitution divided by the nominal one that is accepted [-].
+LARGEST_SHARE = 2.0
+#: Largest restitution that is marched, which represents 1: a block with C = 1 never comes to rest after the record and
+#: takes twenty times as long.
+MOST_RESTITUTION = 0.999
 #: A level at which the sum of weights is below this has no lane near it.
 NO_LANE = 1e-9
 #: Truncation of the shift, in scales: the density there is 1e-14 of its maximum.
@@ -43,9 +48,11 @@ class Uncertainty:
     Attributes
     ----------
     factor : float
-        Standard deviation of the logarithm of the factor on the record [-], 0.02 to 1.
-    restitution : (float, float)
-        Limits of the uniform distribution of the restitution divided by the nominal C [-]; above 0, at most 1.
+        Standard deviation of the logarithm of the scale factor on the record [-], 0.02 to 1.
+    restitution : (v,) tuple of float
+        Restitutions divided by the nominal C [-], two or more, above 0, at most 2. Two are the limits of a uniform
+        distribution; more are measured values of equal probability, with a quantile that is linear between them. A C
+        above 1 counts as 1.
     geometry : float
         Random reduction of alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
 
@@ -54,25 +61,32 @@ class Uncertainty:
     >>> known = Uncertainty(geometry=0.0)
     >>> float(known.density(0.0).round(6))                        # 1/(0.1 sqrt(2 pi))
     3.989423
+    >>> Uncertainty(restitution=(0.9, 1.0, 1.02)).restitutions(0.95, np.array([0.0, 0.5, 1.0])).round(3).tolist()
+    [0.855, 0.95, 0.969]
     """
 
     __repr__ = short_repr
 
     factor: float = 0.10
-    restitution: tuple[float, float] = (0.9, 1.0)
+    restitution: tuple[float, ...] = (0.95, 1.05)
     geometry: float = 0.05
 
     def __post_init__(self) -> None:
         expected = f"a standard deviation of {LEAST_SPREAD:g} to {LARGEST_SPREAD:g}"
         if not LEAST_SPREAD <= numbers("factor", self.factor, expected, lanes=False) <= LARGEST_SPREAD:
             raise ValueError(f"factor: expected {expected}, got {self.factor!r}")
-        expected = "the least and the most of C over the nominal one, above 0 and at most 1"
+        expected = f"two or more restitutions over the nominal one, above 0, at most {LARGEST_SHARE:g}"
         shares = numbers("restitution", self.restitution, expected)
-        if shares.shape != (2,) or not 0.0 < shares[0] <= shares[1] <= 1.0:
+        if shares.size < 2 or np.any(shares <= 0.0) or np.any(shares > LARGEST_SHARE):
             raise ValueError(f"restitution: expected {expected}, got {self.restitution!r}")
         expected = f"a share from 0 to {LARGEST_SPREAD:g}"
         if not 0.0 <= numbers("geometry", self.geometry, expected, lanes=False) <= LARGEST_SPREAD:
             raise ValueError(f"geometry: expected {expected}, got {self.geometry!r}")
+
+    def restitutions(self, nominal: ArrayLike, rank: np.ndarray) -> np.ndarray:
+        """Return the quantiles of C at ranks (n,) from 0 to 1, for nominal restitutions (...): (..., n) [-]."""
+        shares = np.quantile(self.restitution, rank)
+        return np.minimum(np.asarray(nominal, dtype=float)[..., np.newaxis] * shares, MOST_RESTITUTION)
 
     @property
     def spread(self) -> float:

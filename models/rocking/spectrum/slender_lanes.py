@@ -13,27 +13,30 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from rocking.arguments import ArrayLike, positive, record_samples
-from rocking.body.block import STANDARD_GRAVITY
+from rocking.body.block import STANDARD_GRAVITY, Block
 from rocking.body.limits import RATES
 from rocking.lanes import split_lanes
 from rocking.pictures import short_repr
+from rocking.spectrum.body_lanes import BodyLanes
+from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
 from rocking.spectrum.slender import march_pieces, weighted_impulse
 
 #: Largest acceleration divided by gravity that is accepted in a ground motion [-].
 STRONGEST = 1e6
 #: Pieces shorter than this [s] are omitted, such as one side of a triangle whose top is at one of its ends.
 SHORTEST = 1e-12
-#: Range of restitutions of the lanes. A block with C = 1 never comes to rest and takes twenty times as long.
-LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
+#: Least restitution of the lanes of a spectrum: 0.95 times the least nominal C.
+LEAST_RESTITUTION = 0.7125
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
-#: Number of lanes of each p in the first and in the second stage.
-FIRST, SECOND = 144, 700
+#: Number of lanes of each p in the first stage, and in the second one of a spectrum and of a single body
+#: (docs/decisions/018).
+FIRST, SECOND, SECOND_OF_BODY = 144, 700, 1600
 #: The first stage ends at this multiple of the weighted impulse that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
 #: ... and at least this far above uplift [-], in ln x.
@@ -91,12 +94,6 @@ class SpectrumLanes:
     side: int = 0
 
 
-def neighbours(p: np.ndarray) -> np.ndarray:
-    """Return the default frequency parameters next to those of (m,) bodies, ascending [1/s]."""
-    above = np.clip(np.searchsorted(RATES, p), 1, RATES.size - 1)
-    return np.asarray(RATES[np.unique([above - 1, above])])
-
-
 def spectrum_lanes(
     acceleration: ArrayLike, dt: float, p: ArrayLike = RATES, threads: int | None = None, *, side: int = 0
 ) -> SpectrumLanes:
@@ -141,13 +138,62 @@ def piece_lanes(
     *,
     side: int = 0,
 ) -> SpectrumLanes:
-    """Compute lanes at ascending p under a ground acceleration [m/s2] that is linear between `times` (k,) [s]."""
+    """March lanes at ascending p [1/s] under a ground acceleration [m/s2] linear between ascending `times` (k,) [s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
+    least, most = between
+
+    def restitutions(rank: np.ndarray) -> np.ndarray:
+        return np.tile(least + (most - least) * rank, (rates.size, 1))
+
+    found = _march_lanes(times, ground, rates, restitutions, SECOND, threads, side)
+    # A restitution close to 1 represents 1.
+    covered = (least, 1.0 if most == MOST_RESTITUTION else most)
+    return SpectrumLanes(rates, **found, between=covered, side=side)
+
+
+def body_piece_lanes(
+    times: np.ndarray,
+    ground: np.ndarray,
+    block: Block,
+    uncertainty: Uncertainty,
+    threads: int | None = None,
+    *,
+    side: int = 0,
+    second: int = SECOND_OF_BODY,
+) -> list[BodyLanes]:
+    """March lanes at the p and the restitutions of each of (m,) slender blocks, under the same motion of the ground."""
+    rates, nominal = np.asarray(block.p, dtype=float), np.asarray(block.restitution, dtype=float)
+
+    def restitutions(rank: np.ndarray) -> np.ndarray:
+        return uncertainty.restitutions(nominal, rank)
+
+    found = _march_lanes(times, ground, rates, restitutions, second, threads, side)
+    speed = np.log(block.gravity * np.tan(block.alpha_c) / rates)
+    rows = zip(found["log_x"] + speed[:, np.newaxis], found["weight"], np.isinf(found["peak"]), strict=True)
+    ends = zip(found["bottom"] + speed, found["top"] + speed, strict=True)
+    lanes = []
+    for (log_factor, weight, over), (bottom, top) in zip(rows, ends, strict=True):
+        inside = weight > 0.0
+        resolved = np.zeros(np.count_nonzero(inside), dtype=bool)
+        lanes.append(BodyLanes(log_factor[inside], weight[inside], over[inside], resolved, bottom, top, open=False))
+    return lanes
+
+
+def _march_lanes(
+    times: np.ndarray,
+    ground: np.ndarray,
+    rates: np.ndarray,
+    restitutions: Callable[[np.ndarray], np.ndarray],
+    second: int,
+    threads: int | None,
+    side: int,
+) -> dict[str, np.ndarray]:
+    """March lanes at frequency parameters (a,), with the `restitutions` (a, n) of ranks (n,) from 0 to 1."""
     check_strength(ground)
     if not np.any(ground):
-        raise ValueError("acceleration: expected a ground motion, got only zeros")
+        raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
     if side < 0:
         ground = -ground  # mirror image
     length = np.diff(times)
@@ -175,7 +221,7 @@ def piece_lanes(
         split_lanes(some, place.size, threads)
         return peak.reshape(log_x.shape)
 
-    return replace(_filled(rates, bottom, top, march, between), side=side)
+    return _both_stages(bottom, top, march, restitutions, second)
 
 
 def check_strength(ground: np.ndarray) -> None:
@@ -187,15 +233,15 @@ def check_strength(ground: np.ndarray) -> None:
         )
 
 
-def _filled(
-    rates: np.ndarray,
+def _both_stages(
     bottom: np.ndarray,
     top: np.ndarray,
     march: Callable[..., np.ndarray],
-    between: tuple[float, float],
-) -> SpectrumLanes:
+    restitutions: Callable[[np.ndarray], np.ndarray],
+    second: int,
+) -> dict[str, np.ndarray]:
     """Return the lanes of both stages from uplift at ln x = `bottom` (a,) to `top` (a,), with peaks from `march`."""
-    restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
+    restitution = restitutions(_ranks(FIRST, 0.5))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
         peak = march(log_x, restitution)
@@ -204,46 +250,43 @@ def _filled(
         if not np.any(standing):
             break
         top = np.where(standing, top + LEAST_SPAN, top)
-    lowest, highest = _level(bottom, between[0]), _level(top, between[1])
-    rows = zip(_level(log_x, restitution), np.isinf(peak), lowest, highest, strict=True)
-    placed = [_second_stage_levels(*one) for one in rows]
+    least, most = restitutions(np.array([0.0, 1.0])).T
+    rows = zip(_level(log_x, restitution), np.isinf(peak), _level(bottom, least), _level(top, most), strict=True)
+    placed = [_second_stage_levels(*one, second) for one in rows]
     places, grid, density = (np.stack(column) for column in zip(*placed, strict=True))
-    more = np.tile(_restitutions(SECOND, 0.25, between), (rates.size, 1))
+    more = restitutions(_ranks(second, 0.25))
     above = places - SLOPE * (more - MIDDLE)
     log_x, restitution = np.hstack([log_x, above]), np.hstack([restitution, more])
     peak = np.hstack([peak, march(above, more)])
-    first = (FIRST / (top - bottom))[:, np.newaxis] * (log_x <= top[:, np.newaxis])
-    second = np.stack([np.interp(*one) for one in zip(_level(log_x, restitution), grid, density, strict=True)])
+    evenly = (FIRST / (top - bottom))[:, np.newaxis] * (log_x <= top[:, np.newaxis])
+    densely = np.stack([np.interp(*one) for one in zip(_level(log_x, restitution), grid, density, strict=True)])
     inside = (log_x > bottom[:, np.newaxis]) & (log_x <= top[:, np.newaxis])
-    weight = np.where(inside, 1.0 / (first + second), 0.0)
+    weight = np.where(inside, 1.0 / (evenly + densely), 0.0)
     order = np.argsort(restitution, axis=1, kind="stable")
-    ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
-    # A restitution close to 1 represents 1.
-    covered = (between[0], 1.0 if between[1] == MOST_RESTITUTION else between[1])
-    log_x, restitution, weight, peak = ordered
-    return SpectrumLanes(rates, log_x, restitution, weight, peak, bottom, top, covered)
+    found = {"log_x": log_x, "restitution": restitution, "weight": weight, "peak": peak}
+    ordered = {name: np.take_along_axis(values, order, axis=1) for name, values in found.items()}
+    return {**ordered, "bottom": bottom, "top": top}
 
 
-def _restitutions(count: int, start: float, between: tuple[float, float]) -> np.ndarray:
-    """Return `count` restitutions in the range `between`, spread by the golden ratio."""
-    least, most = between
-    return least + (most - least) * ((np.arange(count) * _GOLDEN + start) % 1.0)
+def _ranks(count: int, start: float) -> np.ndarray:
+    """Return `count` ranks from 0 to 1, spread by the golden ratio."""
+    return (np.arange(count) * _GOLDEN + start) % 1.0
 
 
-def _level(log_x: np.ndarray, restitution: float | np.ndarray) -> np.ndarray:
+def _level(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
     """Return ln x corrected for restitution, so that lanes at one level have the same expected outcome."""
     return log_x + SLOPE * (restitution - MIDDLE)
 
 
 def _second_stage_levels(
-    level: np.ndarray, over: np.ndarray, lowest: float, highest: float
+    level: np.ndarray, over: np.ndarray, lowest: float, highest: float, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return levels (SECOND,) of the second stage, and the density of the second stage on a grid of levels."""
+    """Return levels (count,) of the second stage, and the density of the second stage on a grid of levels."""
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
     share = np.sum(near * over, axis=1) / np.sum(near, axis=1)
     wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
     step = grid[1] - grid[0]
     filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step
-    places = np.interp((np.arange(SECOND) + 0.5) / SECOND * filled[-1], filled, grid)
-    return places, grid, SECOND * wanted / filled[-1]
+    places = np.interp((np.arange(count) + 0.5) / count * filled[-1], filled, grid)
+    return places, grid, count * wanted / filled[-1]

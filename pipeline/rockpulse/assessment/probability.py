@@ -1,16 +1,13 @@
 """The probability of overturning of every body under one record; the result of a body does not depend on the others."""
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 import numpy as np
 
-from rocking.body.limits import RATES
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum.probability import Uncertainty
-from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spectrum_lanes
+from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, REBOUNDS, spectrum_lanes
 from rockpulse.assessment.scene import senses
 from rockpulse.assessment.site_demands import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies
@@ -20,8 +17,6 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: A body whose probability of uplift at the largest factor is below this counts as at rest.
-NEVER = 1e-6
 #: Side of rotation of the bodies that a spectrum covers, and range of restitutions or rebounds of its lanes.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
@@ -34,58 +29,45 @@ def record_probability(
     The variables of PROBABILITY and AT_DEMAND have all lanes, (b x c,) and (b x c, d); NaN without a probability, and
     at a demand beyond FARTHEST or `[search] factor_max`. The factor to a demand is from `channels`, or from the record.
     """
-    count = len(bodies.names)
+    count = len(bodies.names) * bodies.cases
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
-        blocks = bodies.lanes.take(slice(None, None, bodies.cases)).weaker
-        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
+        values["demand_factor"] = demand_factors(channels or [scene.record], bodies.lanes.weaker, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
-    spectrum = _fill(values, scene, bodies, config) if config.has_probability else None
-    return {name: np.repeat(own, bodies.cases, axis=0) for name, own in values.items()}, spectrum
+    return values, _fill(values, scene, bodies, config) if config.has_probability else None
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
-    """Fill in the values of b bodies; return the spectrum if one of them uses it."""
+    """Fill in the values of the lanes; return the spectrum if the configuration asks for it."""
     record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
-    found = senses(bodies, record, bodies.cases)
-    origin = np.concatenate([np.arange(found.count), found.both])
-    blocks, (least, most) = found.block.weaker, (ends[origin] for ends in _ranges(bodies, uncertainty))
-    rows = {name: own[origin] for name, own in values.items()}
+    found = senses(bodies, record)
+    rows = {name: own[np.concatenate([np.arange(found.count), found.both])] for name, own in values.items()}
     with np.errstate(divide="ignore"):
         lifting = np.log(uplift_scale(found.block, record.acceleration))
     rows["uplift_probability"] = 1.0 - uncertainty.below(lifting)
-    served = {side: covered(blocks, least, most, side=side, between=between) for side, between in SERVED.items()}
-    slender = np.any(list(served.values()), axis=0) & (scene.vertical is None)
-    asked, at_demand = rows["demand_factor"], rows["demand_probability"]
-    near = (asked >= FARTHEST[0]) & (asked <= min(FARTHEST[1], limit))
-    rows["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_motions"))
+    asked = rows["demand_factor"]
+    rest, stored = np.ones(lifting.shape, dtype=bool), None
 
-    def put(places: np.ndarray, factors: OverturningFactors) -> None:
+    def put(places: np.ndarray, factors: OverturningFactors, at_demand: np.ndarray, source: np.ndarray) -> None:
         for name, own in READ.items():
             for end in ENDS:
                 rows[name + end][places] = getattr(factors, own + end)
+        rows["demand_probability"][places], rows["probability_source"][places] = at_demand, source
 
-    still = slender & (1.0 - uncertainty.below(lifting - np.log(limit)) < NEVER)
-    names = [own.name for own in fields(OverturningFactors)]
-    nothing = {name: np.array(0.0 if name.startswith("at_one") else np.inf) for name in names}
-    put(np.flatnonzero(still), OverturningFactors(**nothing).up_to(limit))
-    at_demand[still] = 0.0
-    stored = None
-    for side, inside in served.items():
-        places = np.flatnonzero(inside & slender & ~still)
-        if places.size == 0:
-            continue
-        rates = RATES if config.uncertainty.spectrum == "all" else neighbours(np.asarray(blocks.p)[places])
-        lanes = spectrum_lanes(record.acceleration, record.dt, rates, side=side)
-        spectrum = OverturningSpectrum(lanes, uncertainty)
-        stored = spectrum if side == 0 else stored
-        read = blocks.take(places), least[places], most[places]
-        put(places, spectrum.factors(*read, limit))
-        if config.demands:
-            at_demand[places] = spectrum.overturning(read[0], asked[places], *read[1:])
-    seed = int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0])
-    others = np.flatnonzero(~slender)
+    if config.uncertainty.spectrum == "all" and scene.vertical is None and np.any(record.acceleration):
+        for side, between in SERVED.items():
+            inside = np.flatnonzero(covered(found.block, uncertainty, side=side, between=between))
+            if side == 0 or inside.size:
+                lanes = spectrum_lanes(record.acceleration, record.dt, side=side)
+                spectrum = OverturningSpectrum(lanes, uncertainty)
+                stored = spectrum if side == 0 else stored
+            if inside.size:
+                read = found.block.take(inside)
+                source = np.full(inside.shape, SOURCES.index("spectrum"))
+                put(inside, spectrum.factors(read, limit), spectrum.overturning(read, asked[inside]), source)
+                rest[inside] = False
+    others = np.flatnonzero(rest)
     if others.size:
         own = overturning_probability(
             found.block.take(others),
@@ -94,21 +76,12 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
             uncertainty,
             vertical=scene.vertical,
             factor_max=limit,
-            least=least[others],
-            most=most[others],
-            seed=seed,
+            seed=int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0]),
         )
-        put(others, own)
-        at_demand[others] = own.overturning(asked[others])
-    at_demand[~near] = np.nan
+        source = np.where(own.slender, SOURCES.index("slender_limit"), SOURCES.index("nonlinear"))
+        put(others, own, own.overturning(asked[others]), source)
+    near = (asked >= FARTHEST[0]) & (asked <= min(FARTHEST[1], limit))
+    rows["demand_probability"][~near] = np.nan
     worse = found.higher_probability(rows["overturning_probability"], rows["factor_10"])
     values.update({name: own[worse] for name, own in rows.items()})
     return stored
-
-
-def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
-    """Return the range of C of each of b bodies: the ends of its list, or shares of its single value."""
-    restitution = bodies.per_case(np.asarray(bodies.lanes.restitution, dtype=float))
-    low, high = restitution.min(axis=1), restitution.max(axis=1)
-    least, most = uncertainty.restitution
-    return np.where(low < high, low, least * low), np.where(low < high, high, most * high)

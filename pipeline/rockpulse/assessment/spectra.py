@@ -104,8 +104,7 @@ def stored_spectrum_values(
     spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
 ) -> dict[str, np.ndarray]:
     """Return a spectrum's :data:`~rockpulse.storage.variables.probability.SPECTRUM` variables at nominal C (c,)."""
-    least, most = (share * restitution for share in spectrum.uncertainty.restitution)
-    if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
+    if np.any(outside := ~covered_range(restitution, spectrum.uncertainty, spectrum.lanes.between)):
         # The lanes do not cover wide ranges around a low nominal C, and are too sparse for narrow ranges.
         sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
         found = {name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from rockpulse.config.settings import misplaced
@@ -25,6 +27,8 @@ MODELS = ("lognormal", "logistic")
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 #: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
+#: Number of values that represent a normal distribution, and largest quotient of its deviation and mean, inverted.
+VALUES, MOST_DEVIATIONS = 65, 3.0
 #: First bytes of every PNG file.
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -58,10 +62,27 @@ def _by_severity(value: Any) -> tuple[str | float, ...]:
     return (*(item for item in value if item == UPLIFT), *levels, *(item for item in value if item == OVERTURNING))
 
 
+def _is_distribution(value: Any) -> bool:
+    if isinstance(value, Mapping):
+        known = set(value) == {"mean", "deviation"} and _are_numbers([*value.values()])
+        return known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 1.5
+    return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0
+
+
+def _distribution(value: Any) -> tuple[float, ...]:
+    """Return the two limits of a uniform distribution, or equally likely values."""
+    if not isinstance(value, Mapping):
+        return _floats(sorted(value))
+    # Expected values of order statistics nearly, which have the stated mean and 0.99 of the deviation.
+    normal = NormalDist(value["mean"], value["deviation"])
+    return tuple(normal.inv_cdf((k + 0.5) / VALUES) for k in range(VALUES))
+
+
 _RANGE = KeyType(
-    "[lowest, highest], fractions of the nominal C above 0 and at most 1",
-    lambda value: _are_numbers(value, 2) and value[0] <= value[1] <= 1.0,
-    _floats,
+    "values of C over the nominal C, above 0 and at most 2: [lowest, highest] of a uniform distribution, more measured "
+    "values, or {mean = 0.98, deviation = 0.03} of a normal distribution",
+    _is_distribution,
+    _distribution,
 )
 _LIMIT_STATES = KeyType(
     'a list of "uplift", numbers in (0, 1] (rotations over alpha_c) and "overturning", each once',
@@ -79,8 +100,8 @@ _LEVELS = KeyType("a list of positive numbers in ascending order", _ascend, _flo
 class UncertaintySettings(Section):
     """The uncertainty of the probability of overturning, and whether it is computed.
 
-    The probability is computed only with the nonlinear model. For a body whose restitution is a list, the range of its
-    values replaces `restitution`.
+    The probability is computed only with the nonlinear model. `restitution` has values of C over the nominal C: two
+    limits of a uniform distribution, more measured values, or a table with mean and deviation of a normal one.
 
     >>> rp.UncertaintySettings(restitution=(0.85, 0.95)).of_draws()
     Uncertainty(restitution=(0.85, 0.95))
@@ -89,10 +110,10 @@ class UncertaintySettings(Section):
     heading = "[uncertainty]"
     probability: bool = boolean(True)
     factor: float = number(0.10, low=0.02, high=1.0)  # as the solver checks it
-    restitution: tuple[float, float] = key((0.9, 1.0), _RANGE)
+    restitution: tuple[float, ...] = key((0.95, 1.05), _RANGE)
     geometry: float = number(0.05, low=0.0, high=1.0)
     azimuth: bool = boolean(False)
-    spectrum: str = choice("bodies", ("bodies", "all"))
+    spectrum: str = choice("none", ("none", "all"))
 
     def of_draws(self) -> Uncertainty:
         """Return the uncertainty as the solver needs it."""

@@ -13,7 +13,7 @@ from rockpulse.storage.variables import Declared, StoredVariable, along, flag, r
 #: Name of the mean over direction of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
 #: Words of the flag `probability_source`, in the order of its values.
-SOURCES = ("none", "spectrum", "own_motions")
+SOURCES = ("none", "spectrum", "slender_limit", "nonlinear")
 
 #: The field of :class:`rocking.OverturningFactors` that each variable contains.
 READ = {
@@ -34,11 +34,11 @@ def _of_lanes(name: str) -> Callable[[Any], np.ndarray]:
 
 def _comment(config: Config) -> str:
     known = config.uncertainty
-    least, most = known.restitution
+    shares = known.of_draws().restitution
     return (
-        f"nonlinear model; scale factor lognormal ({100.0 * known.factor:g} %), C uniform between {least:g} and "
-        f"{most:g} times nominal, or over the listed values, critical angle reduced by {100.0 * known.geometry:g} % "
-        f"|N|; scale factors up to {config.search.factor_max:g}"
+        f"nonlinear model; scale factor lognormal ({100.0 * known.factor:g} %), C between {min(shares):.3g} and "
+        f"{max(shares):.3g} times nominal, at most 1, critical angle reduced by {100.0 * known.geometry:g} % |N|; "
+        f"scale factors up to {config.search.factor_max:g}"
     )
 
 
@@ -87,9 +87,9 @@ PROBABILITY: Declared = {
         SOURCES,
         "source of the probability of overturning",
         _of_lanes("probability_source"),
-        explanation="spectrum: the overturning spectrum of the record, which is the same for all slender bodies; own "
-        "motions: those of the body itself, where the spectrum does not hold (slenderness below 3.5, p or C outside "
-        "it, vertical acceleration)",
+        explanation="slender_limit: samples of the body in the limit of slender blocks; nonlinear: samples by the "
+        "nonlinear equation (slenderness below 3.5, ties, loads or vertical acceleration); spectrum: the overturning "
+        'spectrum of the record, with `[uncertainty] spectrum = "all"`',
     ),
 }
 
@@ -162,7 +162,7 @@ AXIS_SIZES = {"p": RATES.size, "restitution": RESTITUTIONS.size, "level": LEVELS
 
 
 def _has(config: Config) -> bool:
-    return config.has_probability
+    return config.has_probability and config.uncertainty.spectrum == "all"
 
 
 def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
@@ -170,7 +170,7 @@ def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
     return replace(variable, dims=("record", *variable.dims), take=take, stored=_has, of_ground=True)
 
 
-#: Variables of /spectra in an assessment, except record names; values are NaN at a p that no body needs.
+#: Variables of /spectra in an assessment, except record names; stored only with `[uncertainty] spectrum = "all"`.
 SPECTRA: Declared = {
     **{name: replace(axis, stored=_has) for name, axis in SPECTRUM_AXES.items()},
     **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},

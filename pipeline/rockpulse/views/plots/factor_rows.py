@@ -118,7 +118,7 @@ def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
 def configured_uncertainty(tree: xr.DataTree) -> str:
     """Describe the uncertainty of the probability of overturning from the configuration."""
     known, search = settings_of(tree, UncertaintySettings), settings_of(tree, SearchSettings)
-    low, high = map(six_digits, known.restitution)
+    low, high = map(six_digits, (min(known.restitution), max(known.restitution)))
     factor, less = (six_digits(100.0 * spread) for spread in (known.factor, known.geometry))
     return say("plot.uncertainty", factor=factor, low=low, high=high, less=less, most=six_digits(search.factor_max))
 

@@ -183,7 +183,7 @@ def _of_factors(answers: Answers, uncertainty: UncertaintySettings) -> list[str]
     if not answers.has_factor:
         return []
     if answers.probable:
-        low, high = map(ratio, uncertainty.restitution)
+        low, high = map(ratio, (min(uncertainty.restitution), max(uncertainty.restitution)))
         spread, geometry = share(uncertainty.factor), share(uncertainty.geometry)
         stated = say("note.uncertainty", factor=spread, low=low, high=high, geometry=geometry)
         return [f"{say('note.factor_10')} {stated}{none_found(answers)}"]
