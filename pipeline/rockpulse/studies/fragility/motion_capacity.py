@@ -23,7 +23,7 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
-from rockpulse.selection.tables import Selection
+from rockpulse.selection.tables import SelectedRecords
 from rockpulse.storage.variables.fragility import QUALITIES
 from rockpulse.storage.variables.summary import FACTS, facts_of
 
@@ -107,7 +107,7 @@ class BodyLanes(NamedTuple):
 
 
 def motion_capacity(
-    motion: Motion, watch: Watch, lanes: BodyLanes, config: Config, selection: Selection | None = None
+    motion: Motion, watch: Watch, lanes: BodyLanes, config: Config, selection: SelectedRecords | None = None
 ) -> Part:
     """Compute the capacities of (m,) lanes under one record, as arrays by name.
 
@@ -175,14 +175,14 @@ def _reversed(scene: Scene) -> Scene:
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
-def _stripes(config: Config, selection: Selection | None) -> int:
+def _stripes(config: Config, selection: SelectedRecords | None) -> int:
     """Return the number r of scale factors applied to a record."""
     if selection is not None:
         return selection.most
     return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
 
 
-def _weights(record: str, config: Config, selection: Selection | None) -> dict[str, np.ndarray]:
+def _weights(record: str, config: Config, selection: SelectedRecords | None) -> dict[str, np.ndarray]:
     """Return the weight (r,) of each factor, 0 for a missing one; empty for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
@@ -193,7 +193,7 @@ def _weights(record: str, config: Config, selection: Selection | None) -> dict[s
 
 
 def _capacity(
-    ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
+    ground: Scene, there: Scene, block: Block, config: Config, selection: SelectedRecords | None
 ) -> dict[str, np.ndarray]:
     """Return the arrays of (m,) lanes for one scene, with the measures of its ground motion, also for a floor."""
     settings, search = config.fragility, config.search
@@ -218,7 +218,7 @@ def _capacity(
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
-def empty_capacity(lanes: int, config: Config, selection: Selection | None = None) -> Part:
+def empty_capacity(lanes: int, config: Config, selection: SelectedRecords | None = None) -> Part:
     """Return the arrays of :func:`motion_capacity`, and "event", with zero rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
