@@ -268,7 +268,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         found = f"would not be read again ({fault}); nothing was kept, write into another folder"
         raise RecordRefused(f"{path}: {found}") from fault
     if len(back) != len(records):
-        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} would be read again; nothing was kept")
+        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} would be read; nothing was kept")
     for again in back:
         # One record has the name of its file.
         code = f"{again.network}.{again.station}.{again.location}.{again.channel}"

@@ -28,7 +28,7 @@ RAW, CORRECTED, BOTTOM, SURFACE = "hses.V1A", "hses.V2A", "AKT0139608110312.{}1"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """GeoNet's raw and processed record of one ground motion, and the files of a KiK-net station, in three components."""
+    """GeoNet's raw and processed record of one motion, and the files of a KiK-net station, in three components."""
     folder = tmp_path_factory.mktemp("records")
     for name, corrected in ((RAW, False), (CORRECTED, True)):
         columns = [(9806.65 + 100.0 * corrected) * wave for wave in WAVES]

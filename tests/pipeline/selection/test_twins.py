@@ -59,7 +59,9 @@ def seen(*recordings, **settings):
 
 def test_two_recordings_of_one_motion_that_agree_count_once():
     filtered = [condition(one, "mean", highpass_hz=0.2, lowpass_hz=25.0).acceleration for one in recording("raw")]
-    found, failed, copies, _ = seen(recording("raw", late=0.8), recording("cor", True, north=filtered[0], east=filtered[1]))
+    found, failed, copies, _ = seen(
+        recording("raw", late=0.8), recording("cor", True, north=filtered[0], east=filtered[1])
+    )
     assert (found, failed, len(copies)) == (["cor.E", "cor.N"], [], 2)
 
 
