@@ -156,7 +156,7 @@ def stored_sections(text: str) -> dict[str, Any]:
 def given_config(
     config: Config | str | os.PathLike[str] | None, units: str | None = None, dt: float | None = None
 ) -> Config:
-    """Return a Config, given itself, a path or None (defaults); `units` and `dt` replace those of section [records]."""
+    """Return the given Config, one read from a path, or the defaults; `units` and `dt` replace those of [records]."""
     if units is not None or dt is not None:
         asked = given_config(config)
         return dataclasses.replace(asked, records=asked.records.for_all(units, dt))

@@ -147,7 +147,7 @@ def run(
 def _given(
     records: Records, failures: Iterable[Failure], options: RecordSettings
 ) -> tuple[list[Record], list[Failure]]:
-    """Return the records, which are read first if paths are given, and all failures including those of reading."""
+    """Return the given records, or the records read from given paths, and all failures."""
     one = isinstance(records, (str, os.PathLike, Record))
     every: list[Any] = [records] if one else list(cast(Iterable[Any], records))
     if every and all(isinstance(item, (str, os.PathLike)) for item in every):

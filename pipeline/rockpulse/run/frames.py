@@ -59,7 +59,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
 
 
 class Frame(NamedTuple):
-    """A frame of a file: a valid head in JSON, and a body of bytes that may be damaged."""
+    """One entry of a file: a head in JSON with a valid checksum, and a body of bytes that may be damaged."""
 
     head: dict[str, Any]
     body: int  # position of the body in the file

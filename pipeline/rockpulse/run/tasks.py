@@ -104,7 +104,7 @@ def read_options(config: Config) -> ReadOptions:
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
-    """Return the SHA-256 of the program, the schema, and the options that affect the numbers of a record.
+    """Return the SHA-256 of the program, the schema, and the options that affect the results of a record.
 
     It excludes paths, duplicate selection, workers, names, and options for the end of a run (tables of events and
     weights, statistics, fits). Units, intervals and confirmed ids are part of the fingerprint of each task; the seed is

@@ -111,7 +111,7 @@ def plan_motions(
 
 
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
-    """Return the conditioned channel, or the pair in every requested direction; RockpulseError if one is rejected."""
+    """Return the conditioned channel, or the conditioned pair rotated to every requested direction."""
     up = _conditioned_vertical(planned, config)
     planned = replace(planned, channels=tuple(compared(planned.channels, planned.comparisons)), comparisons=())
     if not planned.rotated:  # its warnings precede those of conditioning

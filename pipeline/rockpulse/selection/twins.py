@@ -104,7 +104,7 @@ def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> l
 def clock_twin(
     channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str], stage: str
 ) -> list[Failure]:
-    """Return failure rows for channels if another record contains the same motion, but by a wrong clock.
+    """Return failure rows for channels whose ground motion another record contains at a different clock time.
 
     A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
     """
