@@ -200,9 +200,7 @@ def test_a_site_that_cannot_be_written_keeps_what_is_finished(folder, tmp_path, 
         raise ResultsError("the results take 3 MB, 1 MB are free; free some space there")
 
     monkeypatch.setattr(run, "write_results", full)
-    with pytest.raises(
-        ResultsError, match=r"free some space there; 3 finished records are kept in .*--resume continues"
-    ):
+    with pytest.raises(ResultsError, match=r"free some space there; 3 finished records are kept .*--resume continues"):
         calibrate_files(sorted(folder.glob("r*")), SITE, tmp_path / "site.h5", BatchOptions(workers=1))
 
 
