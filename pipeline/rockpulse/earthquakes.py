@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: Confidence level of the interval of a probability [-], and smallest number of earthquakes that allows
-#: conclusions on other earthquakes.
+#: Confidence level of the interval of a probability [-]; fewest earthquakes that allow conclusions on others.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
 #: Tolerance for rounding errors in sums of weights, which may make a share of 0.84 slightly smaller.

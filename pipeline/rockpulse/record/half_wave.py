@@ -158,8 +158,7 @@ def _lobes(record: Record) -> HalfWaves:
     # Both parts of an interval are computed from the samples, as 1 - fraction loses digits of a short second part.
     fraction, rest = before / (before - after), after / (after - before)
 
-    # Points are the samples and the crossings between them; pieces connect neighbouring points. Lengths are in units
-    # of dt.
+    # Points are the samples and the crossings between them; pieces connect two points; lengths are in units of dt.
     value = np.insert(acceleration, crossing + 1, 0.0)
     whole = np.insert(np.arange(acceleration.size), crossing + 1, crossing)
     part = np.insert(np.zeros(acceleration.size), crossing + 1, fraction)

@@ -211,8 +211,7 @@ FRAGILITY = tuple(name for name, one in MEASURES.items() if one.proportional)
 HAZARD, SCALING = (tuple(name for name, one in MEASURES.items() if use in one.uses) for use in ("hazard", "scaling"))
 DEMAND = tuple(name for name, row in ROWS.items() if "demand" in row.uses)
 PERIODIC = tuple(name for name in DEMAND if ROWS[name].periods)
-#: Measures stored for every record, those proportional to the scale factor, and measures stored for every record and
-#: body.
+#: Measures stored for each record, those proportional to the scale factor, and those stored for each record and body.
 STORED = tuple(row for row in _TABLE if row.stored is not None and not row.of_bodies)
 STORED_LEVELS = tuple(row for row in STORED if row.proportional)
 STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row.of_bodies)

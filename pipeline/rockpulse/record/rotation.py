@@ -25,8 +25,7 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.warning_text import WarningText, code_of, has_warning
 
-#: Smallest sine of the angle between two channels; below it (10 degrees) rotation multiplies their noise by more than
-#: 6.
+#: Smallest sine of the angle between two channels (10 degrees), at which rotation multiplies their noise by 6.
 SMALLEST_SINE = 0.17
 #: Search for the strongest direction: successive steps [degrees]; number of maxima of the first step that are refined;
 #: smallest share of the highest maximum for this.

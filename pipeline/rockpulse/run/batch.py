@@ -141,8 +141,7 @@ class _Batch:
                     raise Interrupted(f"interrupted; {left}") from None
                 silent = isinstance(error, ResultsError) and not error.tells_resume
                 if silent or isinstance(error, StoppedAtFailure | ConnectionError):
-                    between = "\n" if "\n" in str(error) else "; "  # lines to copy end with a line break
-                    raise type(error)(f"{error}{between}{left}") from error
+                    raise type(error)(f"{error}\n{left}" if "\n" in str(error) else f"{error}; {left}") from error
                 raise
             report = self.report
             if not report.records:

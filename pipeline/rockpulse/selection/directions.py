@@ -170,16 +170,15 @@ def _with_comparisons(
     planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
 ) -> list[PlannedMotion]:
     """Return the planned motions with the other records with which their channels are compared."""
-    of_accepted: dict[str, list[Twin]] = defaultdict(list)
+    by_id: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
-        of_accepted[twin.accepted.id].append(twin)
+        by_id[twin.accepted.id].append(twin)
     partner, clocks = partners(horizontal), clock_candidates(horizontal)
     found = []
     for one in planned:
         comparisons = list(component_comparisons(one.channels, partner))
         for place, channel in enumerate(one.channels):
-            twins_of = of_accepted[channel.id]
-            comparisons += [Comparison("duplicate", place, twin.rejected, twin.beside) for twin in twins_of]
+            comparisons += [Comparison("duplicate", place, twin.rejected, twin.beside) for twin in by_id[channel.id]]
             if id(channel) in clocks:
                 comparisons.append(Comparison("clock", place, clocks[id(channel)]))
         found.append(replace(one, comparisons=tuple(comparisons)))

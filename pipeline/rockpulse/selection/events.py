@@ -11,8 +11,7 @@ from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.record import Record
 from rockpulse.selection.tables import given_table, read_event_table
 
-#: Records that start within this time of each other are of one earthquake [s]; records with the same title may be of
-#: one earthquake too.
+#: Records that start within this time of each other are of one earthquake [s].
 JOINED_WITHIN_S = 600.0
 #: Largest difference between two stated origin times of one earthquake [s], and between two stated magnitudes of any
 #: scale; if origin times differ by more than `JOINED_WITHIN_S`, the earthquakes are different, unless other records
