@@ -53,13 +53,13 @@ def assess(
     config : Config or path, optional
         Options; by default the default settings.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration; full sizes in m.
+        The bodies, in place of the bodies of the configuration; full sizes in m.
     failures : iterable of Failure
         Files and channels that were skipped on reading, to be stored with the results.
     progress : callable, optional
         Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
     units, dt : str, float, optional
-        Unit and sampling interval [s] of files that do not state them, in place of those of ``[records]``.
+        Unit and sampling interval [s] of files that do not state them, in place of the values in ``[records]``.
     all_models : bool
         Whether to run every model, in place of ``[models] use``.
 
@@ -72,7 +72,7 @@ def assess(
     Raises
     ------
     ConfigError
-        Without a body, for two records with the same id, or a table of events that does not match the records. A record
+        If there is no body, two records have the same id, or a table of events does not match the records. A record
         that cannot be assessed is a row of /failures instead.
 
     Examples
@@ -155,7 +155,7 @@ def assess_sequence(
     config : Config or path, optional
         The sections site, models, search and [[block]] are used, but not [[demand]], as a sequence has no PGA.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration; full sizes in m.
+        The bodies, in place of the bodies of the configuration; full sizes in m.
     name, source : str
         Id of the row, in place of a record's id, and source file of the sequence.
 
@@ -169,7 +169,7 @@ def assess_sequence(
     Raises
     ------
     ConfigError
-        Without a body, for several sequences or an endless one, for bodies outside the design spectrum, or if no model
+        If there is no body, for several sequences or an endless one, for bodies outside the spectrum, or if no model
         in ``[models] use`` can use the design.
 
     Examples
@@ -190,7 +190,7 @@ def assess_sequence(
             sequence = sequence.sequence(gathered.lanes)
         except ValueError as error:
             outside = [body for body, covered in zip(gathered.names, inside, strict=True) if not covered]
-            told = f"[[block]] {', '.join(outside)}: outside this design; remove from [[block]]. " if outside else ""
+            told = f"[[block]] {', '.join(outside)}: outside the design spectrum; remove. " if outside else ""
             raise ConfigError(f"{told}{error}") from None
     elif sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")

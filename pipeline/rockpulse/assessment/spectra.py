@@ -57,8 +57,8 @@ def overturning_spectrum(
     method : {"nonlinear", "rule"}
         The nonlinear equation, or the rule of :func:`rockpulse.load_rule`, which uses only the record's half-waves.
     uncertainty : Uncertainty, optional
-        Uncertainty of factor, restitution and geometry; by default that of :class:`rockpulse.models.Uncertainty`, the
-        only one that the rule accepts.
+        Uncertainty of factor, restitution and geometry; by default :class:`rockpulse.models.Uncertainty`, the only one
+        that the rule accepts.
     threads : int, optional
         Threads that share the work; None for all available cores. The result does not depend on it.
 

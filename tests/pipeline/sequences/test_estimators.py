@@ -154,7 +154,7 @@ def test_too_few_half_waves_in_the_phase_are_refused_with_the_phase():
 
 
 def test_mean_of_all_half_waves_leaves_none_for_the_secondary_impulse():
-    with pytest.raises(RecordRefused, match=r"NET\.STA\.LOC\.CHA: 5 half-waves: the mean of the 5 largest leaves no half-wave"):
+    with pytest.raises(RecordRefused, match=r"CHA: 5 half-waves: the mean of the 5 largest leaves no half-wave"):
         record_sequence(FIVE, main="mean-largest", m=5)
 
 

@@ -196,11 +196,11 @@ class HazardCurve(_Hazard):
         if not (np.all(np.isfinite(level) & (level > 0.0)) and np.all(np.diff(level) > 0.0)):
             raise ConfigError(f"{self.source}: expected positive levels in ascending order, found {level.tolist()}")
         if not (np.all(np.isfinite(rates) & (rates > 0.0)) and np.all(np.diff(rates) <= 0.0)):
-            raise ConfigError(f"{self.source}: expected positive annual rates that do not rise, found {rates.tolist()}")
+            raise ConfigError(f"{self.source}: expected positive rates that do not increase, found {rates.tolist()}")
         slopes = -np.diff(np.log(rates)) / np.diff(np.log(level))
         if slopes[-1] == 0.0:
             raise ConfigError(
-                f"{self.source}: the last two rates are alike, {rates[-1]:g}: the slope beyond them is unknown"
+                f"{self.source}: the last two rates are equal, {rates[-1]:g}: the slope beyond them is unknown"
             )
         knots = np.log(level * self.soil_factor)
         for name, value in (("level", level), ("rates", rates), ("knots", knots), ("slopes", slopes)):
