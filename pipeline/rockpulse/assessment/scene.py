@@ -56,7 +56,7 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
 
 
 def solver_options(config: Config) -> dict[str, Any]:
-    """Return the fields of a scene that the configuration determines."""
+    """Return the solver options of the configuration, as fields of a scene."""
     models, search = config.models, config.search
     own = {"gain": models.gain, "histories": models.histories}
     return own | {"factor_max": search.factor_max, "points": search.points, "step": search.step}

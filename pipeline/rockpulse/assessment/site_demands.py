@@ -41,7 +41,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """Return the factors (m, d) that scale records to d demands; the channels count by their geometric mean."""
+    """Return factors (m, d) that scale the geometric mean of the channels' intensities to each of d demands."""
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))
     for place, demand in enumerate(config.demands):

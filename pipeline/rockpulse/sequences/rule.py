@@ -31,7 +31,7 @@ from rockpulse.record.half_wave import HalfWaves
 POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
 #: The rule that is part of the package.
 SHIPPED = "rule.toml"
-#: The quantities of bodies by which the range of a rule is defined, with units; R and C are those of rectangles.
+#: The quantities of a body by which the range of a rule is defined, with their units.
 TRAITS = {
     "p": "p {} to {} 1/s",
     "radius": "R {} to {} m",
@@ -203,7 +203,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """Return the quantities (m,) by which the range of a rule is defined: see `TRAITS`."""
+    """Return the quantities (m,) of blocks by which the range of a rule is defined, by the names in TRAITS."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)

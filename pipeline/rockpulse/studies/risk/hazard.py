@@ -344,11 +344,11 @@ class SiteHazards:
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the ln rate for each body's hazard at logarithms (m, ...) of levels in SI units."""
+        """Return the logarithm of each body's annual rate at logarithms (m, ...) of levels in SI units."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of each body's rate over ln x from ln levels (m, ...) to infinity [1/year]."""
+        """Return the integral of each body's rate over ln x, from logarithms (m, ...) of levels to infinity [1/year]."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
