@@ -348,7 +348,7 @@ class SiteHazards:
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of each body's rate over ln x, from logarithms (m, ...) of levels to infinity [1/year]."""
+        """Return the integral of each body's rate over ln x from logarithms (m, ...) of levels to infinity [1/year]."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
