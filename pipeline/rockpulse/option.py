@@ -10,11 +10,11 @@ from typing import Any, ClassVar
 from rockpulse.errors import ConfigError
 
 
-def _one_line(section: Any) -> str:
+def _short_repr(section: Any) -> str:
     """Return the repr of a section; the late import saves a help text from loading numpy."""
-    from rocking.pictures import one_line
+    from rocking.pictures import short_repr
 
-    return one_line(section)
+    return short_repr(section)
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Section:
     heading: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:
-        cls.__repr__ = _one_line  # type: ignore[method-assign]
+        cls.__repr__ = _short_repr  # type: ignore[method-assign]
 
     @property
     def where(self) -> str:

@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rockpulse.errors import Failure, some
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText
@@ -43,7 +43,7 @@ class Pair:
     [0.0, 90.0]
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     first: Record
     second: Record

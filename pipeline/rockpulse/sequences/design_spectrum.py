@@ -13,7 +13,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
 
 
@@ -44,7 +44,7 @@ class DesignSpectrum:
     array([0.82])
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     p: np.ndarray
     restitution: np.ndarray

@@ -19,7 +19,7 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES, radius_of_rectangle
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.main_sequence import effective_amplification
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rocking.spectrum.slender_lanes import SpectrumLanes
@@ -63,7 +63,7 @@ class Rule:
     (0.97, (1.0, 4.0))
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     point: str
     factor: float

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking.body.block import Block
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
@@ -222,7 +222,7 @@ class KinematicCheck(NamedTuple):
     nonlinear: np.ndarray
 
     def __repr__(self) -> str:
-        return one_line(self)
+        return short_repr(self)
 
 
 def kinematic_check(

@@ -14,7 +14,7 @@ from typing import Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rockpulse.errors import ConfigError
 from rockpulse.option import hint
 from rockpulse.record.measures import HAZARD, MEASURES, PGA
@@ -100,7 +100,7 @@ class PowerLawHazard(_Hazard):
     0.0001
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     k0: float
     k: float
@@ -174,7 +174,7 @@ class HazardCurve(_Hazard):
     [0.01, 0.004472, 2e-05]
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     measure: str
     level: np.ndarray
@@ -274,7 +274,7 @@ class SiteHazards:
     (2, [0, 1, 1], [0.0, 0.0, 8300.0])
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     hazards: tuple[Hazard, ...]
     of_body: np.ndarray
