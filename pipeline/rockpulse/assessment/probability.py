@@ -1,4 +1,4 @@
-"""The probability of overturning of every body under one record; the result of a body does not depend on the others."""
+"""The probability of overturning of every body under one record; the other bodies have no effect on it."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: Side of rotation of the bodies that a spectrum covers, and range of restitutions or rebounds of its lanes.
+#: For bodies on each side of a wall, or free (0): the range of restitutions or rebounds that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 
@@ -26,8 +26,8 @@ def record_probability(
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
     """Compute the probability of overturning under a record, unscaled and at each demand, and the record's spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND have all lanes, (b x c,) and (b x c, d); NaN without a probability, and
-    at a demand beyond FARTHEST or `[search] factor_max`. The factor to a demand is from `channels`, or from the record.
+    The variables of PROBABILITY and AT_DEMAND have a value for each lane; it is NaN if there is no probability, or if
+    the demand is beyond FARTHEST or `[search] factor_max`. Without `channels`, the record is scaled to the demand.
     """
     count = len(bodies.names) * bodies.cases
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -39,7 +39,7 @@ def record_probability(
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
-    """Fill in the values of the lanes; return the spectrum if the configuration asks for it."""
+    """Fill the arrays of `values` for all bodies; return the spectrum if the configuration asks for it."""
     record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
     found = senses(bodies, record)
     rows = {name: own[np.concatenate([np.arange(found.count), found.both])] for name, own in values.items()}
