@@ -249,9 +249,9 @@ def overturning_probability(
     if not slender.all():
         others = np.flatnonzero(~slender)
         march = LaneMarch(blocks.take(others), ground, float(dt), up, uncertainty, int(seed), threads)
-        found = probability_lanes(march, log_max + reach, None if near is None else near[others])
-        for place, own in zip(others.tolist(), found, strict=True):
-            lanes[place] = own
+        marched = probability_lanes(march, log_max + reach, None if near is None else near[others])
+        for place, marched_lanes in zip(others.tolist(), marched, strict=True):
+            lanes[place] = marched_lanes
     # The lanes of the nonlinear equation have random angles already.
     alone = Uncertainty(factor=uncertainty.factor, geometry=0.0)
     rows = [
