@@ -169,12 +169,16 @@ def test_the_sum_over_a_hazard_is_exact_between_its_bends_and_from_the_uplift_on
 def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_reported(results):
     bodies = models.Block(width=[0.4, 1.0], height=[3.0, 1.0], restitution=[0.9, 0.9])
     assert np.isnan(rp.inventory_frequency(results, bodies, LAW)["frequency"].values).tolist() == [False, True]
-    config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)))
-    partial = rp.assess([shaking(0)], config, bodies={"wall": models.Block(width=0.4, height=3.0)})
-    with pytest.raises(rp.ResultsError, match=r'gaps at the p of these bodies; assess again with .* spectrum = "all"'):
-        rp.inventory_frequency(partial, models.Block(width=[1.6], height=[12.0]), LAW)
-    found = rp.inventory_frequency(partial, models.Block(width=[0.4], height=[3.0]), LAW)
-    assert np.isnan(found["frequency_low"].item())
+    wall = models.Block(width=[0.4], height=[3.0])
+    for restitution in ((0.95, 1.05), (0.97, 0.98), (0.9, 0.95, 1.0)):
+        known = rp.UncertaintySettings(spectrum="all", restitution=restitution)
+        config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)), uncertainty=known)
+        one = rp.assess([shaking(0)], config, bodies={"wall": wall.lane(0)})
+        if restitution == (0.95, 1.05):
+            assert np.isnan(rp.inventory_frequency(one, wall, LAW)["frequency_low"].item())
+        else:
+            with pytest.raises(rp.ResultsError, match=r"no values at the C of these bodies, .* such as \[0.95, 1.05\]"):
+                rp.inventory_frequency(one, wall, LAW)
 
 
 def test_what_cannot_be_answered_is_refused(results):
