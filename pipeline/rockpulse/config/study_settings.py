@@ -66,7 +66,9 @@ def _by_severity(value: Any) -> tuple[str | float, ...]:
 def _is_distribution(value: Any) -> bool:
     if isinstance(value, Mapping):
         known = set(value) == {"mean", "deviation"} and _are_numbers([*value.values()])
-        return known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 2.0 - MOST_DEVIATIONS * value["deviation"]
+        return (
+            known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 2.0 - MOST_DEVIATIONS * value["deviation"]
+        )
     return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0
 
 

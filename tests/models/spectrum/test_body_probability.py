@@ -243,6 +243,7 @@ def test_a_larger_body_of_the_same_shape_and_restitution_has_larger_factors():
 
 def test_the_draws_of_a_seed_are_the_same_and_those_of_another_one_are_not():
     """The lanes of slender bodies are a lattice without random numbers."""
+
     def of_seed(seed, **how):
         return overturning_probability(WALL, TRAIN, DT, factor_max=30.0, seed=seed, **how)
 
@@ -354,7 +355,9 @@ def test_levels_are_those_from_uplift_to_the_largest_factor():
     uplift = np.log(9.80665 * np.tan(np.arctan(0.25) * np.exp(-0.2)))
     weak, strong = overturning_probability(WALL, PULSE, DT), overturning_probability(WALL, 5.0 * PULSE, DT)
     assert weak.level[0] == 1.0
-    assert np.log(strong.level[0]) / 0.04 == pytest.approx(np.floor((uplift - np.log(5.0) - 4.0 * np.hypot(0.1, 0.05)) / 0.04))
+    assert np.log(strong.level[0]) / 0.04 == pytest.approx(
+        np.floor((uplift - np.log(5.0) - 4.0 * np.hypot(0.1, 0.05)) / 0.04)
+    )
     # The largest factor is a level where it is one within rounding; 10 is none.
     assert np.log(weak.level[-1]) / 0.04 == pytest.approx(np.floor(np.log(10.0) / 0.04))
     least = overturning_probability(WALL, PULSE, DT, factor_max=np.exp(0.04 * 55) * (1.0 - 1e-11))

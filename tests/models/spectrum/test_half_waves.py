@@ -18,7 +18,6 @@ from rocking.spectrum.half_waves import (
     lobe_shapes,
     triangles,
 )
-from rocking.spectrum.probability import mean_capacity
 from rocking.spectrum.slender import march_pieces
 
 G = 9.80665

@@ -54,7 +54,8 @@ def test_lengths_four_times_and_times_twice_as_large_have_the_same_probability(l
     """The accelerations are the same, and so is p t."""
     large = Block.from_parameters(0.5 * SLAB.p, SLAB.alpha_c, SLAB.restitution, log=False)
     one, other = (
-        overturning_probability(block, 1.1 * SINE, dt, slender_limit=limit) for block, dt in ((SLAB, DT), (large, 2.0 * DT))
+        overturning_probability(block, 1.1 * SINE, dt, slender_limit=limit)
+        for block, dt in ((SLAB, DT), (large, 2.0 * DT))
     )
     assert values(other) == pytest.approx(values(one), rel=1e-9)
     assert 0.05 < one.at_one[0] < 0.95

@@ -19,7 +19,6 @@ from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
 from rockpulse.storage.variables.probability import PROBABILITY, READ, SOURCES
-from rockpulse.storage.variables.probability import SPECTRUM as SPECTRUM_VARIABLES
 
 NONLINEAR = rp.ModelSettings(use=("nonlinear",))
 NAMES = [name + end for name in READ for end in ("", "_low", "_high")]
@@ -123,7 +122,9 @@ def test_each_restitution_of_a_list_has_the_probability_that_it_has_alone():
     for case, restitution in enumerate(several.restitution):
         alone = told(one, configured(replace(WALL, restitution=restitution), demands=demands))
         for name in (*NAMES, "demand_probability", "probability_source"):
-            assert summary[name].sel(block="wall").isel(case=case).values.ravel() == pytest.approx(alone[name].ravel()), name
+            assert summary[name].sel(block="wall").isel(case=case).values.ravel() == pytest.approx(
+                alone[name].ravel()
+            ), name
     wall = summary["factor_50"].sel(block="wall").values.ravel()
     assert wall[0] < wall[1]  # the livelier one overturns before
     # A body with one value has it in both cases.

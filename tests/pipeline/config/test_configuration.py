@@ -237,4 +237,3 @@ def test_a_restitution_of_mean_and_deviation_is_a_normal_distribution(load, mean
     quartiles = mean + deviation * np.array([-0.67449, 0.0, 0.67449])
     assert np.quantile(drawn, [0.25, 0.5, 0.75]) == pytest.approx(quartiles, abs=0.001 * deviation)
     assert load(config.as_text()) == config
-

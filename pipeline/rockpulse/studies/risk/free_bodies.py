@@ -96,7 +96,7 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, found {measure}")
     if "spectra" not in results.children:
         raise ResultsError(
-            'results: expected those of rockpulse assess with overturning spectra, found none; assess again with '
+            "results: expected those of rockpulse assess with overturning spectra, found none; assess again with "
             '[uncertainty] spectrum = "all"'
         )
     spectra = results["spectra"].to_dataset()
