@@ -119,7 +119,7 @@ def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[
     if "spectra" in tree.children:
         stored = tree["spectra"].to_dataset()
         return stored if records is None else stored.sel(record=list(records))
-    names = [str(name) for name in tree["summary"]["record"].values] if records is None else list(records)
+    names = tree["summary"].to_dataset()["record"].values.tolist() if records is None else list(records)
     if len(names) > MARCHED:
         raise ResultsError(
             f"the file does not hold the spectra of its {len(names)} records, and those of at most {MARCHED} are "
