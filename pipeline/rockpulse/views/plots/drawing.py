@@ -108,10 +108,11 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 def has_spectra(tree: xr.DataTree) -> bool:
     """Return whether an assessment with a probability has overturning spectra, or few records to compute them from."""
-    if "spectra" in tree.children or "overturning_probability" not in tree["summary"]:
-        return "spectra" in tree.children
+    if "spectra" in tree.children:
+        return True
+    probability = tree["summary"].to_dataset()["overturning_probability"].values
     stored = "records" in tree.children and "acceleration" in tree["records"]
-    return stored and tree["summary"].sizes["record"] <= MARCHED
+    return stored and len(probability) <= MARCHED and bool(np.isfinite(probability).any())
 
 
 def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[str] | None = None) -> xr.Dataset:

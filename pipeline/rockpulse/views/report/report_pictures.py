@@ -113,13 +113,15 @@ class Pictures:
         """Return the main picture: spectra with bodies, or scale factors of the worst body; for a sequence its site."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
+        from rockpulse.views.plots.drawing import has_spectra
+
         found, plain = [], []
-        if "overturning_probability" in self._summary and (plain := plain_bodies(self._summary)):
+        if has_spectra(self._tree) and (plain := plain_bodies(self._summary)):
             c = float(self._summary["restitution"].median())
             nearest = float(RESTITUTIONS[np.argmin(np.abs(RESTITUTIONS - c))])
             caption = say("picture.spectra", c=three_digits(nearest))
             found.append(self._drawn(partial(_spectra, self._tree, c), "spectra", caption))
-        if others := [one for one in self._found if one.body.block not in plain or not found[0].svg]:
+        if others := [one for one in self._found if one.body.block not in plain]:
             worst = max(others, key=lambda one: (one.overall, one.decides.value))
             found.append(self.body(worst.body.place, "front"))
         return found

@@ -48,8 +48,9 @@ def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
     scale = np.linspace(0.8, 3.0, 500)
     many = models.Block(width=0.3 * scale, height=2.4 * scale)
     found = rp.inventory_frequency(results, many, LAW)
-    # Not at every step: a spectrum has its dips.
-    assert np.mean(np.diff(found["frequency"]) < 0.0) > 0.9
+    # Not at every step of 0.4 %, at which the lanes of a spectrum change; from 18 to 50 % of the size.
+    frequency = found["frequency"].values
+    assert np.all(frequency[100:] < frequency[:-100])
     for place in (0, 250, 499):
         one = rp.inventory_frequency(results, models.Block(width=0.3 * scale[place], height=2.4 * scale[place]), LAW)
         for name in found:

@@ -11,7 +11,7 @@ import rockpulse as rp
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
-from rockpulse.views.plots.drawing import DRAWERS, draw
+from rockpulse.views.plots.drawing import DRAWERS, draw, has_spectra
 from rockpulse.views.plots.ground_motion import stored_record
 from rockpulse.views.plots.kinds import KINDS, OPTIONS, kind_list
 from rockpulse.views.plots.selection import one_name
@@ -36,7 +36,7 @@ def spectra():
 
 
 @pytest.mark.sweep
-def test_the_spectra_of_few_records_are_computed_if_the_file_does_not_hold_them(assessed, monkeypatch):
+def test_the_spectra_of_few_records_are_computed_if_the_file_does_not_hold_them(assessed, changed, monkeypatch):
     name = str(assessed["summary"]["record"].values[0])
     (ax,) = draw(assessed, "spectrum", record=name, restitution=0.9).axes
     curve = next(line for line in ax.lines if line.get_label() == "spectrum of the record")
@@ -44,7 +44,11 @@ def test_the_spectra_of_few_records_are_computed_if_the_file_does_not_hold_them(
     assert curve.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0])
     (both,) = draw(assessed, "spectrum", restitution=0.9).axes
     assert any(line.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0]) for line in both.lines)
+    chance = assessed["summary"]["overturning_probability"].values
+    known = changed(overturning_probability=np.full_like(chance, 0.2))
+    assert [has_spectra(tree) for tree in (assessed, known)] == [False, True]
     monkeypatch.setattr("rockpulse.views.plots.drawing.MARCHED", 1)
+    assert not has_spectra(known)
     assert draw(assessed, "spectrum", record=name).axes
     with pytest.raises(ResultsError, match=r'of its 2 records, .* at most 1 .* \[uncertainty\] spectrum = "all"'):
         draw(assessed, "spectrum")
