@@ -57,7 +57,7 @@ def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
             assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12, nan_ok=True), name
     # A body of the same shape at a level: half of the mean over records overturns there.
     median, spread = found["median"].values, found["dispersion"].values
-    assert np.mean(np.diff(median) > 0.0) > 0.9
+    assert np.all(median[100:] > median[:-100])
     assert np.all((spread > 0.05) & (spread < 1.5))
 
 
