@@ -108,7 +108,7 @@ def test_the_rule_overturns_where_its_demand_does(by_rule):
     for slenderness in (4.0, 12.0):
         blocks = Block.from_parameters(p=p, alpha=np.arctan(1.0 / slenderness), restitution=c, log=False)
         effective.append(rp.load_rule().demand(waves, blocks) * blocks.gravity * np.tan(blocks.alpha_c) / p)
-    # S is one for bodies of any slenderness; the lanes of a body and of a spectrum, few of which have a C near 1, differ.
+    # S is one for bodies of any slenderness; a spectrum has other lanes than a body, few of them with a C near 1.
     np.testing.assert_allclose(effective[0], effective[1], rtol=1e-9)
     np.testing.assert_allclose(effective[0], own, rtol=0.2)
     assert np.std(np.log(effective[0] / own)) < 0.07
