@@ -190,7 +190,7 @@ def test_factors_that_are_searched_wait_for_the_key():
 
 @pytest.mark.sweep
 def test_at_a_demand_the_probability_is_that_of_the_spectrum_at_its_factor():
-    found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", acceleration=4.0),)))
+    found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", value=4.0),)))
     factor = found["demand_factor"]
     assert 0.25 < factor[0, 0] < 4.0
     block = Block(half_width=np.array([0.2]), half_height=np.array([1.5]))
@@ -201,7 +201,7 @@ def test_at_a_demand_the_probability_is_that_of_the_spectrum_at_its_factor():
 def test_a_demand_from_which_the_record_is_far_has_no_probability():
     """On a body that is read from the spectrum, and on one with lanes of its own."""
     times = [0.249, 0.251, 3.99, 4.01]
-    demands = tuple(rp.DemandSettings(name=f"{one}", acceleration=one * record("one").pga) for one in times)
+    demands = tuple(rp.DemandSettings(name=f"{one}", value=one * record("one").pga) for one in times)
     found = told(record("one"), configured(WALL, CHEST, demands=demands))
     assert_allclose(found["demand_factor"], [times] * 2)
     assert np.isfinite(found["demand_probability"]).tolist() == [[False, True, True, False]] * 2

@@ -71,7 +71,7 @@ def test_a_table_of_a_sweep_marks_a_doubtful_peak_and_says_how_far_was_searched(
 
 @pytest.mark.sweep
 def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():
-    demands = (DemandSettings(name="collapse", acceleration=2.5),)
+    demands = (DemandSettings(name="collapse", value=2.5),)
     options = config("sweep", (WALL,), ModelSettings(use=("nonlinear",)), azimuth_step=20.0)
     tree = assess([channel(90.0), channel(0.0)], replace(options, demands=demands))
     summary, directions = tree["summary"].to_dataset(), tree["directions"].to_dataset()
@@ -111,7 +111,7 @@ def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     records = [channel(azimuth, f"S{k}", across=(1.0 - 0.3 * k) * ACROSS) for k in range(2) for azimuth in (90.0, 0.0)]
     records = [replace(r, acceleration=r.acceleration * (0.7 if r.station == "S1" else 1.0)) for r in records]
     options = config("sweep", (WALL, TOWER), ModelSettings(use=("nonlinear",)), azimuth_step=45.0)
-    tree = assess(records, replace(options, demands=(DemandSettings(name="collapse", acceleration=2.5),)))
+    tree = assess(records, replace(options, demands=(DemandSettings(name="collapse", value=2.5),)))
     answers = answers_of(tree)
     index = tree["directions"]["record_index"].values
     found = []
