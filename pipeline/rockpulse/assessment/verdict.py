@@ -194,7 +194,7 @@ def nominal_motion(answers: Answers, demand: str | None) -> tuple[np.ndarray, np
     if demand is None:
         return answers["outcome"] == Outcome.OVERTURNS, answers["peak_rotation_ratio"]
     rotation, outcome = answers.of_demand("demand_rotation_ratio", demand), answers.of_demand("demand_outcome", demand)
-    if is_full(answers.model) and (outcome >= 0).any():
+    if is_full(answers.model):
         return outcome == Outcome.OVERTURNS, rotation
     return _overturns_at(answers, demand) == 1.0, np.full(rotation.shape, np.nan)
 

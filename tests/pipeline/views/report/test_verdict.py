@@ -16,7 +16,6 @@ from rockpulse.errors import ResultsError
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.report.verdict import (
-    TO,
     Drawing,
     basis,
     body_table,
