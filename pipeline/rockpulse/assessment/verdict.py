@@ -12,6 +12,7 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
 from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.model_table import is_full, is_upper_bound
+from rockpulse.record.measures import UPLIFT_RATIO
 
 #: Smallest probabilities for the grades "may overturn" and "overturns" [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
@@ -204,7 +205,7 @@ def _lifts(answers: Answers, demand: str | None) -> np.ndarray:
     if demand is None:
         moved = answers["outcome"] != Outcome.AT_REST
         return ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
-    return ~(answers["uplift_ratio"] * answers.to_demand(demand) < _weakest(answers))
+    return ~(answers[UPLIFT_RATIO] * answers.to_demand(demand) < _weakest(answers))
 
 
 def _weakest(answers: Answers) -> float:
@@ -217,7 +218,7 @@ def weak(answers: Answers, demand: str | None) -> np.ndarray:
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
     far, factor = too_far(answers, demand), 1.0 if demand is None else answers.to_demand(demand)
-    idle = (answers["uplift_ratio"] * factor < _weakest(answers)) & (overturning_probabilities(answers, demand) == 0.0)
+    idle = (answers[UPLIFT_RATIO] * factor < _weakest(answers)) & (overturning_probabilities(answers, demand) == 0.0)
     found = np.asarray((idle | far).all(axis=1) & ~far.all(axis=1))
     return found & bool((~found & ~far.all(axis=1)).any())
 

@@ -114,7 +114,7 @@ def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
     by_hand = [dataclasses.replace(one, acceleration=scale * one.acceleration) for one, scale in pairs]
     other = rp.assess(by_hand, dataclasses.replace(config, demands=()), bodies)
     expected = other["summary"]["overturning_probability"].squeeze().values
-    assert 0.05 < expected.mean() < 0.95
+    assert 0.05 < expected.mean() < 0.98
     # P is read between levels of x that are 5 % apart, which lie elsewhere for a record of another strength.
     np.testing.assert_allclose(tree["summary"]["demand_probability"].squeeze().values, expected, atol=0.01)
     (at_demand,), (as_scaled,) = verdicts(answers_of(tree)), verdicts(answers_of(other))

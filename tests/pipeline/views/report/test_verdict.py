@@ -44,7 +44,7 @@ def headed(answers_, found):
         ([0.0, 0.24, 0.0, 0.0, 0.0], "rocks", "good", "0.048"),
         ([0.0, 0.25, 0.0, 0.0, 0.0], "may overturn", "fair", "0.050"),
         ([0.9, 0.2, 0.9, 0.5, 0.25], "overturns", "bad", "0.55"),
-        ([math.nan, 0.2, 0.2, 0.2, 0.2], "not known", "unknown", "0.20"),
+        ([math.nan, 0.49, 0.49, 0.49, 0.49], "not known", "unknown", "0.49"),
     ],
 )
 def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):

@@ -168,7 +168,7 @@ def test_large_results_are_counted_and_their_worst_shown(tree):
     assert line.split()[1:7] == ["180", "240", "60", "11.1%", "60", "120"]
     assert "not a prediction" in text
     wall = next(line for line in text.splitlines() if line.startswith("  boundary wall"))
-    assert " ".join(wall.split()[2:]) == f"60 of 180 2.10 {RECORDS[0]}~0 0.11"  # overturn it, smallest factor, uplift
+    assert " ".join(wall.split()[2:]) == f"60 of 180 0.42 {RECORDS[0]}~0 0.11"  # overturn it, smallest factor, uplift
     assert sum(line.split()[1:5] == ["boundary", "wall", "0.985", "0.57"] for line in text.splitlines()) == 12
     assert "PGV is doubtful in 60 records" in text
     assert "--outcome overturns" in text

@@ -171,22 +171,22 @@ def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searc
 
 
 def with_demands(summary):
-    """Two demands; the capacity of the first record is the smallest."""
+    """Two demands; the capacity of the first record is the smallest, and the third is too weak to be scaled to them."""
     cube = summary["safety_factor"].dims
     capacity = np.ones(summary["safety_factor"].shape) * np.array([0.6, 1.5, 2.0])[:, None, None]
     capacity[2, 0], capacity[:, 2] = np.inf, np.nan
     ratio = capacity[..., None] / np.array([1.0, 2.5])
-    return demanding(summary, {"damage": 1.0, "collapse": 2.5}, capacity_ratio=((*cube, "demand"), ratio))
+    return demanding(summary, {"damage": 2.0, "collapse": 4.0}, capacity_ratio=((*cube, "demand"), ratio))
 
 
 @pytest.mark.sweep
 def test_capacities_are_compared_with_every_demand_and_shown_only_where_one_is(searched):
     assert smallest_capacities(Answers(searched)) == ""
     text = smallest_capacities(Answers(with_demands(searched)))
-    assert "damage (PGA 1 m/s2)" in text
-    assert "collapse (PGA 2.5 m/s2)" in text
-    assert row(text, "boundary wall")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
-    assert row(text, "column")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
+    assert "damage (PGA 2 m/s2)" in text
+    assert "collapse (PGA 4 m/s2)" in text
+    assert row(text, "boundary wall")[1:] == ["0.60,", "1.05", "0.24,", "0.42"]
+    assert row(text, "column")[1:] == ["0.60,", "1.05", "0.24,", "0.42"]
     assert row(text, "cabinet")[1:] == ["-", "-"]
     tree = results_tree()
     assert "Capacity" not in overview(tree, whole=True)
@@ -201,8 +201,8 @@ def test_a_capacity_that_rests_on_a_lower_bound_is_marked(searched):
     summary["factor_resolved"] = xr.full_like(summary["outcome"], 1)
     summary["factor_resolved"][0, 0, 2], summary["factor_resolved"][1, 1, 2] = 0, 0
     text = smallest_capacities(Answers(summary))
-    assert row(text, "boundary wall")[1:] == ["0.60!,", "1.50!", "0.24!,", "0.60!"]  # of 0.6 or more, 1.5 and none
-    assert row(text, "column")[1:] == ["0.60,", "1.50!", "0.24,", "0.60!"]
+    assert row(text, "boundary wall")[1:] == ["0.60!,", "1.05!", "0.24!,", "0.42!"]  # of 0.6 or more, and 1.5
+    assert row(text, "column")[1:] == ["0.60,", "1.05!", "0.24,", "0.42!"]
     assert "!: a lower bound" in " ".join(text.split())
     assert "-: not known, left out of smallest and median (2 of the records)" in " ".join(text.split())
     summary["factor_resolved"][:] = 1
@@ -285,6 +285,6 @@ def test_the_record_that_governs_is_told_in_words_once(summary):
 
 def test_a_body_without_a_demand_has_counts_and_how_to_state_one(summary):
     text = " ".join(body_verdicts(Answers(summary)).split())
-    assert text.startswith("Each body, 3 records of 1 earthquake, as recorded (nonlinear model):")
+    assert text.startswith("Each body, 3 records of 2 earthquakes, as recorded (nonlinear model):")
     assert "verdict " not in text.split("No verdict")[0]
     assert 'To state a demand: --demand pga=0.35g, [[demand]] with value = "0.35 g", or [site] ag and ground.' in text

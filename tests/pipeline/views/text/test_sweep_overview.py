@@ -30,7 +30,7 @@ def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
     assert ": 1 pair, 9 directions, 2 bodies; models:" in head
     assert pair.startswith("CI.CCC..90-0@20190706T031953  PGA ")
     assert "(at 40°)" in pair
-    assert tables.partition("Verdict on")[0].count("  wall") == 1
+    assert tables.partition("Each body")[0].count("  wall") == 1
     assert "H040" not in tables.split("\n\n", 1)[0]
     assert "Median and largest over 9 directions" in text
     assert "OVERTURNS" in text
