@@ -236,7 +236,7 @@ def test_a_capacity_that_was_not_found_names_how_far_it_was_searched(searched):
     text = smallest_capacities(Answers(summary))
     assert row(text, "boundary wall")[1:] == ["0.60,", "1.05", "0.24,", "0.42"]  # the third is left out
     strong = summary.assign(demand_factor=summary["demand_factor"] / 100.0).isel(record=[2])
-    assert row(smallest_capacities(Answers(strong)), "boundary wall")[1:] == [">10,", ">10", ">4,", ">4"]
+    assert row(smallest_capacities(Answers(strong)), "boundary wall")[1:] == [">5,", ">5", ">2.5,", ">2.5"]
 
 
 def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(summary):
