@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
-from rockpulse.config.settings import misplaced
+from rockpulse.config.settings import GROUND, misplaced
 from rockpulse.errors import ConfigError
 from rockpulse.files import check_regular
 from rockpulse.model_table import EQUATIONS
@@ -172,7 +172,8 @@ class HazardSettings(Section):
     """The hazard of the site, from the file of a curve or as a power law k0 x^-k, and the exposure time.
 
     `longitude` and `latitude` select the site in a file of several sites. `measure` and `unit` (by default SI) apply to
-    the power law; a file states its own. `soil_factor` converts levels on rock to levels on the ground of the site.
+    the power law; a file states its own. `soil_factor` converts levels on rock to levels on the ground of the site; its
+    default is S of [site] ag and ground, or 1.
 
     Raises
     ------
@@ -194,7 +195,7 @@ class HazardSettings(Section):
     k: float | None = number(None, low=0.0, above=True)
     measure: str = choice(PGA, HAZARD)
     unit: str | None = choice(None, HAZARD_UNITS)
-    soil_factor: float = number(1.0, low=0.0, above=True)
+    soil_factor: float | None = number(None, low=0.0, above=True)
     years: float = number(50.0, low=0.0, above=True, unit="years")
 
     def __post_init__(self) -> None:
@@ -205,6 +206,11 @@ class HazardSettings(Section):
             raise ConfigError("[hazard]: expected a file or the power law k0, k, found both")
         if (self.longitude is None) != (self.latitude is None):
             raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
+
+    @property
+    def soil(self) -> float:
+        """The soil factor S; 1 if none is given."""
+        return 1.0 if self.soil_factor is None else self.soil_factor
 
 
 @dataclass(frozen=True)
@@ -247,7 +253,7 @@ class CheckSettings(Section):
     ag: float | None = number(None, low=0.0, above=True, high=5.0, unit="g")
     f0: float | None = number(None, low=1.0, high=10.0)
     tc_star: float | None = number(None, low=0.01, high=5.0, unit="s")
-    ground: str = choice("A", ("A", "B", "C", "D", "E"))
+    ground: str = choice("A", GROUND)
     topography: str = choice("T1", ("T1", "T2", "T3", "T4"))
     file: str | None = text(None)
     limit_state: str = choice("slv", ("slv", "slc"))

@@ -72,7 +72,7 @@ def test_every_body_has_samples_of_its_own(found):
 
 @pytest.mark.sweep
 def test_slender_bodies_have_what_the_spectrum_of_the_record_tells_if_all_of_it_is_asked_for(found):
-    demands = (rp.DemandSettings(name="ULS", acceleration=4.0),)
+    demands = (rp.DemandSettings(name="ULS", value=4.0),)
     read = told(record("one"), configured(WALL, PIER, CHEST, uncertainty=ALL, demands=demands))
     block = Block(half_width=np.array([0.2, 0.45]), half_height=np.array([1.5, 2.5]))
     spectrum = OverturningSpectrum(lanes())
@@ -116,7 +116,7 @@ def test_where_the_vertical_acts_every_body_has_lanes_of_its_own():
 
 def test_each_restitution_of_a_list_has_the_probability_that_it_has_alone():
     several, one = replace(WALL, restitution=(0.95, 0.8)), record("one")
-    demands = (rp.DemandSettings(name="ULS", acceleration=4.0),)
+    demands = (rp.DemandSettings(name="ULS", value=4.0),)
     summary = assess([one], configured(several, PIER, demands=demands))["summary"]
     assert summary["factor_50"].dims == ("record", "block", "case")
     for case, restitution in enumerate(several.restitution):
@@ -208,7 +208,7 @@ def test_factors_that_are_searched_wait_for_the_key():
 
 
 def test_at_a_demand_the_probability_is_that_of_the_samples_at_its_factor():
-    found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", acceleration=4.0),)))
+    found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", value=4.0),)))
     factor = found["demand_factor"]
     assert 0.25 < factor[0, 0] < 4.0
     own = overturning_probability(Block(0.4, 3.0), motion(), DT)
@@ -219,7 +219,7 @@ def test_at_a_demand_the_probability_is_that_of_the_samples_at_its_factor():
 def test_a_demand_from_which_the_record_is_far_has_no_probability():
     """On a slender body, and on one by the nonlinear equation."""
     times = [0.249, 0.251, 3.99, 4.01]
-    demands = tuple(rp.DemandSettings(name=f"{one}", acceleration=one * record("one").pga) for one in times)
+    demands = tuple(rp.DemandSettings(name=f"{one}", value=one * record("one").pga) for one in times)
     found = told(record("one"), configured(WALL, CHEST, demands=demands))
     assert_allclose(found["demand_factor"], [times] * 2)
     assert np.isfinite(found["demand_probability"]).tolist() == [[False, True, True, False]] * 2

@@ -48,7 +48,7 @@ class Pictures:
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
         self._found = found
-        governing = {one.governing for one in found if one.governing >= 0}
+        governing = {one.recorded.governing for one in found if one.recorded.governing >= 0}
         few = len(self._records) <= IN_FULL
         self._in_full = set(range(len(self._records))) if few else set(sorted(governing)[:IN_FULL])
 
@@ -88,7 +88,7 @@ class Pictures:
 
     def motion(self, block: int) -> PageElement | None:
         """Return the rotation of a body under its worst record in the model of the verdict; None if unknown."""
-        own = [one for one in self._found if one.body.place == block and one.governing >= 0]
+        own = [one for one in self._found if one.body.place == block and one.recorded.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 
         model = fullest_model(self._summary)
@@ -96,8 +96,8 @@ class Pictures:
             return None
         from rockpulse.views.plots.rotation_panels import rotation_history
 
-        worst = min(own, key=lambda one: one.margin.smallest)
-        record, body = self._records[worst.governing], worst.body
+        worst = min(own, key=lambda one: one.recorded.margin.smallest)
+        record, body = self._records[worst.recorded.governing], worst.body
 
         def draw() -> Axes:
             found = histories(self._tree, record, body.block, [model], body.case + 1)
@@ -122,7 +122,7 @@ class Pictures:
             caption = say("picture.spectra", c=three_digits(nearest))
             found.append(self._drawn(partial(_spectra, self._tree, c), "spectra", caption))
         if others := [one for one in self._found if one.body.block not in plain]:
-            worst = max(others, key=lambda one: (one.overall, one.decides.value))
+            worst = max(others, key=lambda one: (one.grade, one.share.value))
             found.append(self.body(worst.body.place, "front"))
         return found
 
