@@ -241,6 +241,7 @@ def test_a_larger_body_of_the_same_shape_and_restitution_has_larger_factors():
     assert np.all(np.diff(found.probability, axis=0) <= 1e-4)  # no mass beyond four standard deviations is looked at
 
 
+@pytest.mark.sweep
 def test_the_draws_of_a_seed_are_the_same_and_those_of_another_one_are_not():
     """The lanes of slender bodies are a lattice without random numbers."""
 

@@ -213,6 +213,7 @@ def test_a_march_through_one_wave_overturns_at_its_lobe():
     assert found.march_10 == pytest.approx(np.exp(tenth) * largest, rel=0.03)
 
 
+@pytest.mark.sweep
 def test_the_march_of_a_body_is_that_of_a_spectrum_of_its_p_within_the_error_of_their_lanes():
     """A spectrum has other lanes, 844 over all restitutions, of which a body has a tenth to a third."""
     waves, _ = even_triangles(11, count=12)

@@ -49,6 +49,7 @@ def test_in_a_safe_window_p_is_the_share_of_draws_and_no_fit_of_it(limit):
     assert found.slender.tolist() == [limit]
 
 
+@pytest.mark.sweep
 @LIMIT_OR_EQUATION
 def test_lengths_four_times_and_times_twice_as_large_have_the_same_probability(limit):
     """The accelerations are the same, and so is p t."""
@@ -81,6 +82,7 @@ def test_restitutions_above_1_count_as_1(limit):
     assert below.capacity_mean[0] > one.capacity_mean[0]
 
 
+@pytest.mark.sweep
 @LIMIT_OR_EQUATION
 def test_measured_restitutions_are_followed(limit):
     """A value that was measured twice or thrice is that value; half of each of two have the mean of both."""

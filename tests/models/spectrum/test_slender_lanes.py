@@ -222,6 +222,7 @@ BODIES = Block.from_parameters(p=[1.7, 0.9, 1.7], alpha=[0.1, 0.2, 0.15], restit
 TIMES = DT * np.arange(MOTION.size)
 
 
+@pytest.mark.sweep
 def test_the_lanes_of_a_body_have_its_own_p_and_its_own_restitutions_and_end_as_they_do_alone():
     """At ln f = ln x + ln(g tan(alpha)/p)."""
     known = Uncertainty()
@@ -237,6 +238,7 @@ def test_the_lanes_of_a_body_have_its_own_p_and_its_own_restitutions_and_end_as_
             assert np.array_equal(getattr(own, name), getattr(alone, name)), name
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("side", [0, 1, -1])
 def test_the_lanes_of_a_body_are_those_of_a_spectrum_over_its_range_of_restitution_and_at_its_p(side):
     body = BODIES.lane(0).lanes(1)

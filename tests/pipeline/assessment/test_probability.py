@@ -114,6 +114,7 @@ def test_where_the_vertical_acts_every_body_has_lanes_of_its_own():
     assert summary["factor_50"].values[0, 0] == own.factor_50[0]
 
 
+@pytest.mark.sweep
 def test_each_restitution_of_a_list_has_the_probability_that_it_has_alone():
     several, one = replace(WALL, restitution=(0.95, 0.8)), record("one")
     demands = (rp.DemandSettings(name="ULS", value=4.0),)
