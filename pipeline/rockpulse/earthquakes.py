@@ -16,6 +16,8 @@ import numpy as np
 #: Confidence level of the interval of a probability [-]; fewest earthquakes that allow conclusions on others.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
+#: Weight of each of the two prior earthquakes in the interval of a mean probability, in earthquakes.
+PRIOR = 0.5
 #: Tolerance for rounding errors in sums of weights, which may make a share of 0.84 slightly smaller.
 ROUNDING = 1e-9
 #: Largest share of bootstrap-t samples that may be NaN.
@@ -49,20 +51,34 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
     return float(values[known][order][np.searchsorted(below, (level - ROUNDING) * below[-1])])
 
 
-def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return Clopper and Pearson's interval (1934) of a mean probability over `events` earthquakes.
+def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np.ndarray]:
+    """Return the interval of the mean of the probabilities (g, ...) of g earthquakes; NaN is unknown.
 
-    >>> [round(float(end), 3) for end in probability_interval(0.0, 10)], round(1.0 - 0.05 ** (1 / 10), 3)
-    ([0.0, 0.259], 0.259)
+    The Bayesian bootstrap (Rubin 1981, doi:10.1214/aos/1176345338) gives the earthquakes random weights, with two prior
+    earthquakes of weight PRIOR, of probability 0 and 1, so that equal values do not give a certain mean. The ends are
+    quantiles of the beta distribution with the mean and the variance of the weighted mean, which is exact for values of
+    0 and 1. `count` is the number of earthquakes if some of the g groups do not count as one.
+
+    >>> [round(float(end), 3) for end in probability_interval(np.zeros(10))]
+    [0.0, 0.172]
     """
     from scipy.special import betaincinv
 
-    hit, tail = np.asarray(probability, dtype=float) * events, 0.5 * (1.0 - CONFIDENCE)
-    with np.errstate(invalid="ignore"):
-        low = np.where(hit > 0.0, betaincinv(np.where(hit > 0.0, hit, 1.0), events - hit + 1.0, tail), hit)
-        rest = events - hit
-        high = np.where(rest > 0.0, betaincinv(hit + 1.0, np.where(rest > 0.0, rest, 1.0), 1.0 - tail), hit / events)
-    return low, high
+    values, tail = np.asarray(values, dtype=float), 0.5 * (1.0 - CONFIDENCE)
+    known = ~np.isnan(values)
+    groups = known.sum(axis=0)
+    number = groups if count is None else np.where(groups > 0, count, 0)
+    total = number + 2.0 * PRIOR
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(known, values, 0.0).sum(axis=0) / groups
+        centre = (number * mean + PRIOR) / total
+        square = np.where(known, (values - centre) ** 2, 0.0).sum(axis=0) * number / groups
+        variance = (square + PRIOR * (centre**2 + (1.0 - centre) ** 2)) / (total * (total + 1.0))
+        size = centre * (1.0 - centre) / variance - 1.0
+        low, high = (betaincinv(centre * size, (1.0 - centre) * size, end) for end in (tail, 1.0 - tail))
+    return np.where(mean <= ROUNDING, 0.0, np.minimum(low, mean)), np.where(
+        mean >= 1.0 - ROUNDING, 1.0, np.maximum(high, mean)
+    )
 
 
 def share_interval(

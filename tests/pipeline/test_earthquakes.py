@@ -13,6 +13,7 @@ from rockpulse.earthquakes import (
     jackknife_half_width,
     log_moments,
     lognormal_mean_half_width,
+    probability_interval,
     share_interval,
     weighted_quantile,
 )
@@ -196,3 +197,38 @@ def test_intervals_hold_the_truth_as_often_as_they_say(events, between, within):
     rates = hits / sets
     assert (rates >= 0.863).all(), rates
     assert events < 30 or rates[0] <= 0.937, rates
+
+
+def test_the_interval_of_certain_answers_is_that_of_jeffreys():
+    low, high = probability_interval(np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    assert (low, high) == pytest.approx(beta.ppf([0.05, 0.95], 2.5, 6.5))
+
+
+@pytest.mark.parametrize("count", [1, 5, 13])
+def test_where_all_earthquakes_agree_one_end_is_theirs_and_the_other_is_not(count):
+    none, all_of = (probability_interval(np.full(count, value)) for value in (0.0, 1.0))
+    assert none == (0.0, pytest.approx(beta.ppf(0.95, 0.5, count + 0.5)))
+    assert all_of == (pytest.approx(1.0 - none[1]), 1.0)
+
+
+def test_the_interval_narrows_with_equal_values_and_contains_the_mean():
+    values = np.array([[0.3, 0.9, 0.02, np.nan], [0.3, 0.0, 0.0, np.nan], [0.3, 0.0, 0.01, np.nan]])
+    low, high = probability_interval(values)
+    mean = values.mean(axis=0)
+    assert np.all(low[:3] <= mean[:3])
+    assert np.all(mean[:3] <= high[:3])
+    assert high[0] - low[0] < high[1] - low[1]
+    assert np.isnan([low[3], high[3]]).all()
+    more, fewer = (probability_interval(values[:, 0], count) for count in (3, 2))
+    assert more == (pytest.approx(low[0]), pytest.approx(high[0]))
+    assert fewer[1] > more[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [5, 9, 13])
+def test_the_interval_covers_the_mean_probability_of_other_earthquakes(count):
+    rng = np.random.default_rng(5)
+    # Probabilities of a body whose median capacity is 1.5, with a log-dispersion of 0.6 between earthquakes.
+    pool = 1.0 / (1.0 + np.exp((np.log(1.5) + 0.6 * rng.standard_normal(200_000)) / 0.08))
+    low, high = probability_interval(rng.choice(pool, size=(count, 4000)))
+    assert 0.86 <= np.mean((low <= pool.mean()) & (pool.mean() <= high)) <= 0.96

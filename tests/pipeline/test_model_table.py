@@ -176,7 +176,7 @@ def flights():
     config = Config(
         records=RecordSettings(include_vertical=True),
         models=ModelSettings(use=("nonlinear",)),
-        demands=(DemandSettings(name="collapse", acceleration=1.0),),
+        demands=(DemandSettings(name="collapse", value=1.0),),
     )
     records = [*with_free_flight(1.0, -10.5), *with_free_flight(0.5, -1.0)]
     return assess(records, config, {"tall": Block(1.0, 5.0), "tower": Block(6.0, 18.0)})

@@ -59,21 +59,26 @@ class Motions:
         """Return a mask (motions, ...): `so` (records, ...) holds in any direction; `missing` if not assessed."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
-    def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean over the earthquakes of the mean of the known values of each earthquake."""
+    def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
+        """Return for each earthquake the mean (earthquakes, ...) of the known values of its motions."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
         with np.errstate(invalid="ignore"):
-            return np.asarray(np.sum(sums / counts, axis=0, where=counts > 0.0) / (counts > 0.0).sum(axis=0))
+            return np.asarray(sums / counts)
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Return the mean over the earthquakes of the mean of the known values of each earthquake."""
+        found = self.of_earthquakes(values)
+        known = ~np.isnan(found)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.sum(found, axis=0, where=known) / known.sum(axis=0))
 
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
         """Return the probability of overturning of each body, from probabilities (records, bodies) under the records.
 
-        Motions whose directions are all `left_out` (records, bodies) are excluded. The interval is that of Clopper &
-        Pearson (1934) for this number of earthquakes. It is conservative, as a sum of independent numbers between 0 and
-        1 scatters no more than a binomial number with the same mean (Hoeffding 1956, doi:10.1214/aoms/1177728178). For
-        0 of n, its upper end is 1 - 0.05^(1/n), approximately 3/n.
+        Motions whose directions are all `left_out` (records, bodies) are excluded. The interval is for other
+        earthquakes like these (:func:`rockpulse.earthquakes.probability_interval`).
         """
         table = self.over(probability, np.nan)
         # The worst direction of a pair counts, unless the direction of the body is unknown.
@@ -83,7 +88,8 @@ class Motions:
         kept = np.ones(known.shape, dtype=bool) if left_out is None else self.kept(left_out)
         unknown = (np.isnan(known) & kept).sum(axis=0)
         value, least, most = (self.mean(np.where(kept, one, np.nan)) for one in (known, least, most))
-        low, high = probability_interval(value, self.event_counts(kept))
+        of_events = self.of_earthquakes(np.where(kept, known, np.nan))
+        low, high = probability_interval(of_events, self.event_counts(kept & ~np.isnan(known)))
         tables = (value, low, high, least, most, unknown)
         return [Share(*one) for one in zip(*(table.tolist() for table in tables), strict=True)]
 
@@ -167,11 +173,7 @@ class Answers:
 
     def to_demand(self, demand: str) -> np.ndarray:
         """Return the scale factors (records, bodies) that scale each record to a demand."""
-        return self._of_demand("demand_factor", demand)
-
-    def at_demand(self, demand: str) -> np.ndarray:
-        """Return the probability (records, bodies) of overturning under records scaled to a demand; NaN if unknown."""
-        return self._of_demand("demand_probability", demand)
+        return self.of_demand("demand_factor", demand)
 
     @cached_property
     def source(self) -> np.ndarray:
@@ -231,9 +233,10 @@ class Answers:
             return self[self.factor]
         if self.probable:
             return np.asarray(self[self.factor] / self.to_demand(demand))
-        return self._of_demand("capacity_ratio", demand)
+        return self.of_demand("capacity_ratio", demand)
 
-    def _of_demand(self, name: str, demand: str) -> np.ndarray:
+    def of_demand(self, name: str, demand: str) -> np.ndarray:
+        """Return the values (records, bodies) of a variable at a demand."""
         return np.asarray(self[name][..., [*self.demands].index(demand)])
 
     @property
@@ -255,8 +258,11 @@ class Answers:
         fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
-    def margins(self, of: Of = "body", demand: str | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion, as a scale factor or as capacity divided by a demand."""
+    def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
+        """Return the margin of every body, block or motion, as a scale factor or as capacity divided by a demand.
+
+        Motions whose directions are all `left_out` (records, bodies) are excluded from the margins of bodies.
+        """
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
         # Lower bound and upper bound of each scale factor, and end of the search.
@@ -267,7 +273,13 @@ class Answers:
             least, most, reached = (self.by_block(np.fmin, table) for table in (least, most, reached))
             partial = self.by_block(np.logical_or, partial)
         tables = (least, most, reached, partial)
-        return _margins(*(table.T for table in tables) if of == "motion" else tables)
+        if left_out is None:
+            return _margins(*(table.T for table in tables) if of == "motion" else tables)
+        kept = self.motions.kept(left_out)
+        least, most, reached = (np.where(kept, table, np.nan) for table in tables[:3])
+        lost = (~kept).sum(axis=0).tolist()
+        margins = _margins(least, most, reached, partial & kept)
+        return [one._replace(unknown=one.unknown - more) for one, more in zip(margins, lost, strict=True)]
 
 
 def answers_of(tree: xr.DataTree) -> Answers:

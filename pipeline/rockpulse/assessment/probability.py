@@ -1,9 +1,10 @@
-"""The probability of overturning of every body under one record; the other bodies have no effect on it."""
+"""The probability of overturning of every body under one record, and its rotation under the record at each demand."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from rocking.march.recorded import recorded_response
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
@@ -13,10 +14,13 @@ from rockpulse.assessment.site_demands import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
+from rockpulse.model_table import is_full
 from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
+#: Variables of the nominal body, whose worse sense is that of its own motion.
+NOMINAL = ("demand_rotation_ratio", "demand_outcome")
 #: For bodies on each side of a wall, or free (0): the range of restitutions or rebounds that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
@@ -32,10 +36,35 @@ def record_probability(
     count = len(bodies.names) * bodies.cases
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
+    values["demand_outcome"] = np.full(values["demand_factor"].shape, -1)
     if config.demands:
-        values["demand_factor"] = demand_factors(channels or [scene.record], bodies.lanes.weaker, config)
+        factors = demand_factors(channels or [scene.record], bodies.lanes.weaker, config)
+        values["demand_factor"] = factors
+        if any(map(is_full, config.models.use)):
+            values |= _at_demands(scene, bodies, factors, _near(factors, config))
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     return values, _fill(values, scene, bodies, config) if config.has_probability else None
+
+
+def _near(factors: np.ndarray, config: Config) -> np.ndarray:
+    """Return a mask (m, d) of the scale factors at which a scaled record is assessed."""
+    return np.asarray((factors >= FARTHEST[0]) & (factors <= min(FARTHEST[1], config.search.factor_max)))
+
+
+def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndarray) -> dict[str, np.ndarray]:
+    """Return rotation and outcome (m, d) of the nominal bodies under the record times `factors` that are near."""
+    sides, record = senses(bodies, scene.record), scene.record
+    found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
+    for place in np.flatnonzero(near.any(axis=0)):
+        factor, kept = np.where(near, factors, 0.0)[:, place], near[:, place]
+        scale = np.concatenate([factor, factor[sides.both]])
+        marched = recorded_response(
+            sides.block, record.acceleration, record.dt, vertical=scene.vertical, block_scale=scale
+        )
+        response = sides.worse(marched)
+        found["demand_rotation_ratio"][kept, place] = np.asarray(response.peak_rotation_ratio)[kept]
+        found["demand_outcome"][kept, place] = np.asarray(response.outcome)[kept]
+    return found
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
@@ -80,8 +109,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         )
         source = np.where(own.slender, SOURCES.index("slender_limit"), SOURCES.index("nonlinear"))
         put(others, own, own.overturning(asked[others]), source)
-    near = (asked >= FARTHEST[0]) & (asked <= min(FARTHEST[1], limit))
-    rows["demand_probability"][~near] = np.nan
+    rows["demand_probability"][~_near(asked, config)] = np.nan
     worse = found.higher_probability(rows["overturning_probability"], rows["factor_10"])
-    values.update({name: own[worse] for name, own in rows.items()})
+    values.update({name: own[worse] for name, own in rows.items() if name not in NOMINAL})
     return stored

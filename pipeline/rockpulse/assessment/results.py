@@ -24,10 +24,16 @@ COLOURS = {
     Grade.AT_REST: GREY,
     Grade.ROCKS: BLUE,
     Grade.MAY_OVERTURN: ORANGE,
+    Grade.NO_VERDICT: INK,
     Grade.NOT_KNOWN: INK,
     Grade.OVERTURNS: RED,
 }
 DRAWN = 20
+#: Fields of a finding that are columns of :meth:`Results.verdicts`.
+_COUNTED = (
+    *("overturned", "motions", "earthquakes", "left_out", "weak"),
+    *("median_rotation", "largest_rotation", "others_rotation"),
+)
 #: Height of a body in the picture [px].
 ROW = 18.0
 
@@ -46,49 +52,69 @@ class Results(Shown):
 
     Examples
     --------
-    >>> results.rockpulse.verdicts()["verdict"].to_dict()
-    {'stele': 'overturns', 'pier': 'rocks'}
+    >>> results.rockpulse.verdicts()["overturned"].to_dict()
+    {'stele': 5, 'pier': 0}
     >>> results.rockpulse
-    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
+    <Results 5 records, 2 bodies, model nonlinear>
     """
 
     def __init__(self, tree: xr.DataTree) -> None:
         self._tree = tree
 
-    def verdicts(self) -> pd.DataFrame:
+    def verdicts(self, demand: str | None = None) -> pd.DataFrame:
         """Return the verdict on every body over all records, as in the overview and the report.
+
+        Parameters
+        ----------
+        demand : str, optional
+            Name of a demand of the configuration; by default the worst for each body.
 
         Returns
         -------
         pandas.DataFrame
-            One row for each body, or for each restitution of a body that has several. `verdict` is "at rest", "rocks",
-            "may overturn", "not known", "overturns" or "no verdict"; it follows from `probability`, the mean
-            probability of overturning over earthquakes [-] (at the worst of the site's demands, if any), with its 90 %
-            interval (`low`, `high`). `overturned` is the number of the `motions` that overturn the body without
-            scaling. `worst` is the record with the smallest factor, or empty. Each demand has columns `verdict at NAME`
-            and `probability at NAME`.
+            One row for each body, or for each restitution of a body that has several. All columns refer to the records
+            scaled to the `demand`, or as recorded if the results have none. `verdict` is "at rest", "rocks", "may
+            overturn", "not known" or "overturns"; it is empty without a demand or with fewer than five `earthquakes`.
+            `probability` is the mean probability of overturning over earthquakes [-], with its 90 % interval (`low`,
+            `high`). `smallest` is the smallest over the records of the scale factor at P = 10 % (or else of the safety
+            factor), at a demand divided by the scale factor of the demand; `governing` is its record, or empty.
+            `overturned` is the number of the counted `motions` that overturn the nominal body; `left_out` motions
+            cannot be scaled to the demand, and `weak` ones lift no body. `median_rotation` and `largest_rotation` are
+            those of the nominal body over alpha_c [-], inf if it overturns; `others_rotation` is the largest without
+            overturning.
 
         Raises
         ------
         ResultsError
-            For a tree without an assessment.
+            For a tree without an assessment, or an unknown demand.
         """
+        place = self._place(demand)
         rows = []
         for one in self._verdicts:
-            row: dict[str, str | int | float] = {
-                "verdict": one.word,
-                "probability": one.decides.value,
-                "low": one.decides.low,
-                "high": one.decides.high,
-                "overturned": one.overturned,
-                "motions": len(self._answers.motions.names),
-                "worst": self._answers.records[one.governing] if one.governing >= 0 else "",
-            }
-            for demand in one.demands:
-                row[f"verdict at {demand.name}"] = "no verdict" if demand.few else demand.grade.word
-                row[f"probability at {demand.name}"] = demand.share.value
-            rows.append(row)
+            row = one.deciding if place is None else one.demands[place]
+            rows.append(
+                {
+                    "demand": row.demand,
+                    "verdict": row.grade.word,
+                    "probability": row.share.value,
+                    "low": row.share.low,
+                    "high": row.share.high,
+                    "smallest": row.margin.smallest,
+                    "governing": self._answers.records[row.governing] if row.governing >= 0 else "",
+                    **{name: getattr(row, name) for name in _COUNTED},
+                }
+            )
         return pd.DataFrame(rows, index=self._bodies())
+
+    def _place(self, demand: str | None) -> int | None:
+        """Return the index of a demand; None without a demand."""
+        if demand is None:
+            return None
+        names = list(self._answers.demands)
+        if demand not in names:
+            told = f"there are: {', '.join(names) or 'none'}"
+            raise ResultsError(f"no demand {demand!r}{hint(demand, names, told)}")
+        return names.index(demand)
 
     def margin(self, demand: str | None = None) -> pd.DataFrame:
         """Return the scale factor on the records, or the multiple of a demand, that each body survives.
@@ -105,17 +131,16 @@ class Results(Shown):
             probability of overturning is 10 %, or else of the safety factor [-]; inf if no such factor was found, NaN
             if it is unknown. `smallest_is_bound` and `median_is_bound` mark lower bounds, at which the model gives no
             result; `searched_up_to` is the end of the search if no factor was found. `motion` is the record, or the
-            pair of channels, with the smallest factor; `unknown` is the number of motions without a result.
+            pair of channels, with the smallest factor; `unknown` is the number of motions without a result. Motions
+            that do not count in the verdict (too weak, too far from the demand) are left out.
 
         Raises
         ------
         ResultsError
             For a tree without an assessment, or an unknown demand.
         """
-        answers = self._answers
-        if demand is not None and demand not in answers.demands:
-            known = ", ".join(answers.demands) or "none"
-            raise ResultsError(f"no demand {demand!r}{hint(demand, answers.demands, f'there are: {known}')}")
+        answers, place = self._answers, self._place(demand)
+        found = [one.recorded if place is None else one.demands[place] for one in self._verdicts]
         rows = [
             {
                 "smallest": one.smallest,
@@ -126,7 +151,7 @@ class Results(Shown):
                 "motion": answers.motions.names[one.place] if one.place >= 0 else "",
                 "unknown": one.unknown,
             }
-            for one in answers.margins(demand=demand)
+            for one in (row.margin for row in found)
         ]
         return pd.DataFrame(rows, index=self._bodies())
 
@@ -153,24 +178,25 @@ class Results(Shown):
         if not self._assessed:
             return {"kind": str(self._tree.attrs.get("kind", "unknown")), "groups": ", ".join(self._tree.children)}
         records, bodies = len(self._answers.records), len(self._answers.bodies)
-        counts = Counter(one.word for one in self._verdicts)
+        counts = Counter(filter(None, (one.grade.word for one in self._verdicts)))
         facts = {"": f"{records} record{'s' * (records != 1)}, {bodies} bod{'y' if bodies == 1 else 'ies'}"}
         return facts | {"model": self._answers.model} | {word: str(count) for word, count in counts.items()}
 
     def _picture(self) -> Picture | None:
-        """Draw the probability of overturning of every body with its interval; the colour is that of the verdict."""
+        """Draw the probability of overturning of every body with its interval, in the colour of the verdict."""
         if not self._assessed or not self._verdicts:
             return None
         shown = self._verdicts[:DRAWN]
         picture = Picture((-0.7, 1.4), (-len(shown), 0.5), height=ROW * len(shown) + 40.0)
         for place, one in enumerate(shown):
-            at, colour, name = -float(place), COLOURS[one.overall], one.body.name
+            at, colour, name = -float(place), COLOURS[one.grade], one.body.name
             picture.words(name if len(name) <= 24 else name[:23] + "…", -0.05, at - 0.2, "end")
             picture.line([0.0, 1.0], [at, at], GREY, 0.3)
-            if math.isfinite(one.decides.value):
-                picture.line([one.decides.low, one.decides.high], [at, at], colour, 1.5)
-                picture.dot(one.decides.value, at, colour, 4.0)
-            picture.words(one.word, 1.06, at - 0.2, "start", colour)
+            if math.isfinite(one.share.value):
+                picture.line([one.share.low, one.share.high], [at, at], colour, 1.5)
+                picture.dot(one.share.value, at, colour, 4.0)
+            counted = f"{one.deciding.overturned} of {one.deciding.motions} overturn"
+            picture.words(one.grade.word or counted, 1.06, at - 0.2, "start", colour)
         for share in (0.0, 0.5, 1.0):
             picture.words(f"{share:g}", share, -len(shown) - 0.3, "middle", GREY)
         return picture
@@ -206,7 +232,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     Examples
     --------
     >>> rp.load("results.h5").rockpulse
-    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
+    <Results 5 records, 2 bodies, model nonlinear>
     """
     return registered(results_file.load_tree(path))
 

@@ -24,6 +24,7 @@ class SiteDemand(NamedTuple):
     value: float
     limit_state: str
     words: str
+    title: str  # of the measure
 
 
 def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
@@ -36,7 +37,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
         period, value = float(own["demand_period"]), float(own["demand_value"])
         measure = ROWS[str(own["demand_measure"].values)].at(None if math.isnan(period) else period)
         words = f"{measure.title} {value:.4g} {measure.shown_unit}".rstrip()
-        found[str(name)] = SiteDemand(value, str(own["limit_state"].values), words)
+        found[str(name)] = SiteDemand(value, str(own["limit_state"].values), words, measure.title)
     return found
 
 

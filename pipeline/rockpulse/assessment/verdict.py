@@ -11,12 +11,16 @@ import numpy as np
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
 from rockpulse.assessment.site_demands import FARTHEST
-from rockpulse.model_table import is_upper_bound
+from rockpulse.model_table import is_full, is_upper_bound
+from rockpulse.record.measures import UPLIFT_RATIO
 
 #: Smallest probabilities for the grades "may overturn" and "overturns" [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
 #: Smallest number of earthquakes among the records scaled to a demand for a verdict.
 FEWEST_AT_DEMAND = 5
+#: Largest PGA over the uplift PGA of a body at which its uplift is negligible: exp(-4 s), with s = 0.11 the standard
+#: deviation of the logarithm of their ratio under the default uncertainty.
+WEAK = 0.64
 #: Tolerance of a mean probability, and probability of uplift below which a body counts as at rest [-].
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
@@ -36,25 +40,34 @@ class Grade(IntEnum):
     AT_REST = auto()  #: no ground motion lifts the body
     ROCKS = auto()  #: the probability of overturning is less than 0.05
     MAY_OVERTURN = auto()  #: it is 0.05 to 0.5, or more under a model with an upper-bound input
+    NO_VERDICT = auto()  #: there is no demand, or too few earthquakes
     NOT_KNOWN = auto()  #: the grade depends on records without a result
     OVERTURNS = auto()  #: the probability of overturning is 0.5 or more
 
     @property
     def word(self) -> str:
-        """The verdict in words."""
-        return self.name.lower().replace("_", " ")
+        """The verdict in words; empty without a verdict."""
+        return "" if self == Grade.NO_VERDICT else self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)
-class DemandVerdict:
-    """The verdict on a body under the records scaled to one demand."""
+class Finding:
+    """The results for one body over the records, as recorded or scaled to one demand."""
 
-    name: str
-    grade: Grade  # NOT_KNOWN for fewer earthquakes than FEWEST_AT_DEMAND
-    share: Share  # probability over the earthquakes of the records that can be scaled to the demand
-    earthquakes: int
+    demand: str  # name of the demand; empty for the records as recorded
+    grade: Grade
+    share: Share  # probability over the earthquakes of the counted motions
+    earthquakes: int  # number of earthquakes of the counted motions
+    motions: int  # number of counted motions
     left_out: int  # number of motions that cannot be scaled to the demand within FARTHEST
-    margin: Margin  # margin as the ratio to the demand
+    weak: int  # number of other motions that lift no body, which are not counted
+    overturned: int  # number of motions that overturn the nominal body
+    at_rest: int  # number of motions that do not lift it
+    median_rotation: float  # median over the motions of the largest rotation over alpha_c; inf: it overturns
+    largest_rotation: float  # largest over the motions; inf if one overturns the body
+    others_rotation: float  # largest over the motions that do not overturn it
+    margin: Margin  # scale factor on the record, or divided by the scale factor of the demand
+    governing: int  # row of the most severe record in /summary; -1 if there is none
 
     @property
     def few(self) -> bool:
@@ -67,33 +80,28 @@ class BodyVerdict:
     """The verdict on one body over all records, from the most complete model."""
 
     body: Body
-    grade: Grade
-    share: Share  # probability over earthquakes, which determines the grade
-    overturned: int  # number of unscaled motions that overturn the body
-    at_rest: int  # number of motions that do not move the body
-    margin: Margin  # margin as a scale factor
-    governing: int  # row of the most severe record in /summary; -1 if there is none
-    demands: tuple[DemandVerdict, ...]
+    recorded: Finding
+    demands: tuple[Finding, ...]
 
     @property
-    def deciding(self) -> DemandVerdict | None:
-        """The verdict at the worst demand, which determines the verdict on the body; None without demands."""
-        return max(self.demands, key=lambda one: (one.grade, one.share.value), default=None)
+    def findings(self) -> tuple[Finding, ...]:
+        """The results at the demands of the site; without demands, those under the records as recorded."""
+        return self.demands or (self.recorded,)
 
     @property
-    def overall(self) -> Grade:
-        """The worst grade at the demands of the site; without demands, the grade under the unscaled records."""
-        return self.grade if self.deciding is None else self.deciding.grade
+    def deciding(self) -> Finding:
+        """The worst of the findings, which determines the verdict."""
+        return max(self.findings, key=lambda one: (one.grade, one.share.value))
 
     @property
-    def word(self) -> str:
-        """The verdict in words."""
-        return "no verdict" if self.deciding is not None and self.deciding.few else self.overall.word
+    def grade(self) -> Grade:
+        """The worst grade at the demands of the site."""
+        return self.deciding.grade
 
     @property
-    def decides(self) -> Share:
+    def share(self) -> Share:
         """The probability that determines the verdict."""
-        return self.share if self.deciding is None else self.deciding.share
+        return self.deciding.share
 
 
 def standings(answers: Answers) -> np.ndarray:
@@ -120,26 +128,11 @@ def reasons_unknown(answers: Answers) -> np.ndarray:
 
 def verdicts(answers: Answers) -> list[BodyVerdict]:
     """Return the verdict on every body over all ground motions of the results."""
-    motions, single = answers.motions, standings(answers)
-    moved = answers["outcome"] != Outcome.AT_REST
-    lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
-    lifted = motions.in_any_direction(lifted, missing=True)
-    stays = np.full(len(answers.bodies), bool(motions.names)) & ~lifted.any(axis=0)
-    of_demands = [_demand_verdicts(answers, demand) for demand in answers.demands]
-    fallen, resting = answers.overturnings(), (~motions.in_any_direction(moved, missing=True)).sum(axis=0).tolist()
-    shares = motions.shares(overturning_probabilities(answers))
+    recorded = _findings(answers, None)
+    of_demands = [_findings(answers, demand) for demand in answers.demands]
     return [
-        BodyVerdict(
-            body=body,
-            grade=Grade.AT_REST if stays[lane] else _grade(shares[lane], is_upper_bound(answers.model)),
-            share=shares[lane],
-            overturned=fallen[lane],
-            at_rest=resting[lane],
-            margin=margin,
-            governing=_governing(answers[answers.factor][:, lane], single[:, lane]),
-            demands=tuple(every[lane] for every in of_demands),
-        )
-        for lane, (body, margin) in enumerate(zip(answers.bodies, answers.margins(), strict=True))
+        BodyVerdict(body, recorded[lane], tuple(every[lane] for every in of_demands))
+        for lane, body in enumerate(answers.bodies)
     ]
 
 
@@ -153,25 +146,87 @@ def _grade(share: Share, bound: bool) -> Grade:
     return low if low == high and not math.isnan(share.least) else Grade.NOT_KNOWN
 
 
-def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
-    """Return the verdict on every body at one demand."""
-    motions, left_out = answers.motions, too_far(answers, demand)
-    kept = motions.kept(left_out)
-    shares, events = (
-        motions.shares(overturning_probabilities(answers, demand), left_out),
-        motions.event_counts(kept).tolist(),
-    )
-    lost = (~kept).sum(axis=0).tolist()
+def _findings(answers: Answers, demand: str | None) -> list[Finding]:
+    """Return the results for every body over the records, as recorded or scaled to one demand."""
+    motions, far = answers.motions, too_far(answers, demand)
+    left_out = far | weak(answers, demand)[:, np.newaxis]
+    kept, near = motions.kept(left_out), motions.kept(far)
+    shares = motions.shares(overturning_probabilities(answers, demand), left_out)
+    ratio = np.where(left_out, np.nan, answers.ratios(demand))
+    fallen, rotation = nominal_motion(answers, demand)
+    severity = np.where(fallen, np.inf, rotation)
+    if demand is None:
+        single = standings(answers)
+        severity = np.where(single >= Standing.UNKNOWN, single.astype(float), 0.0)
+    fallen, lifted = motions.in_any_direction(fallen) & kept, motions.in_any_direction(_lifts(answers, demand), True)
+    largest = np.where(kept, np.fmax.reduce(motions.over(rotation, np.nan), axis=1), np.nan)
+    stays = kept.any(axis=0) & ~(lifted & kept).any(axis=0)
+    margins, events = answers.margins(demand=demand, left_out=left_out), motions.event_counts(kept).tolist()
     found = []
-    for lane, margin in enumerate(answers.margins(demand=demand)):
-        few = events[lane] < FEWEST_AT_DEMAND
-        grade = Grade.NOT_KNOWN if few else _grade(shares[lane], is_upper_bound(answers.model))
-        found.append(DemandVerdict(demand, grade, shares[lane], events[lane], lost[lane], margin))
+    for lane, (share, margin) in enumerate(zip(shares, margins, strict=True)):
+        grade = Grade.AT_REST if stays[lane] else _grade(share, is_upper_bound(answers.model))
+        if motions.kind != "sequence" and (demand is None or events[lane] < FEWEST_AT_DEMAND):
+            grade = Grade.NO_VERDICT
+        over = np.where(fallen[:, lane], np.inf, largest[:, lane])
+        known = over[~np.isnan(over)]
+        found.append(
+            Finding(
+                demand=demand or "",
+                grade=grade,
+                share=share,
+                earthquakes=events[lane],
+                motions=int(kept[:, lane].sum()),
+                left_out=int((~near[:, lane]).sum()),
+                weak=int((near & ~kept)[:, lane].sum()),
+                overturned=int(fallen[:, lane].sum()),
+                at_rest=int((kept & ~lifted)[:, lane].sum()),
+                median_rotation=float(np.median(known)) if known.size else math.nan,
+                largest_rotation=float(known.max(initial=-math.inf)) if known.size else math.nan,
+                others_rotation=float(np.fmax.reduce(known[np.isfinite(known)], initial=math.nan)),
+                margin=margin,
+                governing=_governing(ratio[:, lane], np.where(left_out, 0.0, severity)[:, lane]),
+            )
+        )
     return found
 
 
-def too_far(answers: Answers, demand: str) -> np.ndarray:
+def nominal_motion(answers: Answers, demand: str | None) -> tuple[np.ndarray, np.ndarray]:
+    """Return whether each record overturns each nominal body, and its rotation over alpha_c; both (records, bodies)."""
+    if demand is None:
+        return answers["outcome"] == Outcome.OVERTURNS, answers["peak_rotation_ratio"]
+    rotation, outcome = answers.of_demand("demand_rotation_ratio", demand), answers.of_demand("demand_outcome", demand)
+    if is_full(answers.model):
+        return outcome == Outcome.OVERTURNS, rotation
+    return _overturns_at(answers, demand) == 1.0, np.full(rotation.shape, np.nan)
+
+
+def _lifts(answers: Answers, demand: str | None) -> np.ndarray:
+    """Return a mask (records, bodies): whether a record lifts a body, under its uncertainty, or is not known to."""
+    if demand is None:
+        moved = answers["outcome"] != Outcome.AT_REST
+        return ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
+    return ~(answers[UPLIFT_RATIO] * answers.to_demand(demand) < _weakest(answers))
+
+
+def _weakest(answers: Answers) -> float:
+    """Return the largest PGA over uplift PGA at which a record is too weak to lift a body."""
+    return WEAK if answers.probable else 1.0
+
+
+def weak(answers: Answers, demand: str | None) -> np.ndarray:
+    """Return a mask (records,) of records too weak to lift any body, unless all are: their P of all bodies is 0."""
+    if answers.motions.kind == "sequence":
+        return np.zeros(len(answers.records), dtype=bool)
+    far, factor = too_far(answers, demand), 1.0 if demand is None else answers.to_demand(demand)
+    idle = (answers[UPLIFT_RATIO] * factor < _weakest(answers)) & (overturning_probabilities(answers, demand) == 0.0)
+    found = np.asarray((idle | far).all(axis=1) & ~far.all(axis=1))
+    return found & bool((~found & ~far.all(axis=1)).any())
+
+
+def too_far(answers: Answers, demand: str | None) -> np.ndarray:
     """Return a mask (records, bodies) of records that are excluded, as their factor to the demand is too far from 1."""
+    if demand is None:
+        return np.zeros((len(answers.records), len(answers.bodies)), dtype=bool)
     factor = answers.to_demand(demand)
     return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
 
@@ -179,7 +234,7 @@ def too_far(answers: Answers, demand: str) -> np.ndarray:
 def overturning_probabilities(answers: Answers, demand: str | None = None) -> np.ndarray:
     """Return the probability (records, bodies) of overturning, unscaled or at a demand; NaN if unknown."""
     if answers.probable:
-        return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
+        return answers["overturning_probability"] if demand is None else answers.of_demand("demand_probability", demand)
     if demand is not None:
         return _overturns_at(answers, demand)
     single = standings(answers)
@@ -203,11 +258,12 @@ def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
     return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
 
 
-def _governing(factor: np.ndarray, standing: np.ndarray) -> int:
+def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
+    """Return the record with the smallest factor, or else the most severe one; -1 if there is none."""
     if np.isfinite(factor).any():
         return int(np.argmin(np.where(np.isnan(factor), np.inf, factor)))
-    fallen = np.flatnonzero(standing >= Standing.UNKNOWN)
-    return int(fallen[np.argmax(standing[fallen])]) if fallen.size else -1
+    known = np.nan_to_num(severity, nan=0.0, posinf=np.inf)
+    return int(np.argmax(known)) if known.any() else -1
 
 
 class Sliding(NamedTuple):
@@ -226,7 +282,7 @@ def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Itera
     for alone in dict.fromkeys(filter(None, whole)):
         screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
         if len({one.body.block for one in screens}) > 1:
-            yield alone, max(screens, key=lambda one: (one.overall, one.decides.value))
+            yield alone, max(screens, key=lambda one: (one.grade, one.share.value))
 
 
 def sliding(answers: Answers) -> Iterator[Sliding]:

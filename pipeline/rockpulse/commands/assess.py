@@ -24,6 +24,10 @@ def _run(args: argparse.Namespace) -> int:
     if args.sequence is not None and given:
         raise ConfigError(f"--sequence replaces the records: remove {' and '.join(given)}, or --sequence")
     config, paths = resolved(args) if args.sequence is None else (configured(args), [])
+    if args.demand:
+        from rockpulse.config.settings import parse_demand_option
+
+        config = replace(config, demands=tuple(map(parse_demand_option, args.demand)))
     if args.all_models:
         from rockpulse.model_table import ALL_MODELS
 
@@ -74,6 +78,8 @@ VERB = Verb(
         from_records("RESULTS"),
         {
             "--sequence SITE": "assess the design sequence of this site file (rockpulse calibrate) instead of PATHS",
+            "--demand MEASURE=VALUE ...": "scale the records to this demand, such as pga=0.35g or 'sa(1.0)=0.4g', in "
+            "place of the demands of the configuration; repeatable",
             "--all-models": "run all models, from resonance (upper bound) to the nonlinear equation, instead "
             "of [models] use",
         },
@@ -82,6 +88,7 @@ VERB = Verb(
     run=_run,
     examples=(
         "rockpulse assess records/ --block wall=0.3x2.4 -o results.h5",
+        "rockpulse assess records/ --block wall=0.3x2.4 --demand pga=0.35g -o results.h5",
         "rockpulse assess records/ --config site.toml -o results.h5 --overwrite",
         "rockpulse assess history.csv --units cm/s2 --dt 0.01 --block wall=0.3x2.4 -o results.h5",
         "rockpulse assess --sequence design.h5 --config site.toml -o bodies.h5",

@@ -11,11 +11,13 @@ from typing import Any, cast
 from rocking.pictures import shortened_line
 from rockpulse.config import settings, study_settings
 from rockpulse.config.block_settings import BlockSettings, require_pairs
+from rockpulse.config.ground_types import soil_factor
 from rockpulse.config.study_settings import logo_bytes
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
+from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Sections that may occur more than once.
 SEVERAL = ("block", "demand")
@@ -33,7 +35,8 @@ class Config:
     uncertainty, calibration, fragility, hazard, check, report, run : Section
         One dataclass per section, usable as keyword arguments: ``condition(record, **config.conditioning)``.
     bodies, demands : tuple of BlockSettings, tuple of DemandSettings
-        The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file.
+        The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file. With `site.ag` the
+        default is one demand, the PGA a_g S, with S of `site.ground` by the code of `check`.
     folder : Path
         Folder of the file, to which ``records.paths`` is relative. Ignored in comparisons and in the text.
 
@@ -93,11 +96,21 @@ class Config:
                 'known only after the run; use "horizontal", "azimuth" or "sweep"'
             )
         require_pairs(self.bodies, self.records)
+        if self.site.ag is not None:
+            self._apply_site(self.site.ag, soil_factor(self.check, self.site.ag, self.site.ground))
         if self.uncertainty.azimuth and self.records.components != "sweep":
             raise ConfigError(
                 "[uncertainty] azimuth: true, the mean over the directions of a pair of channels, needs [records] "
                 f'components = "sweep", found "{self.records.components}"; change one of them'
             )
+
+    def _apply_site(self, ag: float, soil: float) -> None:
+        """Set the demand and the soil factor that are not given to those of a_g [g] and S at the site."""
+        if not self.demands:
+            demand = settings.DemandSettings("a_g S", value=ag * soil * STANDARD_GRAVITY)
+            object.__setattr__(self, "demands", (demand,))
+        if self.hazard.soil_factor is None:
+            object.__setattr__(self, "hazard", dataclasses.replace(self.hazard, soil_factor=soil))
 
     @property
     def has_probability(self) -> bool:
@@ -210,10 +223,19 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
         if name not in known:
             known_sections = f"known sections: {', '.join(known)}"
             raise ConfigError(f"[{name}]: unknown section{hint(name, known, known_sections)}")
+    document = _with_site(document)
     sections: Any = {name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document}
     blocks = _sections(BlockSettings, document, "block", "body")
     demands = _sections(settings.DemandSettings, document, "demand", "limit state")
     return Config(**sections, bodies=blocks, demands=demands, folder=folder)
+
+
+def _with_site(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the document with `ag` and `ground` of [site] in a section [check] that does not have them."""
+    site, check = document.get("site"), document.get("check")
+    if not isinstance(site, Mapping) or not isinstance(check, Mapping) or check.get("spectrum") == "table":
+        return document
+    return {**document, "check": {key: site[key] for key in ("ag", "ground") if key in site} | {**check}}
 
 
 def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: str) -> tuple[Any, ...]:

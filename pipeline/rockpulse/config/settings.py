@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import MISSING, dataclass, replace
+import re
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rockpulse.errors import ConfigError
-from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts
+from rockpulse.option import KeyType, Section, boolean, choice, count, entries, is_number, key, number, text, texts
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
 
+#: Ground types of NTC 2018 and EN 1998-1.
+GROUND = ("A", "B", "C", "D", "E")
 #: Names of the spacings of secondary impulses.
 SPACINGS = ("end", "middle", "start", "open", "continuous")
 #: Words allowed for `weights`, which may also be the name of a table.
@@ -27,7 +30,10 @@ def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "
 
 @dataclass(frozen=True)
 class SiteSettings(Section):
-    """Name and description of the study: free text that is stored in the results.
+    """Name and description of the study, and the seismic action at the site.
+
+    `ag` is the peak acceleration on rock [g], `ground` the ground type. They are given once for the demand a_g S of
+    PGA (unless there are others), for the checks, and for the soil factor of the hazard (see :class:`Config`).
 
     >>> rp.Config(site=rp.SiteSettings(name="Basilica of San Bernardino")).site
     SiteSettings(name='Basilica of San Bernardino')
@@ -36,6 +42,8 @@ class SiteSettings(Section):
     heading = "[site]"
     name: str = text()
     description: str = text()
+    ag: float | None = number(None, low=0.0, above=True, high=5.0, unit="g")
+    ground: str = choice("A", GROUND)
 
 
 @dataclass(frozen=True)
@@ -190,48 +198,81 @@ class SequenceSettings(Section):
         return {name: value for name, value in {**self}.items() if name != "method"}
 
 
-_NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str) and bool(value), str)
+#: A value with its unit.
+_WITH_UNIT = re.compile(r"(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(\D.*)?", re.ASCII)
+_VALUE = KeyType(
+    f'a number > 0 in {units_in_words(DEMAND)}, or a text with its unit, such as "0.35 g"',
+    lambda value: isinstance(value, str) or (is_number(value) and value > 0.0),
+    lambda value: value if isinstance(value, str) else float(value),
+    finite=True,
+)
 
 
 @dataclass(frozen=True)
 class DemandSettings(Section):
     """The demand of the site in one limit state: the intensity to which records are scaled to assess bodies.
 
-    `acceleration` is short for `measure = "pga"` with this `value`.
+    `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
 
-    >>> rp.DemandSettings("SLV", measure="pga", value=2.5).strength
-    2.5
+    >>> rp.DemandSettings(value="0.35 g")
+    DemandSettings(name='PGA 0.35 g', value=3.4323275)
     """
 
     heading = "[[demand]]"
-    name: str = key(MISSING, _NAME)
-    acceleration: float | None = number(None, low=0.0, above=True, unit="m/s2")
+    name: str = text()
     limit_state: str = text()
     measure: str = choice(PGA, DEMAND)
-    value: float | None = number(None, low=0.0, above=True, unit=units_in_words(DEMAND))
+    value: float | str | None = key(None, _VALUE)
     period: float | None = number(None, low=0.02, unit="s")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.acceleration is None and self.value is None:
-            raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found neither")
-        if self.acceleration is not None and (self.measure != PGA or self.value not in (None, self.acceleration)):
-            raise ConfigError(
-                f'{self.where} {self.name}: acceleration is the value of measure = "{PGA}"; found measure = '
-                f'"{self.measure}" and value = {self.value}; give value alone'
-            )
+        if self.value is None:
+            raise ConfigError(f'{self.where} {self.name}: expected value, such as "0.35 g" for a PGA, found none')
         if (self.period is None) == bool(ROWS[self.measure].periods):
             told = "found none" if self.period is None else f'found measure = "{self.measure}"'
             raise ConfigError(
                 f"{self.where} {self.name}: period belongs to measure = {quoted(PERIODIC)}, and only to it; {told}"
             )
+        measure = ROWS[self.measure].at(self.period)
+        shown, in_si = f"{self.value:g}" if isinstance(self.value, float) else self.value, self.value
+        if isinstance(self.value, str):
+            shown, in_si = self._in_si(self.value)
+        elif measure.shown_unit:
+            shown += f" {measure.shown_unit}"
+        object.__setattr__(self, "name", self.name or f"{measure.title} {shown}")
+        object.__setattr__(self, "value", in_si)
+
+    def _in_si(self, value: str) -> tuple[str, float]:
+        """Return a value with its unit as text, and in SI; raise ConfigError if either is wrong."""
+        known, found = ROWS[self.measure].known_units, _WITH_UNIT.fullmatch(value.strip())
+        unit = (found[2] or "").strip() if found else "?"
+        if found is not None and unit in known and (size := float(found[1])) > 0.0:
+            return f"{found[1]} {unit}".strip(), size * known[unit]
+        units = " or ".join(filter(None, known)) or "no unit"
+        raise ConfigError(
+            f'{self.where} value: expected a positive number and its unit ({units}) of {self.measure}, found "{value}"'
+        )
 
     @property
     def strength(self) -> float:
-        """The value of the demand, in the unit of the measure."""
-        given = self.acceleration if self.value is None else self.value
-        assert given is not None  # checked above
-        return given
+        """The value of the demand, in the SI unit of the measure."""
+        assert isinstance(self.value, float)  # converted above
+        return self.value
+
+
+def parse_demand_option(option: str) -> DemandSettings:
+    """Parse ``MEASURE=VALUE UNIT``, the measure with its period as in ``sa(1.0)``; raise ConfigError for other text."""
+    found = re.fullmatch(r"(\w+)(?:\(([.\d]+)\s*s?\))?\s*=\s*(.+)", option.strip())
+    if found is None:
+        raise ConfigError(
+            f'--demand: expected MEASURE=VALUE with a unit, such as "pga=0.35g" or "sa(1.0)=0.4g", found "{option}"'
+        )
+    try:
+        period = None if found[2] is None else float(found[2])
+        return DemandSettings(measure=found[1].lower(), value=found[3], period=period)
+    except (ConfigError, ValueError) as error:
+        raise ConfigError(f'--demand "{option}": {error}') from None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
-from rockpulse.config.settings import misplaced
+from rockpulse.config.settings import GROUND, misplaced
 from rockpulse.errors import ConfigError
 from rockpulse.files import check_regular
 from rockpulse.model_table import EQUATIONS
@@ -27,8 +27,9 @@ MODELS = ("lognormal", "logistic")
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 #: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
-#: Number of values that represent a normal distribution, and largest quotient of its deviation and mean, inverted.
-VALUES, MOST_DEVIATIONS = 65, 3.0
+#: Number of values that represent a normal distribution, the largest of them in deviations, for which the quantile
+#: function that is linear between them has the stated deviation, and the distance of 0 and 2 from the mean.
+VALUES, LARGEST_VALUE, MOST_DEVIATIONS = 65, 2.89, 3.0
 #: First bytes of every PNG file.
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -65,7 +66,9 @@ def _by_severity(value: Any) -> tuple[str | float, ...]:
 def _is_distribution(value: Any) -> bool:
     if isinstance(value, Mapping):
         known = set(value) == {"mean", "deviation"} and _are_numbers([*value.values()])
-        return known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 1.5
+        return (
+            known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 2.0 - MOST_DEVIATIONS * value["deviation"]
+        )
     return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0
 
 
@@ -73,9 +76,9 @@ def _distribution(value: Any) -> tuple[float, ...]:
     """Return the two limits of a uniform distribution, or equally likely values."""
     if not isinstance(value, Mapping):
         return _floats(sorted(value))
-    # Expected values of order statistics nearly, which have the stated mean and 0.99 of the deviation.
-    normal = NormalDist(value["mean"], value["deviation"])
-    return tuple(normal.inv_cdf((k + 0.5) / VALUES) for k in range(VALUES))
+    normal, end = NormalDist(value["mean"], value["deviation"]), LARGEST_VALUE * value["deviation"]
+    inner = (normal.inv_cdf(k / (VALUES - 1)) for k in range(1, VALUES - 1))
+    return (normal.mean - end, *inner, normal.mean + end)
 
 
 _RANGE = KeyType(
@@ -169,7 +172,8 @@ class HazardSettings(Section):
     """The hazard of the site, from the file of a curve or as a power law k0 x^-k, and the exposure time.
 
     `longitude` and `latitude` select the site in a file of several sites. `measure` and `unit` (by default SI) apply to
-    the power law; a file states its own. `soil_factor` converts levels on rock to levels on the ground of the site.
+    the power law; a file states its own. `soil_factor` converts levels on rock to levels on the ground of the site; its
+    default is S of [site] ag and ground, or 1.
 
     Raises
     ------
@@ -191,7 +195,7 @@ class HazardSettings(Section):
     k: float | None = number(None, low=0.0, above=True)
     measure: str = choice(PGA, HAZARD)
     unit: str | None = choice(None, HAZARD_UNITS)
-    soil_factor: float = number(1.0, low=0.0, above=True)
+    soil_factor: float | None = number(None, low=0.0, above=True)
     years: float = number(50.0, low=0.0, above=True, unit="years")
 
     def __post_init__(self) -> None:
@@ -202,6 +206,11 @@ class HazardSettings(Section):
             raise ConfigError("[hazard]: expected a file or the power law k0, k, found both")
         if (self.longitude is None) != (self.latitude is None):
             raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
+
+    @property
+    def soil(self) -> float:
+        """The soil factor S; 1 if none is given."""
+        return 1.0 if self.soil_factor is None else self.soil_factor
 
 
 @dataclass(frozen=True)
@@ -244,7 +253,7 @@ class CheckSettings(Section):
     ag: float | None = number(None, low=0.0, above=True, high=5.0, unit="g")
     f0: float | None = number(None, low=1.0, high=10.0)
     tc_star: float | None = number(None, low=0.01, high=5.0, unit="s")
-    ground: str = choice("A", ("A", "B", "C", "D", "E"))
+    ground: str = choice("A", GROUND)
     topography: str = choice("T1", ("T1", "T2", "T3", "T4"))
     file: str | None = text(None)
     limit_state: str = choice("slv", ("slv", "slc"))

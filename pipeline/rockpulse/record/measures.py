@@ -26,6 +26,7 @@ UNITS = {
 #: Measures that the code uses by name: the PGA alone determines whether a body on the ground lifts, a drifting baseline
 #: makes the PGV doubtful, and the reference makes bodies of all sizes comparable.
 PGA, PGV, IMPULSE, REFERENCE = "pga", "pgv", "impulse", "velocity_ratio"
+UPLIFT_RATIO = "uplift_ratio"
 #: Number of the largest lobes of E whose root mean square is a measure.
 LARGEST_LOBES = 6
 
@@ -170,7 +171,7 @@ _TABLE = (
         openquake="g",
     ),
     _ratio(
-        "uplift_ratio",
+        UPLIFT_RATIO,
         "PGA/(g tan alpha_c)",
         lambda on: on.record.pga / on.lifting,
         heading="uplift ratio",

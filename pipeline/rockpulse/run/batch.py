@@ -70,7 +70,7 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
     >>> rp.assess_files("records", config, "batch.h5", rp.BatchOptions(overwrite=True)).records
     5
     >>> rp.load("batch.h5").rockpulse
-    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
+    <Results 5 records, 2 bodies, model nonlinear>
     """
     return _Batch(Assessment(config), output, options or BatchOptions()).run(paths)
 

@@ -140,12 +140,12 @@ def test_factors_are_taken_over_what_brings_a_record_to_each_demand():
     assert found.ratios("SLC").tolist() == [[0.5], [INF]]  # the capacity_ratio of the results
     assert found.proven().tolist() == [[3.0], [10.0]]
     assert found.proven("SLC") == pytest.approx(np.array([[0.5], [10.0 / 1.5]]))
-    assert np.isnan(found.at_demand("SLC")).all()
-    assert found.at_demand("SLC").shape == (2, 1)
+    assert np.isnan(found.of_demand("demand_probability", "SLC")).all()
+    assert found.of_demand("demand_probability", "SLC").shape == (2, 1)
     likely = probable([0.2, 0.1], factor_10=[0.7, INF], low=8.0, demand=2.0, to_demand=[2.0, 0.5], at_demand=[0.4, 0.3])
     found = answers(two_demands(likely, {"demand_factor": 3.0, "demand_probability": 0.5}))
-    assert found.at_demand("ULS").tolist() == [[0.4], [0.3]]
-    assert found.at_demand("SLC").tolist() == [[0.2], [0.15]]
+    assert found.of_demand("demand_probability", "ULS").tolist() == [[0.4], [0.3]]
+    assert found.of_demand("demand_probability", "SLC").tolist() == [[0.2], [0.15]]
     assert found.ratios("ULS") == pytest.approx(np.array([[0.35], [INF]]))
     assert found.proven("ULS") == pytest.approx(np.array([[0.35], [16.0]]))
     assert (found.probable, found.factor, found.has_factor, found.searched) == (True, "factor_10", True, False)

@@ -144,7 +144,7 @@ def test_models_left_out_of_the_search_have_no_factor_and_records_are_left_out_w
 @pytest.mark.sweep
 @pytest.mark.parametrize("restitution", ["housner", (0.8, 0.9)])
 def test_capacity_is_compared_with_every_demand(restitution):
-    demands = (DemandSettings(name="damage", acceleration=1.0), DemandSettings("collapse", 2.5, "475 years"))
+    demands = (DemandSettings(name="damage", value=1.0), DemandSettings("collapse", "475 years", value=2.5))
     wall = BlockSettings(name="wall", width=0.4, height=3.0, restitution=restitution)
     summary = assess([record("one")], Config(bodies=(wall,), demands=demands))["summary"]
     assert list(summary["demand"].values) == ["damage", "collapse"]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from report_cases import answers, motions, probable, summary_of, verdict
-from scipy.stats import beta, binom
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers
@@ -20,6 +19,7 @@ from rockpulse.assessment.verdict import (
     verdicts,
     worse_with_pedestal,
 )
+from rockpulse.earthquakes import probability_interval
 
 OF = ("record", "block", "model")
 INF, NAN = math.inf, math.nan
@@ -74,83 +74,96 @@ def test_why_it_is_not_known(answers, words):
     assert str(reasons_unknown(Answers(summary))[0, 0]) == words
 
 
+def judged(probability, of=None, **options):
+    """The verdict at a demand on a body with the probabilities at that demand."""
+    options = {"demand": 1.0} | options
+    return verdict(probable([0.0] * len(probability), at_demand=probability, **options), of)
+
+
 @pytest.mark.parametrize(
     ("probability", "grade"),
     [
-        ([0.0], Grade.ROCKS),
-        ([0.0499], Grade.ROCKS),
-        ([0.05], Grade.MAY_OVERTURN),
-        ([0.4999], Grade.MAY_OVERTURN),
-        ([0.5], Grade.OVERTURNS),
-        ([1.0, 0.0], Grade.OVERTURNS),
-        ([1.0, 0.0, 0.0], Grade.MAY_OVERTURN),
-        ([0.15, 0.0, 0.0], Grade.MAY_OVERTURN),
-        ([0.14, 0.0, 0.0], Grade.ROCKS),
-        ([NAN, 0.0], Grade.NOT_KNOWN),
+        ([0.0] * 5, Grade.ROCKS),
+        ([0.0499] * 5, Grade.ROCKS),
+        ([0.05] * 5, Grade.MAY_OVERTURN),
+        ([0.4999] * 5, Grade.MAY_OVERTURN),
+        ([0.5] * 5, Grade.OVERTURNS),
+        ([1.0, 1.0, 1.0, 0.0, 0.0], Grade.OVERTURNS),
+        ([0.25, 0.0, 0.0, 0.0, 0.0], Grade.MAY_OVERTURN),
+        ([0.24, 0.0, 0.0, 0.0, 0.0], Grade.ROCKS),
+        ([NAN, 0.0, 0.0, 0.0, 0.0], Grade.NOT_KNOWN),
+        ([0.9] * 4, Grade.NO_VERDICT),
     ],
 )
-def test_the_words_of_a_probability(probability, grade):
-    assert verdict(probable(probability)).grade == grade
+def test_the_words_of_a_probability_at_a_demand(probability, grade):
+    found = judged(probability)
+    assert (found.grade, found.deciding.few) == (grade, len(probability) < 5)
+    assert (found.grade.word == "") == (grade == Grade.NO_VERDICT)
+
+
+def test_without_a_demand_there_is_no_word_but_all_numbers():
+    found = verdict(probable([0.9, 0.8, 0.1, 0.0, 0.0, 0.0]))
+    assert (found.grade, found.grade.word) == (Grade.NO_VERDICT, "")
+    assert (found.deciding.overturned, found.deciding.motions, found.deciding.margin.smallest) == (2, 6, 0.9)
 
 
 def test_earthquakes_weigh_alike_whatever_their_number_of_records():
-    found = verdict(probable([0.9, 0.9, 0.9, 0.1]), motions(4, events=["a", "a", "a", "b"]))
-    assert found.share.value == pytest.approx(0.5)
-    assert found.grade == Grade.OVERTURNS
+    assert verdict(probable([0.9, 0.9, 0.9, 0.1]), motions(4, events=["a", "a", "a", "b"])).share.value == 0.5
     assert verdict(probable([0.9, 0.9, 0.9, 0.1])).share.value == pytest.approx(0.7)
 
 
-def test_where_none_of_ten_earthquakes_overturns_it_the_upper_end_is_the_rule_of_three():
-    share = verdict(probable([0.0] * 10)).share
-    assert (share.value, share.low) == (0.0, 0.0)
-    assert share.high == pytest.approx(1.0 - 0.05**0.1)
-    assert share.high < 3.0 / 10.0
-    assert verdict(probable([1.0] * 10)).share.low == pytest.approx(0.05**0.1)
+def weighted(ratios, probability=None, **options):
+    """A summary at a demand whose records, scaled to it, have these PGA over the uplift PGA of the body."""
+    summary = probable([0.0] * len(ratios), at_demand=probability or [0.0] * len(ratios), demand=1.0, **options)
+    return summary.assign(uplift_ratio=(OF[:2], np.array(ratios, dtype=float)[:, None]))
 
 
-def test_the_interval_of_certain_answers_is_that_of_clopper_and_pearson():
-    share = verdict(probable([1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])).share
-    assert binom.cdf(2, 8, share.high) == pytest.approx(0.05)
-    assert binom.sf(1, 8, share.low) == pytest.approx(0.05)
-
-
-@pytest.mark.slow
-def test_the_interval_covers_the_mean_of_the_earthquakes_it_was_not_given():
-    rng = np.random.default_rng(5)
-
-    def drawn(size):
-        """Probabilities of a body whose median capacity is 1.5, with a log-dispersion of 0.6 between earthquakes."""
-        return 1.0 / (1.0 + np.exp((np.log(1.5) + 0.6 * rng.standard_normal(size)) / 0.08))
-
-    mean = drawn(200_000).mean()
-    every = [verdict(probable(drawn(9))).share for _ in range(60)]
-    covered = sum(one.low <= mean <= one.high for one in every)
-    assert covered >= 50  # at least 0.9 of them: fewer than 50 of 60 has a probability below 0.04
-
-
-def test_a_body_stays_only_where_no_motion_lifts_any_of_its_draws():
+def test_a_body_stays_only_where_no_motion_lifts_it_at_the_demand():
+    assert verdict(weighted([0.63] * 5)).grade == Grade.AT_REST
+    found = verdict(weighted([0.63] * 4 + [0.65])).deciding
+    assert (found.grade, found.weak, found.motions) == (Grade.NO_VERDICT, 4, 1)
+    assert verdict(weighted([0.65] * 5)).grade == Grade.ROCKS
+    assert verdict(weighted([NAN] * 5)).grade == Grade.ROCKS
     rest = [Outcome.AT_REST] * 2
-    assert verdict(probable([0.0, 0.0], uplift=0.999e-3, outcomes=rest)).grade == Grade.AT_REST
-    assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, 1e-3]), outcomes=rest)).grade == Grade.ROCKS
-    assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, NAN]), outcomes=rest)).grade == Grade.ROCKS
-    assert verdict(probable([0.0, 0.0], uplift=0.0, outcomes=rest)).at_rest == 2
+    assert verdict(probable([0.0, 0.0], uplift=0.0, outcomes=rest)).deciding.at_rest == 2
     # A direction that was not assessed may lift it.
     of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
     for summary in (probable([0.0] * 4, uplift=0.0, outcomes=rest * 2), summary_of([INF] * 4, outcomes=rest * 2)):
-        assert verdict(summary).grade == Grade.AT_REST
-        assert (verdict(summary, of).grade == Grade.AT_REST, verdict(summary, of).at_rest) == (False, 1)
+        assert verdict(summary, of).deciding.at_rest == 1
+
+
+def test_a_weak_record_is_counted_apart_and_changes_nothing_else():
+    """Whether the P of a record that lifts nothing is known or not, the others decide; of equal ones all count."""
+    strong, likely = [2.0, 1.5, 1.2, 3.0, 0.7], [0.9, 0.3, 0.1, 0.9, 0.0]
+    plain, more = (verdict(weighted(strong + weak, likely + [0.0] * len(weak))).deciding for weak in ([], [0.5, 0.1]))
+    assert (plain.weak, more.weak) == (0, 2)
+    assert (more.grade, more.share, more.motions, more.earthquakes) == (
+        plain.grade, plain.share, plain.motions, plain.earthquakes
+    )  # fmt: skip
+    # As recorded likewise; a weak record of another probability than 0 is one of all.
+    summary = probable([0.9, 0.0, 0.0]).assign(uplift_ratio=(OF[:2], [[2.0], [1.0], [0.4]]))
+    assert verdict(summary).share.value == pytest.approx(0.45)
+    assert verdict(weighted([*strong, 0.5], [*likely, 0.01])).deciding.weak == 0
+
+
+@pytest.mark.parametrize("order", [[4, 3, 2, 1, 0], [0, 1, 2, 3, 4, 0, 1, 2, 3, 4]], ids=["order", "duplicates"])
+def test_order_and_duplicates_change_neither_word_nor_probability(order):
+    likely, ratios = np.array([0.9, 0.3, 0.1, 0.9, 0.0]), np.array([2.0, 1.5, 1.2, 3.0, 0.7])
+    events = [f"e{k}" for k in order]
+    plain = verdict(weighted(ratios, likely.tolist())).deciding
+    other = verdict(weighted(ratios[order], likely[order].tolist()), motions(len(order), events=events)).deciding
+    assert other.grade == plain.grade
+    assert other.share[:3] == pytest.approx(plain.share[:3])
 
 
 def test_what_is_not_known_decides_nothing_where_it_makes_no_difference():
-    found = verdict(probable([NAN, 1.0, 1.0, 1.0]))
+    found = judged([NAN, 1.0, 1.0, 1.0, 1.0])
     assert (found.grade, found.share.value, found.share.unknown) == (Grade.OVERTURNS, 1.0, 1)
-    assert (found.share.least, found.share.most) == (0.75, 1.0)
-    found = verdict(probable([NAN] + [0.0] * 30))
-    assert (found.grade, found.share.value) == (Grade.ROCKS, 0.0)
-    found = verdict(probable([NAN] + [0.0] * 10))
-    assert found.grade == Grade.NOT_KNOWN
-    found = verdict(probable([NAN, 0.8], factor_10=[NAN, INF]))
-    assert (found.margin.smallest, found.margin.limit, found.margin.unknown) == (INF, 10.0, 1)
+    assert (found.share.least, found.share.most) == (0.8, 1.0)
+    assert judged([NAN] + [0.0] * 30).grade == Grade.ROCKS
+    assert judged([NAN] + [0.0] * 10).grade == Grade.NOT_KNOWN
+    margin = verdict(probable([NAN, 0.8], factor_10=[NAN, INF])).deciding.margin
+    assert (margin.smallest, margin.limit, margin.unknown) == (INF, 10.0, 1)
 
 
 def test_a_pair_of_channels_has_the_probability_of_its_worst_direction_or_the_mean():
@@ -166,33 +179,45 @@ def test_a_pair_of_channels_has_the_probability_of_its_worst_direction_or_the_me
 
 
 def test_the_record_of_the_smallest_factor_governs():
-    found = verdict(probable([0.0, 0.3, 0.1], factor_10=[3.0, 0.7, 1.0]))
+    found = verdict(probable([0.0, 0.3, 0.1], factor_10=[3.0, 0.7, 1.0])).deciding
     assert (found.margin.smallest, found.margin.median, found.governing) == (0.7, 1.0, 1)
-    assert verdict(probable([0.0, 0.3, 0.1], factor_10=[NAN, INF, 2.0])).governing == 2
-    assert verdict(probable([0.9, 0.0], factor_10=[INF, INF])).governing == 0  # the first that overturns it
+    assert verdict(probable([0.0, 0.3, 0.1], factor_10=[NAN, INF, 2.0])).deciding.governing == 2
+    assert verdict(probable([0.9, 0.0], factor_10=[INF, INF])).deciding.governing == 0  # the first that overturns it
     outcomes = [Outcome.ROCKS, Outcome.UNRESOLVED, Outcome.OVERTURNS, Outcome.OVERTURNS]
-    assert verdict(summary_of([INF] * 4, outcomes=outcomes)).governing == 2
+    assert verdict(summary_of([INF] * 4, outcomes=outcomes)).deciding.governing == 2
+    found = verdict(probable([0.0] * 2, at_demand=[0.1] * 2, factor_10=[1.0, 0.8], demand=3.0, to_demand=[2.0, 1.0]))
+    assert (found.deciding.governing, found.recorded.governing, found.deciding.margin.smallest) == (0, 1, 0.5)
 
 
-@pytest.mark.parametrize(
-    ("at_demand", "grade"),
-    [
-        ([0.0, 0.1, 0.1, 0.0, 0.0], Grade.ROCKS),
-        ([0.3, 0.1, 0.1, 0.0, 0.0], Grade.MAY_OVERTURN),
-        ([0.9, 0.9, 0.5, 0.2, 0.0], Grade.OVERTURNS),
-        ([NAN, 0.0, 0.0, 0.0, 0.0], Grade.NOT_KNOWN),
-        ([0.0] * 4, Grade.NOT_KNOWN),
-    ],
-)
-def test_at_a_demand_the_probability_over_earthquakes_decides(at_demand, grade):
-    summary = probable([0.9] * len(at_demand), at_demand=at_demand, demand=2.0)
-    found = verdict(summary)
-    (demand,) = found.demands
-    assert (demand.grade, found.overall, found.grade) == (grade, grade, Grade.OVERTURNS)
-    assert (demand.earthquakes, demand.left_out) == (len(at_demand), 0)
-    assert demand.few == (len(at_demand) < 5)
-    assert demand.share.value == pytest.approx(np.nanmean(at_demand))
-    assert found.decides == demand.share
+def turned(rotations, **options):
+    """A summary at a demand whose records turn the nominal body so far, over alpha_c; inf: they overturn it."""
+    rotations = np.array(rotations, dtype=float)
+    outcome = np.select([np.isinf(rotations), np.isnan(rotations)], [Outcome.OVERTURNS, Outcome.UNRESOLVED], 1)
+    own = {"demand_rotation_ratio": rotations, "demand_outcome": outcome}
+    summary = probable([0.0] * rotations.size, at_demand=[0.0] * rotations.size, demand=1.0, **options)
+    return summary.assign({name: ((*OF[:2], "demand"), values[:, None, None]) for name, values in own.items()})
+
+
+def test_rotations_at_the_demand_with_overturned_ones_counted_as_such():
+    found = verdict(turned([0.1, INF, 0.3, 0.2, NAN])).deciding
+    assert (found.overturned, found.motions, found.others_rotation, found.largest_rotation) == (1, 5, 0.3, INF)
+    assert found.median_rotation == pytest.approx(0.25)
+    assert verdict(turned([INF, INF, 0.3])).deciding.median_rotation == INF
+    assert verdict(turned([0.1, 0.3], to_demand=[1.0, 5.0])).deciding.largest_rotation == 0.1  # too far from it
+    assert math.isnan(verdict(probable([0.1], at_demand=[0.1], demand=1.0)).deciding.largest_rotation)
+
+
+def test_the_largest_rotation_does_not_fall_when_a_record_begins_to_overturn():
+    assert [verdict(turned([0.1, 0.2, last])).deciding.largest_rotation for last in (0.9, 1.2, INF)] == [0.9, 1.2, INF]
+
+
+def test_at_a_demand_the_records_as_recorded_have_no_effect():
+    found = verdict(probable([0.9] * 5, at_demand=[0.3, 0.1, 0.1, 0.0, 0.0], demand=2.0))
+    assert (found.grade, found.recorded.grade, found.recorded.share.value) == (
+        Grade.MAY_OVERTURN, Grade.NO_VERDICT, pytest.approx(0.9)
+    )  # fmt: skip
+    assert found.share == found.demands[0].share
+    assert (found.deciding.earthquakes, found.deciding.left_out) == (5, 0)
 
 
 def test_motions_far_from_the_demand_are_left_out():
@@ -204,36 +229,34 @@ def test_motions_far_from_the_demand_are_left_out():
     (demand,) = found.demands
     assert (demand.earthquakes, demand.left_out, demand.share.unknown) == (5, 2, 0)
     assert demand.share.value == pytest.approx((0.5 + 4 * 0.1) / 5)
-    assert demand.share.high == pytest.approx(binom_high(0.18, 5))
-
-
-def binom_high(share, events):
-    """The upper end of the interval of 90 % of a share (Clopper & Pearson)."""
-    return beta.ppf(0.95, share * events + 1.0, events - share * events)
+    assert demand.share[1:3] == pytest.approx([float(end) for end in probability_interval([0.5, 0.1, 0.1, 0.1, 0.1])])
 
 
 def test_without_probabilities_the_answers_of_the_model_count():
-    """A design sequence, another model than the nonlinear one."""
-    found = verdict(summary_of([3.0, 1.5, 9.0, INF]))
+    """A design sequence is its own demand; other models than the nonlinear one have no probability."""
+    found = verdict(summary_of([3.0, 1.5, 9.0, INF])).deciding
     assert (found.margin.smallest, found.margin.median, found.governing) == (1.5, 6.0, 1)
-    assert (found.grade, found.share.value) == (Grade.ROCKS, 0.0)
-    found = verdict(summary_of([0.9, 5.0, 5.0], outcomes=[Outcome.ROCKS] * 3))
-    assert (found.grade, found.overturned) == (Grade.MAY_OVERTURN, 0)  # a weaker copy of one of three overturns it
-    assert verdict(summary_of([0.9, 0.5])).grade == Grade.OVERTURNS
-    assert verdict(summary_of([2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS])).grade == Grade.NOT_KNOWN
-    assert verdict(summary_of([INF, INF], outcomes=[Outcome.AT_REST] * 2)).grade == Grade.AT_REST
-    assert verdict(summary_of([])).grade == Grade.NOT_KNOWN
+    assert (found.grade, found.share.value) == (Grade.NO_VERDICT, 0.0)
+    found = verdict(summary_of([0.9, 5.0, 5.0], outcomes=[Outcome.ROCKS] * 3)).deciding
+    assert (found.share.value, found.overturned) == (pytest.approx(1 / 3), 0)  # a weaker copy of one overturns it
+    for factor, outcome, grade in (
+        (0.9, Outcome.ROCKS, Grade.OVERTURNS),
+        (2.0, Outcome.UNRESOLVED, Grade.NOT_KNOWN),
+        (2.0, Outcome.ROCKS, Grade.ROCKS),
+        (INF, Outcome.AT_REST, Grade.AT_REST),
+    ):
+        assert verdict(summary_of([factor], outcomes=[outcome]), motions(1, kind="sequence")).grade == grade
+    assert verdict(summary_of([])).grade == Grade.NO_VERDICT
 
 
 def test_the_probability_is_that_of_the_nonlinear_model_alone():
     summary = probable([0.9, 0.9], outcomes=[Outcome.ROCKS] * 2)
     other = summary.assign_coords(model=["balanced"])
-    assert verdict(summary).grade == Grade.OVERTURNS
-    assert verdict(other, model="balanced").grade == Grade.ROCKS
+    assert (verdict(summary).share.value, verdict(other, model="balanced").share.value) == (pytest.approx(0.9), 0.0)
 
 
 def test_an_upper_bound_type_input_shows_no_more_than_that_a_body_may_overturn():
-    summary = summary_of([0.5, 0.6]).assign_coords(model=["resonance"])
+    summary = summary_of([0.5] * 6, demand=1.0).assign_coords(model=["resonance"])
     assert verdict(summary, model="resonance").grade == Grade.MAY_OVERTURN
     summary["outcome"][1], summary["safety_factor"][1] = Outcome.UNRESOLVED, NAN
     assert verdict(summary, model="resonance").grade == Grade.MAY_OVERTURN  # whatever the other one would do
@@ -248,7 +271,7 @@ def test_an_upper_bound_type_input_shows_no_more_than_that_a_body_may_overturn()
         ([INF, 4.0, 4.0, 4.0, 4.0], None, Grade.ROCKS),
         ([2.0, 2.0, 4.0, 4.0, 4.0], [0, 1, 1, 1, 1], Grade.ROCKS),
         ([1.9, 1.8, 1.7, 4.0, 4.0], None, Grade.OVERTURNS),
-        ([3.0, 4.0], None, Grade.NOT_KNOWN),
+        ([3.0, 4.0], None, Grade.NO_VERDICT),
     ],
 )
 def test_a_demand_by_safety_factors(factors, resolved, grade):
@@ -258,7 +281,7 @@ def test_a_demand_by_safety_factors(factors, resolved, grade):
 
 @pytest.mark.parametrize(("up_to", "grade"), [(2.0, Grade.ROCKS), (1.999, Grade.NOT_KNOWN), (3.9, Grade.ROCKS)])
 def test_a_search_that_reached_the_demand_has_shown_that_the_body_stands(up_to, grade):
-    assert verdict(summary_of([INF] * 5, demand=2.0, up_to=up_to)).overall == grade
+    assert verdict(summary_of([INF] * 5, demand=2.0, up_to=up_to)).grade == grade
 
 
 def test_the_verdict_rests_on_the_likelier_of_two_demands_of_one_grade():
@@ -267,13 +290,13 @@ def test_the_verdict_rests_on_the_likelier_of_two_demands_of_one_grade():
     for share, name in ((0.2, "SLC"), (0.07, "ULS")):
         both["demand_probability"][..., 1] = share
         found = verdict(both)
-        assert (found.deciding.name, found.decides.value) == (name, pytest.approx(max(share, 0.1)))
+        assert (found.deciding.demand, found.share.value) == (name, pytest.approx(max(share, 0.1)))
 
 
 def test_every_body_has_the_verdict_of_its_own_answers():
     summary = xr.concat(
-        [probable(own, uplift=lifted, outcomes=[Outcome.AT_REST] * 3).assign_coords(block=[name])
-         for name, own, lifted in (("a", [0.0] * 3, 0.0), ("b", [0.2, 0.3, 0.1], 1.0), ("c", [0.9] * 3, 1.0))],
+        [weighted([ratio] * 5, [own] * 5).assign_coords(block=[name])
+         for name, own, ratio in (("a", 0.0, 0.1), ("b", 0.2, 1.0), ("c", 0.9, 2.0))],
         "block",
         data_vars="minimal",
         coords="minimal",
@@ -285,18 +308,21 @@ def test_every_body_has_the_verdict_of_its_own_answers():
 
 def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
     """Of a record of a tenth of the demand ten times is no more than the demand: it tells nothing, others do."""
-    found = verdict(summary_of([INF, 40.0, 60.0], outcomes=[Outcome.ROCKS] * 3, demand=20.0)).demands[0]
-    assert (found.margin.smallest, found.margin.median) == (2.0, 2.5)
-    found = verdict(probable([0.0], factor_10=[INF], demand=20.0)).demands[0]
-    assert (found.margin.smallest, found.margin.limit) == (INF, 0.5)
-    found = verdict(summary_of([INF, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=5.0))
-    assert (found.margin.limit, found.demands[0].margin.limit, found.demands[0].margin.median) == (10.0, 2.0, INF)
+    found = verdict(summary_of([INF, 40.0, 60.0], outcomes=[Outcome.ROCKS] * 3, demand=20.0, pga=6.0)).demands[0]
+    assert (found.margin.smallest, found.margin.limit) == (pytest.approx(12.0), pytest.approx(3.0))
+    found = verdict(probable([0.0], factor_10=[INF], demand=20.0, to_demand=4.0)).demands[0]
+    assert (found.margin.smallest, found.margin.limit) == (INF, 2.5)
+    found = verdict(summary_of([INF, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=4.0))
+    assert (found.recorded.margin.limit, found.demands[0].margin.limit, found.demands[0].margin.median) == (
+        10.0,
+        2.5,
+        INF,
+    )
 
 
 def test_no_motion_governs_a_body_that_all_leave_at_rest():
-    found = verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST] * 2))
-    assert (found.grade, found.governing) == (Grade.AT_REST, -1)
-    assert verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST, Outcome.UNRESOLVED])).governing == 1
+    assert verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST] * 2)).deciding.governing == -1
+    assert verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST, Outcome.UNRESOLVED])).deciding.governing == 1
 
 
 SCREENED = ["chest", "statue", "statue with pedestal", "lone with pedestal"]

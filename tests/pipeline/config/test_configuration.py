@@ -6,6 +6,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,7 +15,9 @@ import rockpulse as rp
 from rockpulse import BlockSettings
 from rockpulse.commands.init_config import config_template
 from rockpulse.config.configuration import SECTIONS, Config, config_from_text, load_config
+from rockpulse.config.settings import parse_demand_option
 from rockpulse.errors import ConfigError
+from rockpulse.record.record import STANDARD_GRAVITY
 
 TEMPLATE = config_template()
 SITE = Path(__file__).parents[3] / "data" / "samples" / "site.toml"
@@ -173,16 +176,66 @@ def test_a_size_that_was_confirmed_and_a_radius_load_back(load):
 
 
 def test_demands_are_read_and_written(load):
-    text = '[[demand]]\nname = "ULS"\nacceleration = 2.45\n'
-    text += '[[demand]]\nname = "SLS"\nacceleration = 1\nlimit_state = "50 years"\n'
+    text = '[[demand]]\nname = "ULS"\nvalue = "0.25 g"\n'
+    text += '[[demand]]\nvalue = 1\nlimit_state = "50 years"\n'
     text += '[[demand]]\nname = "SLC"\nmeasure = "sa"\nvalue = 5\nperiod = 1.0\n'
     config = load(text)
-    assert [demand.name for demand in config.demands] == ["ULS", "SLS", "SLC"]
-    assert [demand.acceleration for demand in config.demands] == [2.45, 1.0, None]
-    assert [demand.strength for demand in config.demands] == [2.45, 1.0, 5.0]
+    assert [demand.name for demand in config.demands] == ["ULS", "PGA 1 m/s2", "SLC"]
+    assert [demand.strength for demand in config.demands] == [0.25 * STANDARD_GRAVITY, 1.0, 5.0]
     assert [demand.measure for demand in config.demands] == ["pga", "pga", "sa"]
     assert config.demands[1].limit_state == "50 years"
     assert load(config.as_text()) == config
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "strength"),
+    [
+        ("pga=0.35g", "PGA 0.35 g", 0.35 * STANDARD_GRAVITY),
+        ("PGV = 40 cm/s", "PGV 40 cm/s", 0.4),
+        ("sa(1.0)=4m/s2", "Sa(1 s) 4 m/s2", 4.0),
+        ("velocity_ratio=0.8", "p PGV/(g tan alpha_c) 0.8", 0.8),
+    ],
+)
+def test_a_demand_on_the_command_line(option, name, strength):
+    found = parse_demand_option(option)
+    assert (found.name, found.strength) == (name, pytest.approx(strength))
+
+
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [
+        ("0.35g", r'expected MEASURE=VALUE with a unit, such as "pga=0.35g"'),
+        ("pga=0.35", r'"pga=0.35": \[\[demand\]\] value: expected a positive number and its unit \(m/s2 or g'),
+        ("pga=-1g", "expected a positive number"),
+        ("sa=1g", "period belongs to"),
+        ("pgd=1m", 'did you mean "pgv"'),
+    ],
+)
+def test_a_wrong_demand_on_the_command_line(option, told):
+    with pytest.raises(ConfigError, match=told):
+        parse_demand_option(option)
+
+
+def test_the_ground_of_a_site_is_given_once(load):
+    text = '[site]\nag = 0.25\nground = "B"\n[check]\nf0 = 2.4\ntc_star = 0.35\n'
+    config = load(text)
+    soil = 1.4 - 0.4 * 2.4 * 0.25
+    (demand,) = config.demands
+    assert (demand.name, demand.measure) == ("a_g S", "pga")
+    assert demand.strength == pytest.approx(0.25 * soil * STANDARD_GRAVITY)
+    assert (config.check.ag, config.check.ground, config.hazard.soil) == (0.25, "B", pytest.approx(soil))
+    assert load(config.as_text()) == config
+    own = load(text + "[hazard]\nsoil_factor = 1.0\n[[demand]]\nvalue = 2.0\n")
+    assert (own.hazard.soil, own.demands[0].strength) == (1.0, 2.0)
+    assert load('[site]\nag = 0.25\n[check]\nspectrum = "en_1998_1"\nground = "C"\n').check.ground == "C"
+    assert load('[site]\nag = 0.25\nground = "C"\n[check]\nspectrum = "en_1998_1"\n').hazard.soil == 1.15
+    assert load("[site]\nag = 0.25\n").hazard.soil == 1.0
+    with pytest.raises(
+        ConfigError, match=r"S of ground B by NTC 2018 depends on F_0; give f0 and tc_star in \[check\]"
+    ):
+        load('[site]\nag = 0.25\nground = "B"\n')
+    with pytest.raises(ConfigError, match=r'\[site\] ag: S of ground B is not known with \[check\] spectrum = "table"'):
+        load('[site]\nag = 0.25\nground = "B"\n[check]\nspectrum = "table"\nfile = "s.csv"\n')
 
 
 def test_units_and_intervals_of_some_files_are_read_and_written(load):
@@ -210,3 +263,29 @@ def test_the_uncertainty_is_read_and_written_and_is_that_of_the_solver(load):
     assert rp.UncertaintySettings().of_draws() == rp.models.Uncertainty()
     for key, (low, high) in {"factor": (0.02, 1.0), "geometry": (0.0, 1.0)}.items():
         assert [getattr(rp.UncertaintySettings(**{key: end}).of_draws(), key) for end in (low, high)] == [low, high]
+
+
+@pytest.mark.parametrize(
+    ("text", "shares"),
+    [
+        ("[1.05, 0.9]", (0.9, 1.05)),  # limits in any order
+        ("[0.97, 1.2, 0.97, 0.9]", (0.9, 0.97, 0.97, 1.2)),  # measured values
+        ("[2.0, 2]", (2.0, 2.0)),
+    ],
+)
+def test_a_restitution_is_a_range_or_measured_values_over_the_nominal_one(load, text, shares):
+    config = load(f"[uncertainty]\nrestitution = {text}\n")
+    assert config.uncertainty.of_draws().restitution == shares
+    assert load(config.as_text()) == config
+
+
+@pytest.mark.parametrize(("mean", "deviation"), [(0.98, 0.03), (1.4, 0.19), (0.31, 0.1)])
+def test_a_restitution_of_mean_and_deviation_is_a_normal_distribution(load, mean, deviation):
+    """By its moments and its quartiles, at 20,000 ranks."""
+    config = load(f"[uncertainty]\nrestitution = {{mean = {mean}, deviation = {deviation}}}\n")
+    drawn = config.uncertainty.of_draws().restitutions(0.3, (np.arange(20_000) + 0.5) / 20_000) / 0.3
+    assert np.mean(drawn) == pytest.approx(mean, rel=1e-6)
+    assert np.std(drawn) == pytest.approx(deviation, rel=0.003)
+    quartiles = mean + deviation * np.array([-0.67449, 0.0, 0.67449])
+    assert np.quantile(drawn, [0.25, 0.5, 0.75]) == pytest.approx(quartiles, abs=0.001 * deviation)
+    assert load(config.as_text()) == config

@@ -33,7 +33,7 @@ CONFIGURATIONS = {
     "no records": f'[models]\n{FAST}\n[records]\nstore = "none"\n{BLOCKS}',
     "half-waves": f'[models]\n{FAST}\n[records]\nstore = "half_waves"\n{BLOCKS}',
     "histories": f'[models]\nuse = ["sequence", "linear"]\nhistories = true\n{QUICKLY}\n{CASES}',
-    "cases and demands": f'[models]\n{FAST}\n[[demand]]\nname = "SLV"\nacceleration = 2.0\n{CASES}',
+    "cases and demands": f'[models]\n{FAST}\n[[demand]]\nname = "SLV"\nvalue = 2.0\n{CASES}',
     "sweep": f'[models]\n{FAST}\n[records]\ncomponents = "sweep"\nazimuth_step = 45\n{BLOCKS}',
     "probability": '[models]\nuse = ["nonlinear"]\n[records]\ncomponents = "sweep"\nazimuth_step = 45\n'
     f"[uncertainty]\nazimuth = true\n{CASES}",

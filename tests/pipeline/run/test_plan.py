@@ -186,7 +186,7 @@ CHANGES = [
     ({"models": ModelSettings(use=("linear",))}, "assess"),
     ({"search": SearchSettings(factor_max=5.0)}, "assess fragility"),
     ({"search": SearchSettings(intervals=True)}, "assess"),
-    ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate fragility"),
+    ({"demands": (DemandSettings(name="x", value=1.0),)}, "assess calibrate fragility"),
     ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
     ({"calibration": replace(BY_SPECTRUM, confidence=0.8)}, ""),
     ({"calibration": replace(BY_SPECTRUM, scale_to="pga", target=3.0)}, "calibrate"),

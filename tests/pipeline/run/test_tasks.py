@@ -45,7 +45,7 @@ CONFIGURATIONS = {
     "cases": replace(
         CHEAP,
         bodies=(replace(WALL, restitution=(0.91, 0.96)), TOWER),
-        demands=(DemandSettings(name="damage", acceleration=1.0),),
+        demands=(DemandSettings(name="damage", value=1.0),),
     ),
     "vertical": replace(
         CHEAP,

@@ -64,7 +64,7 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
     --------
     >>> rp.save(results, "again.h5", overwrite=True)
     >>> rp.load("again.h5").rockpulse
-    <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
+    <Results 5 records, 2 bodies, model nonlinear>
     """
     from rockpulse.storage.hdf5.writer import write_tree
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from rocking.body.limits import RATES
+from rocking.response import Outcome
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
 
@@ -108,6 +109,19 @@ AT_DEMAND: Declared = {
         of_ground=True,
         explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",
         comment=_comment,
+    ),
+    "demand_rotation_ratio": real(
+        "largest rotation over alpha_c under the record scaled to the demand; inf where the body overturns",
+        take=_of_lanes("demand_rotation_ratio"),
+        of_ground=True,
+        explanation="of the nominal body by the nonlinear model; NaN: unresolved or not computed, as above",
+    ),
+    "demand_outcome": flag(
+        ("not_computed", *(outcome.name.lower() for outcome in Outcome)),
+        "how the motion of the nominal body ends under the record scaled to the demand",
+        _of_lanes("demand_outcome"),
+        first=-1,
+        of_ground=True,
     ),
 }
 

@@ -139,10 +139,7 @@ def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) 
                 continue
             medians = [np.nanmedian(column) for column in motions.T[lanes] if not np.isnan(column).all()]
             factor[place] = min(medians, default=math.nan)
-            if few := [one for one in (every[lane].deciding for lane in lanes) if one is not None and one.few]:
-                beside[place] = f"no P: only records of {few[0].earthquakes} earthquakes can be scaled to {few[0].name}"
-            else:
-                probability[place] = np.fmax.reduce([every[lane].decides.value for lane in lanes])
+            probability[place] = np.fmax.reduce([every[lane].share.value for lane in lanes])
     return {"probability": probability, "factor_50": factor, "beside": np.array(beside, dtype=object)}
 
 

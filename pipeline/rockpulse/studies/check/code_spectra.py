@@ -14,41 +14,12 @@ from typing import TypeAlias
 
 import numpy as np
 
+from rockpulse.config.ground_types import EN_1998, NTC, soil_factor
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.files import column_numbers, read_text, table_of
 from rockpulse.record.record import STANDARD_GRAVITY
 
-#: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
-EN_1998 = {
-    "en_1998_1": {
-        "A": (1.0, 0.15, 0.4, 2.0),
-        "B": (1.2, 0.15, 0.5, 2.0),
-        "C": (1.15, 0.2, 0.6, 2.0),
-        "D": (1.35, 0.2, 0.8, 2.0),
-        "E": (1.4, 0.15, 0.5, 2.0),
-    },
-    "en_1998_2": {
-        "A": (1.0, 0.05, 0.25, 1.2),
-        "B": (1.35, 0.05, 0.25, 1.2),
-        "C": (1.5, 0.1, 0.25, 1.2),
-        "D": (1.8, 0.1, 0.3, 1.2),
-        "E": (1.6, 0.05, 0.25, 1.2),
-    },
-}
-
-#: Ground types of NTC 2018 (Table 3.2.IV): limits of S_S, the numbers c and d in S_S = c - d F_0 a_g/g,
-#: and factor and power in C_C = factor (T_C*)^power.
-NTC = {
-    "A": ((1.0, 1.0, 1.0, 0.0), (1.0, 0.0)),
-    "B": ((1.0, 1.2, 1.4, 0.4), (1.1, -0.2)),
-    "C": ((1.0, 1.5, 1.7, 0.6), (1.05, -0.33)),
-    "D": ((0.9, 1.8, 2.4, 1.5), (1.25, -0.5)),
-    "E": ((1.0, 1.6, 2.0, 1.1), (1.15, -0.4)),
-}
-
-#: S_T of the topographic categories of NTC 2018 (Table 3.2.V), at the top of the slope.
-TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
 #: Number of periods in the search for the largest displacement of a table.
 PERIODS = 401
 
@@ -160,13 +131,13 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
             "en_1998_2), or the file of a table; found none"
         )
     ag, words = settings.ag * STANDARD_GRAVITY, f"a_g {settings.ag:g} g, ground {settings.ground}"
+    soil = soil_factor(settings, settings.ag, settings.ground)
     if settings.spectrum != "ntc":
-        soil, first, second, third = EN_1998[settings.spectrum][settings.ground]
+        _, first, second, third = EN_1998[settings.spectrum][settings.ground]
         return CodeSpectrum(ag * soil, 2.5, (first, second, third), f"EN 1998-1 type {settings.spectrum[-1]}, {words}")
     assert settings.f0 is not None
     assert settings.tc_star is not None
-    (least, most, start, slope), (factor, power) = NTC[settings.ground]
-    soil = min(most, max(least, start - slope * settings.f0 * settings.ag)) * TOPOGRAPHY[settings.topography]
+    factor, power = NTC[settings.ground][1]
     fall = factor * settings.tc_star**power * settings.tc_star
     return CodeSpectrum(
         ag * soil,

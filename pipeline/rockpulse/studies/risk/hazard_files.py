@@ -179,7 +179,7 @@ def _checked_sites(sites: ArrayLike) -> np.ndarray:
 
 def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
     """Return the hazard that the section [hazard] describes; file names are relative to `folder`."""
-    return _of_factor(settings, folder)(settings.soil_factor)
+    return _of_factor(settings, folder)(settings.soil)
 
 
 def site_hazards_of(
@@ -188,11 +188,11 @@ def site_hazards_of(
     """Return the hazards of `count` bodies; sites and soil factors that are None come from [hazard]."""
     for key, told, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
-        ("soil_factor", settings.soil_factor != 1.0, soil_factor),
+        ("soil_factor", settings.soil != 1.0, soil_factor),
     ):
         if told and own is not None:
             raise ConfigError(f"[hazard] {key}: the bodies have their own; expected one of the two, found both")
-    factors = of_each(settings.soil_factor if soil_factor is None else soil_factor, count, "soil factor")
+    factors = of_each(settings.soil if soil_factor is None else soil_factor, count, "soil factor")
     if sites is None:
         return SiteHazards.distinct(factors[:, np.newaxis], _of_factor(settings, folder))
     if settings.file is None:

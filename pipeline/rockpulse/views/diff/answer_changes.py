@@ -100,8 +100,8 @@ def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[
         shares = [share.value for share in answers.motions.shares(values, *left_out)]
         return [ratio(value) for value in answers.by_block(np.fmax, np.array([shares]))[0]]
 
-    def smallest(*demand: str) -> list[str]:
-        return [margin_cells(margin)[0].marked for margin in answers.margins("block", *demand)]
+    def smallest(demand: str | None = None) -> list[str]:
+        return [margin_cells(margin)[0].marked for margin in answers.margins("block", demand)]
 
     shown = {}
     if answers.probable:
@@ -110,7 +110,7 @@ def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[
         shown[f"smallest {factor_heading(answers.factor)}"] = smallest()
     for demand in answers.demands:
         if answers.probable:
-            at_demand = answers.at_demand(demand)
+            at_demand = answers.of_demand("demand_probability", demand)
             shown[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
         shown[f"smallest capacity/demand {demand}"] = smallest(demand)
     if "outcome" in names:

@@ -169,7 +169,7 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
     notes += [*_of_factors(answers, uncertainty), *col.doubt_notes(cells.names)]
     bounds = (name for name in answers.models if is_upper_bound(name))
     notes += [say("note.upper_bound", model=say(f"models.{name}")) for name in bounds]
-    margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
+    margins = [row.margin for one in found for row in one.findings]
     marks = cells.marks | col.marks_of(col.margin_cells(margin)[0] for margin in margins)
     told = [mark.note for mark in (col.OUTSIDE, col.AT_MOST, col.NO_ANSWER) if mark in marks]
     notes += dict.fromkeys(told)

@@ -27,13 +27,13 @@ from rockpulse.views.report.verdict import (
     cards,
     counted_by,
     drawings,
-    figures_legend,
 )
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, restitution, six_digits, three_digits
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.shown_columns import columns, grade_cell, headed
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
+from rockpulse.views.shared.verdict_table import verdict_legend
 from rockpulse.views.shared.words import in_dates, say, translated
 
 REFERENCE = (
@@ -77,9 +77,9 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
         basis=basis(answers, files.counted),
         cards=cards(answers, found, drawn),
         drawings=drawn,
-        limits=limits(said, found, motions),
+        limits=limits(said, found, answers),
         verdict=body_table(answers, found),
-        legend=figures_legend(answers),
+        legend=verdict_legend(answers, [row for one in found for row in one.findings]),
         used=records.used_table(answers),
         left_out=records.left_out_table(motions_tree),
         counted_by=counted_by(answers),
@@ -163,7 +163,7 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNames
             SimpleNamespace(
                 key=f"body-{place}",
                 name=block,
-                verdicts=tuple(grade_cell(found[lane], case) for lane, case in zip(own, cases, strict=True)),
+                verdicts=tuple(grade_cell(found[lane].deciding, case) for lane, case in zip(own, cases, strict=True)),
                 facts=_of_block(answers, block, [answers.bodies[lane].restitution for lane in own]),
                 governing=_governing(cells, own, place),
             )

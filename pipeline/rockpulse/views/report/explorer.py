@@ -254,7 +254,8 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
     found = [(float(answers[name][row, lane]), share) for share, name in SHARES.items()]
     found.append((1.0, float(answers["overturning_probability"][row, lane])))
     for name in answers.demands:
-        found.append((float(answers.to_demand(name)[row, lane]), float(answers.at_demand(name)[row, lane])))
+        factor, share = (answers.of_demand(f"demand_{what}", name)[row, lane] for what in ("factor", "probability"))
+        found.append((float(factor), float(share)))
     told = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
     return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
 

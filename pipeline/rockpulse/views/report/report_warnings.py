@@ -55,7 +55,12 @@ def warnings(
         if any(has_warning(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
             said.append(_limit("decides", "not_compared"))  # a sequence has no PGA
         said += [] if site is None else _of_design(site, found)
-    said += [_confidence(found, motions, site), _at_rest(found, motions)]
+    if answers.demands or motions.kind == "sequence":
+        said.append(_confidence(found, motions, site))
+    else:
+        how = say("legend.state_demand")
+        said.append(_limit("limits", "no_demand", how=how, unknown=of_unknown_event(motions)))
+    said.append(_at_rest(found, motions))
     if files.line:
         told = files.counted or say("warning.files.none")
         said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
@@ -71,17 +76,18 @@ def warnings(
     return sorted((one for one in said if one is not None), key=lambda one: GRADES.index(one.grade))
 
 
-def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions) -> list[str]:
-    """Return at most three lines on the limits of the verdict: decisive warnings, few earthquakes, skipped files."""
+def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers) -> list[str]:
+    """Return the lines on the limits of the verdict: decisive warnings, no demand or few earthquakes, what is left."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
-    if motions.kind == "sequence":
+    if answers.motions.kind == "sequence":
         lines += [one.text for one in said if one.head == say("warning.site_confidence.head")]
+    elif not answers.demands:
+        lines.append(say("legend.state_demand"))
     else:
-        fewest = _fewest(found, motions)
-        most = share(float(probability_interval(0.0, fewest)[1]))
-        lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=most))
+        fewest = _fewest(found, answers.motions)
+        lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=_most(fewest)))
     return [*lines, say("limits.not_covered")]
 
 
@@ -104,7 +110,7 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
     """Warn if the records of too few earthquakes can be scaled to a demand."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
-        most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
+        most[demand.demand] = max(demand.earthquakes, most.get(demand.demand, 0))
     fields = {"needed": FEWEST_AT_DEMAND, "most": six_digits(FARTHEST[1])}
     return [
         _limit("decides", "few", name=name, events=counted_words(count, "earthquake"), **fields)
@@ -112,9 +118,14 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
     ]
 
 
+def _most(events: int) -> str:
+    """Return the upper end of the interval of a probability that is 0 for all of some earthquakes."""
+    return share(float(probability_interval(np.zeros(events))[1]))
+
+
 def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
     """Return the smallest number of earthquakes that a verdict is based on."""
-    counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
+    counts = [one.deciding.earthquakes for one in found]
     return min(counts, default=motions.event_count)
 
 
@@ -129,7 +140,7 @@ def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset
         "limits",
         "confidence",
         events=events,
-        most=share(float(probability_interval(0.0, count)[1])),
+        most=_most(count),
         confidence=share(CONFIDENCE),
         few=few if count < FEWEST_EVENTS else "",
         unknown=of_unknown_event(motions),
@@ -153,10 +164,9 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
     """Find surviving bodies that overturn within the interval of the main impulse or under a record of the site."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
-    near = [one for one in standing if one.margin.smallest <= factor]
-    within = [
-        f"{body_name(one.body.name)} ({factor_heading('safety_factor')} {ratio(one.margin.smallest)})" for one in near
-    ]
+    near = [(one.body.name, one.deciding.margin.smallest) for one in standing]
+    sign = factor_heading("safety_factor")
+    within = [f"{body_name(name)} ({sign} {ratio(smallest)})" for name, smallest in near if smallest <= factor]
     overturned = np.isinf(site["rotation_ratio"].transpose("block", "record").values).sum(axis=1)
     named = zip(map(str, site["block"].values), overturned.tolist(), strict=True)
     fallen = [
@@ -181,7 +191,7 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
     """Warn if bodies are on a pedestal or may slide."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
-        value = ratio(worst.decides.value)
+        value = ratio(worst.share.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=body_name(worst.body.name), value=value))
     for one in sliding(answers):
         told = {
@@ -203,10 +213,10 @@ def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
 
 
 def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
-    idle, total = sum(one.at_rest for one in found), len(motions.names) * len(found)
+    idle, total = (sum(getattr(one.deciding, name) for one in found) for name in ("at_rest", "motions"))
     if not idle or motions.kind == "sequence":
         return None
-    never = sum(one.grade == Grade.AT_REST for one in found)
+    never = sum(0 < one.deciding.at_rest == one.deciding.motions for one in found)
     if never:
         bodies = counted_words(len(found), "body")
         return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)

@@ -1,16 +1,15 @@
 """Makes the verdict in the report: sentence and drawing of every body, table of the bodies, and explanations."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple
 
 import xarray as xr
 from markupsafe import Markup, escape
 
 from rocking.body.outline import Outline
-from rockpulse.assessment.answers import Answers, Motions, Share
+from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
 from rockpulse.config.configuration import config_from_text
@@ -22,15 +21,21 @@ from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.plots.selection import block_of
 from rockpulse.views.report.drawings import Support, drawing
 from rockpulse.views.report.record_tables import record_named
-from rockpulse.views.shared.formatting import ABSENT, ratio, share, six_digits, three_digits
-from rockpulse.views.shared.notes import factor_heading
+from rockpulse.views.shared.formatting import ratio, share, six_digits, three_digits
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.shown_columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
-from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
+from rockpulse.views.shared.shown_columns import (
+    columns,
+    filled,
+    grade_cell,
+    headed,
+    margin_cells,
+    record_cells,
+    unexplained,
+)
+from rockpulse.views.shared.table import Cell, Heading, Table
+from rockpulse.views.shared.verdict_table import verdict_columns, verdict_rows
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 
-#: Separator between the ends of an interval, which allows no line break.
-TO = "\N{WORD JOINER}–\N{WORD JOINER}"
 #: Largest number of rows of a table without a search field, and of bodies with a card on the first page.
 FEW, MOST = 8, 6
 
@@ -60,16 +65,16 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
     for one in sorted(found, key=_by_severity):
         worst.setdefault(one.body.place, one)
     return [
-        Card(f"body-{place}", one.body.block, *drawn[place], grade_cell(one), sentence(answers, one))
+        Card(f"body-{place}", one.body.block, *drawn[place], grade_cell(one.deciding), sentence(answers, one))
         for place, one in list(worst.items())[:MOST]
     ]
 
 
 def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
     """Return the sort key: worst verdict first, then largest probability, then smallest scale factor."""
-    factor, value = one.margin.smallest, one.decides.value
+    factor, value = one.deciding.margin.smallest, one.share.value
     likely = 0.0 if math.isnan(value) else value
-    return -float(one.overall), -likely, math.inf if math.isnan(factor) else factor
+    return -float(one.grade), -likely, math.inf if math.isnan(factor) else factor
 
 
 def drawings(tree: xr.DataTree) -> list[Drawing]:
@@ -98,28 +103,38 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
 
 
 def sentence(answers: Answers, one: BodyVerdict) -> str:
-    """Return the verdict on a body as a sentence: probability, demand and number of earthquakes."""
-    if answers.motions.kind == "sequence":
-        factor = margin_cells(one.margin)[0].marked
-        margin = say("verdict.factor", factor=factor) if not math.isnan(one.margin.smallest) else ""
-        key = "overturns_under_sequence" if one.overall == Grade.OVERTURNS else "under_sequence"
+    """Return the results for a body at its worst demand, or under the records as recorded, as a sentence."""
+    found, motions = one.deciding, answers.motions
+    smallest = unexplained(margin_cells(found.margin)[0]).marked
+    if motions.kind == "sequence":
+        margin = say("verdict.factor", factor=smallest) if not math.isnan(found.margin.smallest) else ""
+        key = "overturns_under_sequence" if found.grade == Grade.OVERTURNS else "under_sequence"
         return say(f"verdict.{key}", margin=margin)
-    if one.overall == Grade.AT_REST:
-        return say("verdict.not_lifted", motions=motions_words(answers.motions))
-    what = say("probability" if answers.probable else "share_of_earthquakes")
-    demand = one.deciding
-    if demand is None:
-        under = say("verdict.as_recorded", motions=motions_words(answers.motions))
-    else:
-        lost = say("verdict.left_out", motions=counted_words(demand.left_out, "motion")) if demand.left_out else ""
-        under = (
-            say("verdict.at_demand", name=demand.name, events=counted_words(demand.earthquakes, "earthquake")) + lost
-        )
-        under += say("verdict.few", needed=FEWEST_AT_DEMAND) if demand.few else ""
-    value = ratio(one.decides.value)
-    value = say("less_than", value=value[1:]) if value.startswith("<") else value
-    fields = {"what": what, "value": value, "high": ratio(one.decides.high)}
-    return say("verdict.probability", under=under, confidence=share(CONFIDENCE), **fields)
+    counted = say("count_of", count=found.overturned, total=counted_words(found.motions, motions.kind))
+    if not found.demand:
+        factor = say("verdict.smallest", factor=say(f"factor.{answers.factor}"), value=smallest)
+        return say("verdict.as_recorded", counted=counted, factor=factor if answers.has_factor else "")
+    if found.grade == Grade.AT_REST:
+        return say("verdict.not_lifted", motions=counted_words(found.motions, motions.kind), name=found.demand)
+    others = ""
+    if found.others_rotation > 0.0:
+        turn = found.others_rotation * float(answers.summary["alpha_c"].values[one.body.place])
+        top = 100.0 * float(answers.summary["height"].values[one.body.place]) * math.sin(turn)
+        others = say("verdict.others", rotation=ratio(found.others_rotation))
+        others += "" if math.isnan(top) else say("verdict.top", top=ratio(top))
+    value = ratio(found.share.value)
+    return say(
+        "verdict.at_demand",
+        what=say("probability" if answers.probable else "share_of_earthquakes"),
+        value=say("less_than", value=value[1:]) if value.startswith("<") else value,
+        high=ratio(found.share.high),
+        confidence=share(CONFIDENCE),
+        name=found.demand,
+        events=counted_words(found.earthquakes, "earthquake"),
+        counted=counted,
+        others=others,
+        few=say("verdict.few", needed=FEWEST_AT_DEMAND) if found.few else "",
+    )
 
 
 def basis(answers: Answers, unused: str) -> str:
@@ -143,29 +158,15 @@ def motions_words(motions: Motions) -> str:
     return say(key, events=counted_words(motions.event_count, "earthquake"), **each)
 
 
-def figures_legend(answers: Answers) -> str:
-    """Explain the numbers of the table of bodies in one line."""
-    if answers.motions.kind == "sequence":
-        return say("legend.sequence")
-    what = say("legend.probability" if answers.probable else "legend.share")
-    return say("legend.words", what=what, factor=say(f"legend.{answers.factor}"), **_levels())
-
-
 def counted_by(answers: Answers) -> str:
     """Explain the words of the verdict."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
     what = say("counted.probability") if answers.probable else say("counted.share", model=model)
-    counted = say("counted.words", what=what, **_levels())
-    if answers.demands:
-        counted += " " + say("counted.demand", low=six_digits(FARTHEST[0]), high=six_digits(FARTHEST[1]))
-    return counted
-
-
-def _levels() -> dict[str, str]:
-    """Return the probabilities that separate the verdicts."""
-    return {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
+    levels = {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN), "needed": FEWEST_AT_DEMAND}
+    demand = say("counted.demand", low=six_digits(FARTHEST[0]), high=six_digits(FARTHEST[1]))
+    return f"{say('counted.words', what=what, **levels)} {demand}"
 
 
 def of_unknown_event(motions: Motions) -> str:
@@ -188,52 +189,23 @@ def acceleration_in_words(value: float) -> str:
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """Return a table of bodies: verdict, probability at each demand and unscaled, scale factor, governing record."""
-    motions, factor = answers.motions, factor_heading(answers.factor)
-    c = COLUMNS["restitution"]
-    of = say("head.probability" if answers.probable else "head.share")
-    by_sequence = motions.kind == "sequence"  # there is only one
-    of_motions = "" if by_sequence else say("head.of", motions=counted_words(len(motions.names), motions.kind))
-    columns: list[tuple[Heading, Callable[[BodyVerdict], Cell]]] = [
-        (Heading(say("head.body")), lambda one: Cell(one.body.block, link=f"body-{one.body.place}")),
-        (c.heading._replace(note=""), lambda one: c.cell(one.body.restitution)),
-        (COLUMNS["verdict"].heading._replace(note=say("model.name", name=say(f"models.{answers.model}"))), grade_cell),
-        *(
-            (Heading(say("head.at", what=of, name=name), note=say("head.interval")), partial(_at_demand, place))
-            for place, name in enumerate(answers.demands)
-        ),
-        (Heading(say("head.as_recorded", what=of), note=say("head.interval")), lambda one: _share_cell(one.share)),
-        (Heading(say("head.smallest", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[0])),
-        (Heading(say("head.under")), lambda one: _governing(answers, one)),
-        (Heading(say("head.median", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[1])),
-        (Heading(say("head.overturned"), note=of_motions), lambda one: number_cell(one.overturned, str)),
-        (Heading(say("head.unknown")), lambda one: number_cell(one.share.unknown, str)),
-        (Heading(say("head.not_lifted")), lambda one: number_cell(one.at_rest, str)),
-    ]
-    if by_sequence:
-        columns = [*columns[:3], columns[len(answers.demands) + 4]]
-    if not any(one.body.several for one in found):
-        del columns[1]
-    rows = tuple(tuple(cell(one) for _, cell in columns) for one in found)
-    caption = say("caption.bodies", motions=motions_words(motions))
-    return Table("verdict-bodies", caption, tuple(heading for heading, _ in columns), rows, searched=FEW)
+    """Return the table of the bodies, with a row for each demand."""
+    rows = [(one, row) for one in found for row in one.findings]
+    findings = [row for _, row in rows]
+    several = any(one.body.several for one in found)
+    selected = (*columns(*(["restitution"] if several else [])), *verdict_columns(answers, findings))
+    values = verdict_rows(answers, rows, [_governing(answers, record) for record in range(len(answers.records))])
+    values["restitution"] = [one.body.restitution for one, _ in rows]
+    names = [Cell(one.body.block, link=f"body-{one.body.place}") for one, _ in rows]
+    cells = tuple((name, *more) for name, more in zip(names, filled(selected, values), strict=True))
+    headings = (Heading(say("head.body")), *(heading._replace(note="") for heading in headed(selected)))
+    judged = any(row.grade != Grade.NO_VERDICT for row in findings)
+    caption = say(f"caption.{'bodies' if judged else 'no_verdict'}", motions=motions_words(answers.motions))
+    return Table("verdict-bodies", caption, headings, cells, searched=FEW)
 
 
-def _at_demand(place: int, one: BodyVerdict) -> Cell:
-    demand = one.demands[place]
-    return _share_cell(demand.share, GRADES[demand.grade])
-
-
-def _governing(answers: Answers, one: BodyVerdict) -> Cell:
-    """Return the record with the smallest scale factor."""
-    if one.governing < 0 or math.isinf(one.margin.smallest):
-        return Cell(ABSENT)
-    name = record_cells(answers.summary)[one.governing]
-    told = record_named(Known(answers.summary, record=answers.records[one.governing]), name.text)
-    return unexplained(name)._replace(text=told, link=f"record-{one.governing}")
-
-
-def _share_cell(value: Share, grade: str = "") -> Cell:
-    low, high = ratio(value.low), ratio(value.high)
-    shown = f"{ratio(value.value)} ({low if low == high == ABSENT else f'{low}{TO}{high}'})"
-    return Cell(shown, value.value, grade=grade)
+def _governing(answers: Answers, record: int) -> Cell:
+    """Return the name of a record (a row of /summary) with a link to its section."""
+    name = record_cells(answers.summary)[record]
+    told = record_named(Known(answers.summary, record=answers.records[record]), name.text)
+    return unexplained(name)._replace(text=told, link=f"record-{record}")

@@ -183,7 +183,7 @@ def report_page(
     with writing(language):
         content = page_content(tree, *beside)
         curves = content.fragility.blocks if content.fragility else ()
-        gravest = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
+        gravest = sorted(content.found, key=lambda one: (one.grade, one.share.value), reverse=True)
         worst = [one.body.block for one in gravest]
         return environment.get_template("report.html").render(
             say=say,

@@ -122,12 +122,13 @@ def counted_motions(motions: Motions) -> str:
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """Return a sentence for every body on a pedestal and for every body that may slide."""
-    notes = [
-        f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
-        f"({worst.word}, {ratio(worst.decides.value)}) and decides; simultaneous motions of both parts are not "
-        f"modelled."
-        for alone, worst in worse_with_pedestal(answers, found)
-    ]
+    notes = []
+    for alone, worst in worse_with_pedestal(answers, found):
+        told = ", ".join(filter(None, (worst.grade.word, ratio(worst.share.value))))
+        notes.append(
+            f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
+            f"({told}) and decides; simultaneous motions of both parts are not modelled."
+        )
     notes += [
         f"{one.body.name}: {one.above} of {several(one.total, 'record')} require more friction than {one.friction:g} "
         f"(up to {ratio(one.most)}): it would slide; sliding is not modelled."

@@ -10,7 +10,7 @@ import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
-from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
+from rockpulse.assessment.verdict import OVERTURNS, Finding, Grade
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.defects import DEFECTS
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
@@ -158,18 +158,18 @@ GRADES = {
     Grade.AT_REST: "good",
     Grade.ROCKS: "good",
     Grade.MAY_OVERTURN: "fair",
+    Grade.NO_VERDICT: "unknown",
     Grade.NOT_KNOWN: "unknown",
     Grade.OVERTURNS: "bad",
 }
 
 
-def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
+def grade_cell(found: Finding, before: str = "") -> Cell:
     """Return the verdict on a body, after the text `before`, as a cell that is sortable from best to worst."""
-    few = one.deciding is not None and one.deciding.few
     # No record overturns it, but half of such earthquakes might: not graded as good.
-    unsure = one.overall == Grade.ROCKS and one.decides.high >= OVERTURNS
-    told = say(f"grade.{'no_verdict' if few else one.overall.name.lower()}")
-    return Cell(before + told, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
+    unsure = found.grade == Grade.ROCKS and found.share.high >= OVERTURNS
+    told = ABSENT if found.grade == Grade.NO_VERDICT else say(f"grade.{found.grade.name.lower()}")
+    return Cell(before + told, float(found.grade), grade="fair" if unsure else GRADES[found.grade])
 
 
 def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
@@ -187,6 +187,12 @@ def _probability(value: float, low: float, high: float) -> Cell:
 
 def _capacity(capacity: float, limit: float, pga: float) -> Cell:
     return factor_cell(capacity / STANDARD_GRAVITY, limit * pga / STANDARD_GRAVITY)
+
+
+def _rotation(ratio_of_angles: float) -> Cell:
+    """Return the largest rotation over alpha_c as a cell, or the word for a body that overturns."""
+    over = math.isinf(ratio_of_angles)
+    return Cell(say("answer.overturns") if over else ratio(ratio_of_angles), ratio_of_angles)
 
 
 def count_of(count: int, total: int) -> Cell:
@@ -254,14 +260,19 @@ COLUMNS = {
         Column("restitutions", ("restitutions",), _restitutions),
         Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all records, and the worst body of a record
+        Column("at_demand", ("demand",), Cell),
         Column("verdict", ("found",), grade_cell),
+        Column("probability", ("value",), shown(ratio)),
+        Column("share", ("value",), shown(ratio)),
         Column("probability_upper", ("high",), shown(ratio)),
+        Column("capacity", ("margin",), lambda margin: unexplained(margin_cells(margin)[0])),
+        Column("smallest_factor_10", ("margin",), lambda margin: unexplained(margin_cells(margin)[0])),
+        Column("smallest_safety_factor", ("margin",), lambda margin: unexplained(margin_cells(margin)[0])),
+        Column("median_rotation", ("median",), _rotation, "θ/α_c"),
+        Column("others_rotation", ("others",), shown(ratio), "θ/α_c"),
+        Column("top_displacement", ("top",), shown(ratio), "cm"),
         Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
-        Column("median_factor_50", ("median",), unexplained),
-        Column("median_safety_factor", ("median",), unexplained),
-        Column("top", ("top",), shown(ratio), "cm"),
-        Column("rotation", ("rotation",), shown(ratio), "deg"),
-        Column("worst", ("worst",), Cell),
+        Column("governing", ("governing",), lambda cell: cell),
         Column("worst_for", ("worst_for",), Cell),
     )
 }

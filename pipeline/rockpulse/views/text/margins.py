@@ -8,6 +8,7 @@ import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
+from rockpulse.assessment.verdict import verdicts
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared import shown_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, shortened, three_digits
@@ -20,7 +21,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
-    of_demands = [answers.margins(demand=name) for name in answers.demands]
+    of_demands = list(zip(*([row.margin for row in one.demands] for one in verdicts(answers)), strict=True))
     shown = [k for k, body in enumerate(answers.bodies) if blocks is None or body.place in blocks]
     every = [margins[k] for k in shown for margins in of_demands]
     rows = [

@@ -2,19 +2,17 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
-from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
-from rockpulse.assessment.site_demands import FARTHEST
-from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade, verdicts
-from rockpulse.earthquakes import FEWEST_EVENTS
+from rockpulse.assessment.verdict import Grade, nominal_motion, overturning_probabilities, too_far, verdicts
 from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
 from rockpulse.views.shared import shown_columns as col
-from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, shortened, three_digits
+from rockpulse.views.shared.formatting import paragraph, several, shortened, three_digits
 from rockpulse.views.shared.notes import (
     body_notes,
     counted_motions,
@@ -26,6 +24,7 @@ from rockpulse.views.shared.notes import (
 )
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
+from rockpulse.views.shared.verdict_table import verdict_columns, verdict_legend, verdict_rows
 
 #: Columns of every table by record, and columns of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
@@ -135,123 +134,62 @@ def overturned(answers: Answers, files: str = "") -> str:
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
     """Return the verdict on every body over all records, limited to the `most` bodies likeliest to overturn."""
-    found, summary = verdicts(answers), answers.summary
-    places = np.argsort([-one.decides.value for one in found], kind="stable")[:most]
-    lanes = (np.sort(places) if most is None else places).tolist()
-    kept = [found[lane] for lane in lanes]
-    names = [cell.marked for cell in col.record_cells(summary)]
-    (top, rotation), factors = _largest_survived(answers), _middle_factors(answers)
-    demands = [[demand.share for demand in one.demands] or [one.share] for one in kept]
-    of = "P" if answers.probable else "share"
-    likely = {f"{of} at {name}": place for place, name in enumerate(answers.demands)} or {of: 0}
-    middle = f"median_{'factor_50' if answers.probable else 'safety_factor'}"
-    values = {
-        "name": [f"  {one.body.name}" for one in kept],
-        "found": kept,
-        "high": [one.decides.high for one in kept],
-        "uplift": [float(summary["uplift_acceleration"].values[one.body.place]) for one in kept],
-        "median": [factors[lane] for lane in lanes],
-        "top": top[lanes].tolist(),
-        "rotation": rotation[lanes].tolist(),
-        "worst": [names[one.governing] if one.governing >= 0 else ABSENT for one in kept],
-        **{title: [shares[place].value for shares in demands] for title, place in likely.items()},
-    }
+    found = verdicts(answers)
+    places = np.argsort([-one.share.value for one in found], kind="stable")[:most]
+    kept = [found[lane] for lane in (np.sort(places) if most is None else places).tolist()]
+    rows = [(one, row) for one in kept for row in one.findings]
+    findings, every = [row for _, row in rows], [row for one in found for row in one.findings]
+    values = verdict_rows(answers, rows, [Cell(cell.marked) for cell in col.record_cells(answers.summary)])
     selected = (
         col.titled("", Cell, "name", width=col.NAME_WIDTH),
-        col.titled(col.COLUMNS["verdict"].heading.title, lambda one: Cell(col.grade_cell(one).text), "found"),
-        *(col.titled(title, col.shown(ratio), title) for title in likely),
-        *col.columns("probability_upper", "uplift", middle, "top", "rotation"),
-        *col.columns("worst", worst=f"worst {answers.motions.kind}"),
+        *(
+            replace(one, cell=lambda row: Cell(col.grade_cell(row).text)) if one.name == "verdict" else one
+            for one in verdict_columns(answers, findings)
+        ),
     )
-    which = (
-        f"the {len(kept)} of {len(found)} bodies that are most likely to overturn"
-        if len(kept) < len(found)
-        else "each body"
+    table = col.filled(selected, {**values, "name": [f"  {one.body.name}" for one, _ in rows]})
+    which = f"the {len(kept)} of {len(found)} bodies that are most likely to overturn"
+    each = which if len(kept) < len(found) else "each body"
+    judged = any(row.grade != Grade.NO_VERDICT for row in every)
+    title = f"Verdict on {each}" if judged else each[:1].upper() + each[1:]
+    notes = [*verdict_legend(answers, every), *body_notes(answers, found)]
+    return "\n".join(
+        [
+            paragraph(f"{title}, {_under(answers)} ({answers.model} model):"),
+            *lines(Table("", "", col.headed(selected), tuple(table))),
+            *(paragraph(note, "  ") for note in notes),
+        ]
     )
-    title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
-    unsized = np.isnan(top[lanes]) & ~np.isnan(rotation[lanes])
-    reasons = {"height not given": unsized.any(), "no record without overturning": np.isnan(rotation[lanes]).any()}
-    absent = " or ".join(reason for reason, occurs in reasons.items() if occurs)
-    notes = [*_legend(answers, kept, absent), *body_notes(answers, found)]
-    table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
-    return "\n".join([paragraph(title), *table, *(paragraph(note, "  ") for note in notes)])
 
 
-def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
+def _under(answers: Answers) -> str:
     """Describe the records of the verdicts: unscaled, or scaled to the demands of the site."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
-    told = []
-    for place, (name, demand) in enumerate(answers.demands.items()):
-        every = [one.demands[place] for one in found]
-        lost, left = max(one.left_out for one in every), min(one.earthquakes for one in every)
-        without = f", {lost} left out: scale factor outside {FARTHEST[0]:g} to {FARTHEST[1]:g}" if lost else ""
-        short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
-        told.append(f"{name} ({demand.words}{without}{short})")
-    return f"{counted_motions(motions)} scaled to the demand {' and '.join(told)}"
-
-
-#: Meaning of each verdict in terms of the probability, or of the share of records, from which it follows.
-_MEANING = {
-    Grade.OVERTURNS: f"overturns: {{0}} >= {OVERTURNS:g}",
-    Grade.MAY_OVERTURN: f"may overturn: {{0}} >= {MAY_OVERTURN:g}",
-    Grade.ROCKS: f"rocks: {{0}} < {MAY_OVERTURN:g}",
-    Grade.AT_REST: "at rest: never lifted",
-    Grade.NOT_KNOWN: "not known: some records give no result",
-}
-
-
-def _legend(answers: Answers, found: Sequence[BodyVerdict], absent: str) -> list[str]:
-    """Explain the verdicts that occur and the columns; `absent` is the reason for unknown largest rotations."""
-    if answers.motions.kind == "sequence":
-        return []
-    few = answers.motions.event_count
-    little = f" (wide: {several(few, 'earthquake')})" if few < FEWEST_EVENTS else ""
-    what, middle = "share: share of earthquakes that overturn the body", "at which it overturns"
-    if answers.probable:
-        what, middle = "P: probability of overturning, mean over earthquakes", "at P = 50 %"
-    of, grades = what.partition(":")[0], {one.overall for one in found}
-    words = "; ".join(meaning.format(of) for grade, meaning in _MEANING.items() if grade in grades)
-    return [
-        f"{what}; upper 90 %: upper end of the 90 % interval{little}. {words[:1].upper()}{words[1:]}. Uplift PGA: PGA "
-        f"at which the body starts to lift. Median scale factor: median over records of the multiplier {middle}. Top "
-        f"displ., rotation: largest without overturning{f' (-: {absent})' if absent else ''}."
-    ]
-
-
-def _middle_factors(answers: Answers) -> list[Cell]:
-    """Return for every body the median over records of the scale factor at P = 50 % or, if unknown, of overturning."""
-    if not answers.probable:
-        return [col.margin_cells(margin)[1] for margin in answers.margins()]
-    least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
-    known = np.where(np.isnan(least), np.inf, least)
-    middle = np.sort(known, axis=0)[(len(known) - 1) // 2] if len(known) else np.full(len(answers.bodies), np.nan)
-    limit = searched_up_to(answers["factor_50"], answers["factor_50_low"])
-    return [col.factor_cell(float(value), limit) for value in middle]
-
-
-def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every body the largest displacement of its top [cm] and the largest rotation [degrees] survived."""
-    stays = np.isin(answers["outcome"], (Outcome.AT_REST, Outcome.ROCKS))
-    peak = np.fmax.reduce(np.where(stays, answers["peak_rotation_ratio"], np.nan), axis=0, initial=np.nan)
-    places = [body.place for body in answers.bodies]
-    turn = peak * answers.summary["alpha_c"].values[places]
-    return 100.0 * answers.summary["height"].values[places] * np.sin(turn), np.degrees(turn)
+    named = answers.demands.items()
+    demands = " and ".join(name if name.startswith(one.title) else f"{name} ({one.words})" for name, one in named)
+    return f"{counted_motions(motions)} scaled to the demand {demands}"
 
 
 def worst_motions(answers: Answers, most: int) -> str:
-    """Return the unscaled records most likely to overturn a body, with body, probability and scale factor."""
-    motions, factor = answers.motions, np.fmin.reduce(answers.motions.over(answers[answers.factor], np.nan), axis=1)
-    if not motions.names:
+    """Return the records most likely to overturn a body, unscaled or at the worst demand, with body, P and factor."""
+    motions, found = answers.motions, [one.deciding for one in verdicts(answers)]
+    if not motions.names or not found:
         return ""
-    chance = answers.overturned.astype(float)
-    if answers.probable:
-        chance = np.fmax.reduce(motions.over(answers["overturning_probability"], np.nan), axis=1)
+    demand = max(found, key=lambda one: (one.grade, one.share.value)).demand or None
+    far = too_far(answers, demand)
+    factor = np.where(far, np.nan, answers.ratios(demand))
+    chance = np.where(far, np.nan, overturning_probabilities(answers, demand))
+    fallen, _ = nominal_motion(answers, demand)
+    fallen = motions.in_any_direction(np.asarray(fallen & ~far))
+    factor = np.fmin.reduce(motions.over(factor, np.nan), axis=1)
+    chance = np.fmax.reduce(motions.over(chance, np.nan), axis=1)
     likely, near = np.where(np.isnan(chance), -1.0, chance), np.where(np.isnan(factor), np.inf, factor)
     body = np.array([np.lexsort((own, -every))[0] for own, every in zip(near, likely, strict=True)])
     at = np.arange(len(body)), body
-    order = np.lexsort((near[at], -likely[at]))[:most]
+    order = np.lexsort((near[at], -likely[at]))
+    order = order[np.asarray(motions.kept(far).any(axis=1))[order]][:most]
     marked = dict(zip(answers.records, (cell.marked for cell in col.record_cells(answers.summary)), strict=True))
     strength = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
     values = {name: column.tolist() for name, column in strength.items()} | {
@@ -260,26 +198,29 @@ def worst_motions(answers: Answers, most: int) -> str:
         "worst_for": [shortened(answers.bodies[lane].name, col.NAME_WIDTH) for lane in body[order]],
         "overturning_probability": chance[at][order].tolist(),
         "near": factor[at][order].tolist(),
-        "fallen": answers.overturned.sum(axis=1)[order].tolist(),
+        "fallen": fallen.sum(axis=1)[order].tolist(),
     }
-    limit, bodies = searched_up_to(answers[answers.factor], answers.proven()), len(answers.bodies)
-    title = col.COLUMNS["overturns"].heading.title
+    limit, bodies = searched_up_to(answers.ratios(demand), answers.proven(demand)), len(answers.bodies)
+    of_factor = factor_heading(answers.factor) if demand is None else col.COLUMNS["capacity"].heading.title
     selected = (
         col.titled("", Cell, "name"),
         *col.columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else [])),
+        col.titled(of_factor, lambda value: col.unexplained(col.factor_cell(value, limit)), "near"),
         col.titled(
-            factor_heading(answers.factor), lambda value: col.unexplained(col.factor_cell(value, limit)), "near"
+            col.COLUMNS["overturns"].heading.title, lambda count: Cell(col.count_of(count, bodies).text), "fallen"
         ),
-        col.titled(title, lambda count: Cell(col.count_of(count, bodies).text), "fallen"),
     )
     which = f"The worst {len(order)} of {len(motions.names)}" if len(order) < len(motions.names) else "All"
     what = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
     table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
-    note = f"Worst body: the one most likely to overturn{', with its P and scale factor' if answers.probable else ''}."
-    if np.isinf(factor[at][order]).any() and not math.isnan(limit):
+    note = "Worst body: the one most likely to overturn"
+    note += f", with its P and {'scale factor' if demand is None else 'capacity/demand'}." if answers.probable else "."
+    note += " PGA and PGV: as recorded." if demand is not None else ""
+    if np.isinf(values["near"]).any() and not math.isnan(limit):
         note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest scale factor tried."
+    scaled = "unscaled" if demand is None else f"scaled to the demand {demand}"
     return "\n".join(
-        [f"{which} {what} (unscaled), worst first:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
+        [f"{which} {what} ({scaled}), worst first:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
     )
 
 
@@ -287,8 +228,8 @@ def governing(answers: Answers) -> str:
     """Describe the records with the smallest scale factors, or that overturn, and their bodies; empty if unknown."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
-        if one.governing >= 0:
-            ruled.setdefault(one.governing, {})[one.body.block] = None
+        if (row := one.deciding.governing) >= 0:
+            ruled.setdefault(row, {})[one.body.block] = None
     told = []
     for row, blocks in sorted(ruled.items(), key=lambda item: -len(item[1]))[:NAMED]:
         record = answers.records[row]
@@ -298,5 +239,6 @@ def governing(answers: Answers) -> str:
         return ""
     if len(ruled) > NAMED:
         told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
-    what = f"with the smallest {factor_name(answers.factor)}" if answers.has_factor else "that overturns"
+    smallest = "capacity/demand" if answers.demands else factor_name(answers.factor)
+    what = f"with the smallest {smallest}" if answers.has_factor else "that overturns"
     return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *told])

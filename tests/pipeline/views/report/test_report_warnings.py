@@ -43,7 +43,7 @@ def test_the_gravest_stand_first_and_three_lines_at_most_stand_on_the_first_page
     of = motions(3)
     said = warnings(answers(summary, of), [verdict(summary, of)], FilesUsed(1))
     assert [one.grade for one in said] == sorted((one.grade for one in said), key=GRADES.index)
-    decides, earthquakes, not_covered = limits(said, [verdict(summary, of)], of)
+    decides, earthquakes, not_covered = limits(said, [verdict(summary, of)], answers(summary, of))
     assert decides.startswith("What may change a verdict: at the demand “ULS” there is no verdict, because only")
     assert earthquakes.startswith("The verdict rests on 3 earthquakes")
     assert not_covered.startswith("Not covered: sliding")
@@ -91,20 +91,24 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
     of = motions(3)
     found = [verdict(summary, of)]
     said = warnings(answers(summary, of), found, FilesUsed(1))
-    told = limits(said, found, of)
-    assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "78 %" in line]
-    assert [one for one in said if "2 earthquakes" in one.head and "78 %" in one.text]
+    told = limits(said, found, answers(summary, of))
+    assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "57 %" in line]
+    assert [one for one in said if "2 earthquakes" in one.head and "57 %" in one.text]
 
 
 def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing_count():
-    said = heads(probable([0.0, 0.0]), "record")["the verdict rests on 2 earthquakes"]
+    said = heads(probable([0.0, 0.0], at_demand=[0.0, 0.0], demand=1.0), "record")["the verdict rests on 2 earthquakes"]
     assert said.grade == "limits"
     assert "2 earthquakes are too few to estimate a probability of 0.05" in said.text
-    assert "by up to 78 % of the motions" in said.text  # 1 - 0.05^(1/2)
-    said = heads(probable([0.0] * 12), "record")["the verdict rests on 12 earthquakes"]
-    assert "cannot tell" not in said.text
-    rest = [Outcome.AT_REST, Outcome.ROCKS]
-    found = heads(probable([0.0, 0.2], outcomes=rest), "record")
+    assert "by up to 57 % of the motions" in said.text
+    summary = probable([0.0] * 12, at_demand=[0.0] * 12, demand=1.0)
+    said = heads(summary, "record")["the verdict rests on 12 earthquakes"]
+    assert "too few" not in said.text
+    assert (
+        "--demand pga=0.35g"
+        in heads(probable([0.0] * 12), "record")["there is no verdict, because no demand is stated"].text
+    )
+    found = heads(probable([0.0, 0.2], uplift=np.array([0.0, 1.0])), "record")
     assert "are counted with probability 0" in found["in 1 of 2 cases (motion and body) the body is not lifted"].text
     found = heads(probable([0.0, 0.0], uplift=0.0, outcomes=[Outcome.AT_REST] * 2), "record")
     assert found["1 of 1 body not lifted by any of these motions"].grade == "decides"

@@ -16,7 +16,6 @@ from rockpulse.errors import ResultsError
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.report.verdict import (
-    TO,
     Drawing,
     basis,
     body_table,
@@ -29,71 +28,92 @@ from rockpulse.views.report.verdict import (
 )
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.shown_columns import grade_cell
+from rockpulse.views.shared.verdict_table import verdict_legend
+
+
+def headed(answers_, found):
+    """The cells of the first row of the table of bodies, by heading."""
+    table = body_table(answers_, [found])
+    titles = (heading.title.replace("\N{NO-BREAK SPACE}", " ") for heading in table.headings)
+    return {title: cell.marked for title, cell in zip(titles, table.rows[0], strict=True)}
 
 
 @pytest.mark.parametrize(
     ("probability", "words", "grade", "value"),
     [
-        ([0.0, 0.0999], "rocks", "fair", "0.050"),  # by two earthquakes alone
-        ([0.0, 0.1], "may overturn", "fair", "0.050"),
-        ([0.9, 0.2], "overturns", "bad", "0.55"),
-        ([math.nan, 0.2], "not known", "unknown", "0.20"),
+        ([0.0, 0.24, 0.0, 0.0, 0.0], "rocks", "good", "0.048"),
+        ([0.0, 0.25, 0.0, 0.0, 0.0], "may overturn", "fair", "0.050"),
+        ([0.9, 0.2, 0.9, 0.5, 0.25], "overturns", "bad", "0.55"),
+        ([math.nan, 0.49, 0.49, 0.49, 0.49], "not known", "unknown", "0.49"),
     ],
 )
 def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):
-    summary = probable(probability)
+    summary = probable([0.0] * 5, at_demand=probability, demand=1.0)
     found = verdict(summary)
-    cell = grade_cell(found)
+    cell = grade_cell(found.deciding)
     assert (cell.text, cell.grade) == (words, grade)
     told = sentence(answers(summary), found)
-    assert told.startswith(f"Probability of overturning {value}, up to ")
-    assert told.endswith("(end of the 90 % interval), under 2 records of 2 earthquakes, as they were recorded.")
+    assert told.startswith(f"Probability of overturning {value}, upper 90 % ")
+    assert told.endswith("at the demand “ULS”, from 5 earthquakes. 0 of 5 records overturn it.")
+
+
+def test_without_a_demand_the_records_that_overturn_are_counted():
+    summary = probable([0.9, 0.0, 0.1], factor_10=[0.4, 3.0, 1.0])
+    found = verdict(summary)
+    told = sentence(answers(summary), found)
+    assert told == "1 of 3 records overturn it as recorded; smallest scale factor at P = 10 %: 0.40."
+    assert grade_cell(found.deciding).text == "-"
+    shown = headed(answers(summary), found)
+    assert (shown["records that overturn"], shown["scale factor at P = 10 %"]) == ("1 of 3", "0.40")
+    assert not {"P", "verdict"} & set(shown)
 
 
 def test_of_bodies_without_a_verdict_that_of_the_smaller_factor_comes_first():
     """Whether the probability at the demand is not known at all, or that of the records that are known is 0."""
-    summary = probable([0.0, 0.0], factor_10=[3.0, 3.0], at_demand=[0.0, math.nan], demand=1.0)
+    summary = probable([0.0] * 5, factor_10=[3.0] * 5, at_demand=[0.0, *[math.nan] * 4], demand=1.0)
     high = verdict(summary)
-    low = verdict(probable([0.0, 0.0], factor_10=[0.9, 0.9], at_demand=[math.nan] * 2, demand=1.0))
+    low = verdict(probable([0.0] * 5, factor_10=[0.9] * 5, at_demand=[math.nan] * 5, demand=1.0))
     low = replace(low, body=low.body._replace(block="low", place=1))
-    assert high.overall == low.overall == Grade.NOT_KNOWN
-    assert (high.decides.value, math.isnan(low.decides.value)) == (0.0, True)
+    assert high.grade == low.grade == Grade.NOT_KNOWN
+    assert (high.share.value, math.isnan(low.share.value)) == (0.0, True)
     drawn = [Drawing(Markup("<svg/>"), "")] * 2
+    summary = xr.concat([summary, summary.assign_coords(block=["low"])], "block", data_vars="minimal", coords="minimal")
     assert [card.name for card in cards(answers(summary), [high, low], drawn)] == ["low", high.body.block]
 
 
 def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
-    """Its probability at the demand, whatever the records do as they are."""
+    """Every number is at the demand, whatever the records do as they are."""
     summary = probable([0.9] * 5, at_demand=[0.0, 0.2, 0.1, 0.1, 0.0], demand=0.5)
-    summary = summary.assign(limit_state=(("demand",), ["collapse"]))
-    found = verdict(summary)
-    assert (found.grade, found.overall) == (Grade.OVERTURNS, Grade.MAY_OVERTURN)
-    cell = grade_cell(found)
-    assert (cell.text, cell.grade) == ("may overturn", "fair")
-    told = sentence(answers(summary), found)
-    assert told.startswith("Probability of overturning 0.080, up to ")
-    assert told.endswith("at the demand “ULS”, from 5 earthquakes.")
-    table = body_table(answers(summary), [found])
-    shown = {
-        heading.title.replace("\N{NO-BREAK SPACE}", " "): cell.marked
-        for heading, cell in zip(table.headings, table.rows[0], strict=True)
-    }
-    assert shown["P at “ULS”"].startswith("0.080 (")
-    assert shown["P as recorded"].startswith("0.90 (")
+    own = {"demand_rotation_ratio": [0.1, math.inf, 0.3, 0.2, 0.2], "demand_outcome": [1, 2, 1, 1, 1]}
+    dims = ("record", "block", "demand")
+    summary = summary.assign({name: (dims, np.array(values)[:, None, None]) for name, values in own.items()})
+    summary = summary.assign(alpha_c=("block", [0.1]), height=("block", [2.0]))
+    shown = headed(answers(summary), verdict(summary))
+    assert shown["verdict"] == "may overturn"
+    assert (shown["P"], shown["records that overturn"], shown["capacity/ demand"]) == ("0.080", "1 of 5", "1.80")
+    assert (shown["median rotation"], shown["largest of the others"]) == ("0.20", "0.30")
+    assert shown["its top displ."] == "6.00"
+    told = sentence(answers(summary), verdict(summary))
+    assert told.startswith("Probability of overturning 0.080, upper 90 % ")
+    assert told.endswith(
+        "1 of 5 records overturn it; of the others the largest rotation is 0.30 α_c, 6.00 cm at the top."
+    )
     summary = probable(
         [0.0] * 6, at_demand=[0.9, 0.9, 0.9, 0.9, math.nan, math.nan], demand=1.0, to_demand=[1, 2, 3, 4, 5, 0.2]
     )
     found = verdict(summary)
-    assert (grade_cell(found).text, grade_cell(found).grade) == ("no verdict", "unknown")
+    assert (grade_cell(found.deciding).text, grade_cell(found.deciding).grade) == ("-", "unknown")
     told = sentence(answers(summary), found)
-    assert told.startswith("Probability of overturning 0.90, up to ")
-    assert told.endswith("from 4 earthquakes (left out: 2 motions too far from it); 5 are needed for a verdict.")
+    assert told.startswith("Probability of overturning 0.90, upper 90 % ")
+    assert told.endswith("from 4 earthquakes. 0 of 4 records overturn it. No verdict: 5 earthquakes are needed.")
+    legend = verdict_legend(answers(summary), found.findings)
+    assert "Not counted: 2 motions with a scale factor for the demand ULS outside 0.25 to 4." in legend
 
 
 def test_under_a_design_sequence_there_is_no_probability():
     summary, of = summary_of([1.6]), motions(1, kind="sequence")
     found = verdict(summary, of)
-    assert (found.grade, grade_cell(found).text) == (Grade.ROCKS, "rocks")
+    assert (found.grade, grade_cell(found.deciding).text) == (Grade.ROCKS, "rocks")
     told = sentence(answers(summary, of), found)
     assert told.startswith(
         "Neither the design sequence nor a weaker one overturns it; smallest scale factor on its main"
@@ -122,30 +142,25 @@ def test_a_direction_that_overturns_is_told_though_another_is_missing():
     of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
     summary = summary_of([0.4, math.nan, 2.0, 3.0], outcomes=[Outcome.OVERTURNS] + [Outcome.ROCKS] * 3, demand=0.5)
     found = verdict(summary, of)
-    assert found.grade == Grade.OVERTURNS
-    assert (found.margin.smallest, found.margin.open, found.margin.median) == (0.4, True, 2.0)
-    assert (found.governing, found.demands[0].margin.smallest, found.demands[0].margin.open) == (0, 0.8, True)
-    table = body_table(answers(summary, of), [found])
-    shown = dict(zip((heading.title for heading in table.headings), table.rows[0], strict=True))
-    assert shown["smallest SF"].marked == "≤0.40"
-    assert shown["share as recorded"].marked.startswith("0.50 (")
-    whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair"))
-    assert (whole.margin.smallest, whole.margin.open, whole.margin.median) == (0.4, False, pytest.approx(1.2))
+    margin, at_demand = found.recorded.margin, found.demands[0].margin
+    assert (margin.smallest, margin.open, margin.median) == (0.4, True, 2.0)
+    assert (found.deciding.governing, at_demand.smallest, at_demand.open) == (0, 0.8, True)
+    shown = headed(answers(summary, of), found)
+    assert (shown["capacity/ demand"], shown["share"]) == ("≤0.80", "0.50")
+    whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair")).recorded.margin
+    assert (whole.smallest, whole.open, whole.median) == (0.4, False, pytest.approx(1.2))
 
 
 def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lifts_stays():
-    summary = probable([0.0] * 10, factor_10=np.full(10, math.inf))
-    table = body_table(answers(summary), [verdict(summary)])
-    shown = {
-        heading.title.replace("\N{NO-BREAK SPACE}", " "): cell.marked
-        for heading, cell in zip(table.headings, table.rows[0], strict=True)
-    }
-    assert shown["verdict"] == "rocks"
-    assert (shown["P as recorded"], shown["smallest scale factor at P = 10 %"]) == (f"0 (0{TO}0.26)", ">10")
-    summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
+    summary = probable([0.0] * 10, factor_10=np.full(10, math.inf), at_demand=[0.0] * 10, demand=1.0)
+    shown = headed(answers(summary), verdict(summary))
+    assert (shown["verdict"], shown["P"], shown["P, upper 90 %"], shown["capacity/ demand"]) == (
+        "rocks", "0", "0.17", ">10"
+    )  # fmt: skip
+    summary = summary.assign(uplift_ratio=(("record", "block"), np.full((10, 1), 0.3)))
     told = sentence(answers(summary), verdict(summary))
-    assert told == "Lifted by none of 2 records of 2 earthquakes; no conclusion can be drawn for stronger ones."
-    assert grade_cell(verdict(summary)).text == "at rest"
+    assert told.startswith("Lifted by none of 10 records at the demand “ULS”; no conclusion can be drawn")
+    assert grade_cell(verdict(summary).deciding).text == "at rest"
 
 
 def test_motions_of_unknown_earthquake_make_no_earthquake_more():
@@ -161,11 +176,9 @@ def test_motions_of_unknown_earthquake_make_no_earthquake_more():
 
 def test_of_the_demand_an_upper_bound_proves_nothing_and_without_a_search_nothing_is_known():
     summary = summary_of([0.9] * 5, demand=2.0).assign_coords(model=["resonance"])
-    found = verdict(summary, model="resonance")
-    assert grade_cell(found).text == "may overturn"
+    assert grade_cell(verdict(summary, model="resonance").deciding).text == "may overturn"
     summary = summary_of([math.nan] * 5, outcomes=[Outcome.ROCKS] * 5, demand=2.0)
-    found = verdict(summary)
-    assert (found.overall, found.word) == (Grade.NOT_KNOWN, "not known")
+    assert verdict(summary).grade.word == "not known"
 
 
 def test_the_motions_are_counted_by_their_kind():

@@ -29,7 +29,6 @@ def test_no_column_is_declared_twice():
     assert len(declared) == len(set(declared)) > 20
     assert set(declared) <= set(col.COLUMNS)
     declared = {column.name: (column.heading.label, column.of) for column in col.COLUMNS.values()}
-    declared.pop("median_safety_factor")  # without a probability it takes the place of median_factor_50
     assert len(set(declared.values())) == len(declared)
 
 

@@ -1,0 +1,96 @@
+"""The table of the verdicts on the bodies, which all views share: its columns, rows and legend."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.site_demands import FARTHEST
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, WEAK, BodyVerdict, Finding, Grade
+from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared.formatting import ABSENT, six_digits
+from rockpulse.views.shared.table import Cell
+from rockpulse.views.shared.words import counted_words, say
+
+#: Meaning of each verdict, as a key of [legend] in the texts.
+_MEANINGS = ("overturns", "may_overturn", "rocks", "at_rest", "not_known")
+
+
+def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Column, ...]:
+    """Return the columns of the table after the names of the bodies; at a demand, all refer to it."""
+    if answers.motions.kind == "sequence":
+        return col.columns("verdict", "smallest_safety_factor")
+    if not answers.demands:
+        smallest = col.columns(f"smallest_{answers.factor}") if answers.has_factor else ()
+        return (*col.columns("overturned_by"), *smallest, *col.columns("governing", "uplift"))
+    names = ["at_demand"] if len(answers.demands) > 1 else []
+    names += ["verdict"] if any(one.grade != Grade.NO_VERDICT for one in rows) else []
+    names += ["probability" if answers.probable else "share", "probability_upper"]
+    names += ["capacity"] if answers.has_factor else []
+    names += ["overturned_by"]
+    if not all(math.isnan(one.median_rotation) for one in rows):
+        names += ["median_rotation", "others_rotation", "top_displacement"]
+    return col.columns(*names, "governing")
+
+
+def verdict_rows(
+    answers: Answers, found: Sequence[tuple[BodyVerdict, Finding]], governing: Sequence[Cell]
+) -> dict[str, list[Any]]:
+    """Return the values of the columns, one row for each finding; `governing` are the cells of the records."""
+    summary, places = answers.summary, [one.body.place for one, _ in found]
+    rows = [row for _, row in found]
+    turn = np.array([row.others_rotation for row in rows]) * summary["alpha_c"].values[places]
+    return {
+        "demand": [row.demand for row in rows],
+        "found": rows,
+        "value": [row.share.value for row in rows],
+        "high": [row.share.high for row in rows],
+        "margin": [row.margin for row in rows],
+        "fallen": [row.overturned for row in rows],
+        "total": [row.motions for row in rows],
+        "median": [row.median_rotation for row in rows],
+        "others": [row.others_rotation for row in rows],
+        "top": (100.0 * summary["height"].values[places] * np.sin(turn)).tolist(),
+        "uplift": summary["uplift_acceleration"].values[places].tolist(),
+        "governing": [governing[row.governing] if row.governing >= 0 else Cell(ABSENT) for row in rows],
+    }
+
+
+def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
+    """Explain columns and words of the table, and the records that do not count in it."""
+    if answers.motions.kind == "sequence":
+        return [say("legend.sequence")]
+    factor = f" {say(f'legend.{answers.factor}')}" if answers.has_factor else ""
+    if not answers.demands:
+        return [say("legend.as_recorded") + factor, *_not_counted(rows), say("legend.state_demand")]
+    grades = {row.grade.name.lower() for row in rows}
+    levels = {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
+    words = [say(f"legend.{name}", **levels) for name in _MEANINGS if name in grades]
+    what = say("legend.probability" if answers.probable else "legend.share")
+    capacity = f" {say('legend.capacity', factor=say(f'factor.{answers.factor}'))}" if answers.has_factor else ""
+    turned = any(not math.isnan(row.median_rotation) for row in rows)
+    return [
+        " ".join(filter(None, (what, *words))) + capacity + (f" {say('legend.rotation')}" if turned else ""),
+        *_not_counted(rows),
+    ]
+
+
+def _not_counted(rows: Sequence[Finding]) -> list[str]:
+    """State how many motions are too far from a demand, or too weak, and demands with too few earthquakes."""
+    notes = []
+    for demand in dict.fromkeys(row.demand for row in rows):
+        own = [row for row in rows if row.demand == demand]
+        at = say("legend.of_demand", name=demand) if demand else ""
+        lost, weak = max(row.left_out for row in own), max(row.weak for row in own)
+        if lost:
+            low, high = map(six_digits, FARTHEST)
+            notes.append(say("legend.left_out", motions=counted_words(lost, "motion"), at=at, low=low, high=high))
+        if weak:
+            notes.append(say("legend.weak", motions=counted_words(weak, "motion"), at=at, share=six_digits(WEAK)))
+        fewest = min(row.earthquakes for row in own)
+        if demand and fewest < FEWEST_AT_DEMAND:
+            events = counted_words(fewest, "earthquake")
+            notes.append(say("legend.few", events=events, at=at, needed=FEWEST_AT_DEMAND))
+    return notes
