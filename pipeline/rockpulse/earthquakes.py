@@ -60,7 +60,7 @@ def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np
     0 and 1. `count` is the number of earthquakes if some of the g groups do not count as one.
 
     >>> [round(float(end), 3) for end in probability_interval(np.zeros(10))]
-    [0.0, 0.172]
+    [0.0, 0.171]
     """
     from scipy.special import betaincinv
 

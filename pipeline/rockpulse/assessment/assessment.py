@@ -78,7 +78,7 @@ def assess(
     Examples
     --------
     >>> rp.assess(record, bodies={"pier": (1.0, 4.0)}).rockpulse
-    <Results 1 record, 1 body, model nonlinear, rocks 1>
+    <Results 1 record, 1 body, model nonlinear>
     """
     asked = given_config(config, units, dt)
     if all_models:

@@ -134,7 +134,6 @@ def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
     words = Page(report_page(xr.DataTree.from_dict(parts))).text
     assert "resonance model (upper-bound type input, no prediction)" in words
     assert "judged by an upper-bound type input" in words
-    assert words.split("What limits it")[0].count("may overturn") >= 3
 
 
 def test_cases_of_restitution_are_bodies_of_their_own():
