@@ -36,7 +36,7 @@ def assessed(components="horizontal", blocks=(WALL, CHEST)):
         records=RecordSettings(components=components, azimuth_step=60.0),
         models=ModelSettings(use=("sequence", "nonlinear"), histories=True),
         search=SearchSettings(intervals=True, points=16),
-        uncertainty=UncertaintySettings(azimuth=components == "sweep"),
+        uncertainty=UncertaintySettings(azimuth=components == "sweep", spectrum="all"),
         bodies=blocks,
         demands=(DemandSettings(name="collapse", value=2.5),),
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocking.arguments import ArrayLike
-from rocking.body.block import Block
+from rocking.body.block import STANDARD_GRAVITY, Block
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import REACH
 from rocking.spectrum.body_probability import lane_capacity
@@ -32,8 +32,8 @@ from rocking.spectrum.slender_lanes import (
 POINTS = 8
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Number of lanes of each block in the second stage.
-SECOND = 320
+#: Number of lanes of each block in the second stage, and g tan(alpha)/p of the slender blocks that are marched [m/s].
+SECOND, SPEED = 320, 0.01
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -229,9 +229,10 @@ def _spectra(
     waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
 ) -> np.ndarray:
     """Return effective impulses (2, m) of the half-waves on blocks [m/s]: mean, and at a probability of 10 %."""
-    # Each body is represented by a slender block of the same p and C.
-    slender = Block.from_parameters(p=block.p, alpha=0.1, restitution=block.restitution, log=False)
-    # Divided by the largest impulse, so that the levels of P scale with the record.
+    # Each body is represented by a slender block of the same p and C with g tan(alpha)/p = SPEED.
+    alpha = np.arctan(SPEED * np.asarray(block.p) / STANDARD_GRAVITY)
+    slender = Block.from_parameters(p=block.p, alpha=alpha, restitution=block.restitution, log=False)
+    # Divided by the largest impulse, so that the levels of P scale with the record and with sizes and times.
     start, centroid, end, impulse = waves
     largest = np.max(np.abs(impulse))
     times, ground = triangles(start, centroid, end, impulse / largest)
@@ -239,4 +240,4 @@ def _spectra(
     reach = REACH * math.hypot(uncertainty.factor, uncertainty.geometry)
     lanes = body_piece_lanes(times, ground, slender, uncertainty, threads, second=SECOND)
     capacity = np.array([lane_capacity(one, uncertainty, reach) for one in lanes]).T
-    return largest * slender.gravity * np.tan(0.1) / slender.p / capacity
+    return largest * SPEED / capacity

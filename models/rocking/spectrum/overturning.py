@@ -241,8 +241,8 @@ class OverturningSpectrum:
             raise ValueError(
                 f"block: the spectrum applies to free blocks of slenderness {LEAST_SLENDERNESS:g} or more, p from "
                 f"{self.p[0]:g} to {self.p[-1]:g} 1/s and a range of C from {self.lanes.between[0]:g} to "
-                f"{self.lanes.between[1]:g}, but not to {outside.size} of {np.size(block.p)} blocks, the first at index "
-                f"{int(outside[0])}"
+                f"{self.lanes.between[1]:g}, but not to {outside.size} of {np.size(block.p)} blocks, the first at "
+                f"index {int(outside[0])}"
             )
         speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
         return *self._between(np.asarray(block.p), np.asarray(block.restitution, dtype=float)), speed

@@ -129,9 +129,14 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
             whole = math.exp(remaining)
         if side != 0.0 and u - 1.0 + speed > strength * left[j + 1]:
             return np.inf
-    if side != 0.0 and speed > 0.0:
-        # On a still ground u - 1 = -sqrt((1 - u)^2 - u'^2) at the top.
-        peak = max(peak, 1.0 - math.sqrt(max((1.0 - u) ** 2 - speed * speed, 0.0)))
+    if side != 0.0:
+        # On a still ground (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
+        kept = (1.0 - u) ** 2 - speed * speed
+        after = restitution * math.sqrt(max(1.0 - kept, 0.0))
+        if after > 1.0:
+            return np.inf
+        top = max(kept, 0.0) if speed > 0.0 else 1.0
+        peak = max(peak, 1.0 - math.sqrt(min(top, 1.0 - after * after)))
     return peak
 
 

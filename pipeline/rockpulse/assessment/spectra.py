@@ -11,7 +11,7 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES
 from rocking.march.recorded import recorded_response
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
-from rocking.spectrum.probability import Uncertainty, factor_at
+from rocking.spectrum.probability import Uncertainty, factor_at, rising
 from rocking.spectrum.slender_lanes import SpectrumLanes, spectrum_lanes
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import STANDARD_GRAVITY, Record
@@ -162,11 +162,12 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     """
     level = spectrum["level"].values
     capacity, probability = _at_blocks(spectrum, block)
+    fitted = rising(probability)
     at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
     return {
         "overturning_probability": np.array(at_one),
-        "factor_10": factor_at(0.1, level, probability) * capacity,
-        "factor_50": factor_at(0.5, level, probability) * capacity,
+        "factor_10": factor_at(0.1, level, fitted) * capacity,
+        "factor_50": factor_at(0.5, level, fitted) * capacity,
         "capacity_mean": capacity,
     }
 

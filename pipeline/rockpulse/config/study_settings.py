@@ -27,8 +27,9 @@ MODELS = ("lognormal", "logistic")
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 #: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
-#: Number of values that represent a normal distribution, and largest quotient of its deviation and mean, inverted.
-VALUES, MOST_DEVIATIONS = 65, 3.0
+#: Number of values that represent a normal distribution, the largest of them in deviations, for which the quantile
+#: function that is linear between them has the stated deviation, and the distance of 0 and 2 from the mean.
+VALUES, LARGEST_VALUE, MOST_DEVIATIONS = 65, 2.89, 3.0
 #: First bytes of every PNG file.
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -65,7 +66,9 @@ def _by_severity(value: Any) -> tuple[str | float, ...]:
 def _is_distribution(value: Any) -> bool:
     if isinstance(value, Mapping):
         known = set(value) == {"mean", "deviation"} and _are_numbers([*value.values()])
-        return known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 1.5
+        return (
+            known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 2.0 - MOST_DEVIATIONS * value["deviation"]
+        )
     return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0
 
 
@@ -73,9 +76,9 @@ def _distribution(value: Any) -> tuple[float, ...]:
     """Return the two limits of a uniform distribution, or equally likely values."""
     if not isinstance(value, Mapping):
         return _floats(sorted(value))
-    # Expected values of order statistics nearly, which have the stated mean and 0.99 of the deviation.
-    normal = NormalDist(value["mean"], value["deviation"])
-    return tuple(normal.inv_cdf((k + 0.5) / VALUES) for k in range(VALUES))
+    normal, end = NormalDist(value["mean"], value["deviation"]), LARGEST_VALUE * value["deviation"]
+    inner = (normal.inv_cdf(k / (VALUES - 1)) for k in range(1, VALUES - 1))
+    return (normal.mean - end, *inner, normal.mean + end)
 
 
 _RANGE = KeyType(

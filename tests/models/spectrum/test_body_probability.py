@@ -73,11 +73,11 @@ def test_the_factors_of_a_body_are_those_of_its_lanes_added_one_by_one(still_ope
     assert 0.04 * (read.first + read.probability.size - 2) < end <= 0.04 * (read.first + read.probability.size - 1)
     logs = 0.04 * np.arange(read.first, read.first + read.probability.size)
     rows = np.array([[lane_by_lane(lanes, times, level) for level in logs] for times in _counts(50)])
-    rows = rising(rows)
+    # P is the share as it is; the factors are read from a fit that never falls.
     assert read.probability == pytest.approx(rows[0], abs=1e-12)
     expected = ends("at_one", rows[:, -read.first])
-    expected |= ends("factor_10", factor_at(0.1, np.exp(logs), rows))
-    expected |= ends("factor_50", factor_at(0.5, np.exp(logs), rows))
+    expected |= ends("factor_10", factor_at(0.1, np.exp(logs), rising(rows)))
+    expected |= ends("factor_50", factor_at(0.5, np.exp(logs), rising(rows)))
     if still_open:
         areas = [sum(0.04 * (1.0 - 0.5 * (a + b)) for a, b in pairwise(row)) for row in rows]
         least = ends("least", np.exp(logs[0] + np.array(areas)))["least_low"]
@@ -195,7 +195,7 @@ def test_a_squat_body_under_a_vertical_against_fresh_draws():
     lanes = Block.from_parameters(
         block.p,
         block.alpha_c * np.exp(-known.geometry * np.abs(rng.normal(size=n))),
-        block.restitution * rng.uniform(0.9, 1.0, n),
+        np.minimum(block.restitution * rng.uniform(0.95, 1.05, n), 0.999),
     )
     factors = np.exp(known.factor * rng.normal(size=n))
     for factor, share, error in ((found.factor_10[0], 0.1, 0.06), (found.factor_50[0], 0.5, 0.1)):
@@ -215,8 +215,9 @@ def test_free_flight_counts_as_overturning():
 def test_a_vertical_of_zeros_is_none():
     """And the marches that end where their verdict is settled tell the same as whole ones."""
     blocks = Block(half_width=[0.3, 0.6], half_height=[1.2, 1.5])
-    without = overturning_probability(blocks, TRAIN, DT, factor_max=30.0)
+    without = overturning_probability(blocks, TRAIN, DT, factor_max=30.0, slender_limit=False)
     assert np.array_equal(values(without), values(overturning_probability(blocks, TRAIN, DT, None, 0.0 * TRAIN, 30.0)))
+    assert not without.slender.any()
 
 
 def test_a_stronger_record_has_lower_factors():
@@ -240,11 +241,18 @@ def test_a_larger_body_of_the_same_shape_and_restitution_has_larger_factors():
     assert np.all(np.diff(found.probability, axis=0) <= 1e-4)  # no mass beyond four standard deviations is looked at
 
 
+@pytest.mark.sweep
 def test_the_draws_of_a_seed_are_the_same_and_those_of_another_one_are_not():
-    first, again, other = (overturning_probability(WALL, TRAIN, DT, factor_max=30.0, seed=one) for one in (1, 1, 2))
+    """The lanes of slender bodies are a lattice without random numbers."""
+
+    def of_seed(seed, **how):
+        return overturning_probability(WALL, TRAIN, DT, factor_max=30.0, seed=seed, **how)
+
+    first, again, other = (of_seed(one, slender_limit=False) for one in (1, 1, 2))
     assert np.array_equal(values(first), values(again))
     assert first.factor_50[0] != other.factor_50[0]
-    assert other.factor_50[0] == pytest.approx(first.factor_50[0], rel=0.1)
+    assert other.factor_50[0] == pytest.approx(first.factor_50[0], rel=0.05)
+    assert np.array_equal(values(of_seed(1)), values(of_seed(2)))
 
 
 @pytest.mark.sweep
@@ -261,8 +269,8 @@ def test_a_body_has_the_same_answer_alone_among_others_and_on_any_threads():
 
 @pytest.mark.parametrize("guess", [0.02, 1e4])
 def test_a_poor_guess_costs_lanes_and_no_more(guess):
-    found = overturning_probability(WALL, TRAIN, DT, factor_max=30.0, guess=guess)
-    plain = overturning_probability(WALL, TRAIN, DT, factor_max=30.0)
+    found = overturning_probability(WALL, TRAIN, DT, factor_max=30.0, guess=guess, slender_limit=False)
+    plain = overturning_probability(WALL, TRAIN, DT, factor_max=30.0, slender_limit=False)
     assert found.factor_50[0] == pytest.approx(plain.factor_50[0], rel=0.08)
 
 
@@ -304,14 +312,6 @@ def test_a_factor_that_is_reached_beside_one_that_is_not(one_edge):
     assert 0.85 * one_edge < found.capacity_mean_low[0] <= 0.95 * one_edge
 
 
-def test_a_range_of_restitution_by_shares_or_by_itself():
-    by_shares = overturning_probability(WALL, TRAIN, DT, Uncertainty(restitution=(0.8, 0.9)), factor_max=30.0)
-    nominal = WALL.restitution
-    by_itself = overturning_probability(WALL, TRAIN, DT, least=[0.8 * nominal], most=[0.9 * nominal], factor_max=30.0)
-    assert np.array_equal(values(by_shares), values(by_itself))
-    assert by_itself.factor_50[0] > overturning_probability(WALL, TRAIN, DT, factor_max=30.0).factor_50[0]
-
-
 def test_a_body_that_bounces_without_loss_is_answered():
     """C = 1 is drawn as 0.999."""
     elastic = Block.from_parameters(WALL.p, WALL.alpha_c, 1.0, log=False)
@@ -325,7 +325,7 @@ def test_intervals_hold_their_value():
         low, value, high = (getattr(found, f"{name}{end}") for end in ("_low", "", "_high"))
         assert np.all(low <= value)
         assert np.all(value <= high)
-    assert {one.name for one in fields(found)} == {*NUMBERS, "level", "probability", "unresolved"}
+    assert {one.name for one in fields(found)} == {*NUMBERS, "level", "probability", "slender", "unresolved"}
 
 
 @pytest.mark.parametrize(
@@ -333,8 +333,6 @@ def test_intervals_hold_their_value():
     [
         ({"factor_max": 0.0}, "factor_max"),
         ({"guess": -1.0}, "guess"),
-        ({"least": 0.9, "most": 0.8}, "least"),
-        ({"least": 0.9, "most": 1.1}, "most"),
         ({"seed": -1}, "seed"),
         ({"vertical": np.zeros(3)}, "vertical"),
     ],
@@ -347,26 +345,27 @@ def test_an_argument_out_of_range_is_named(change, named):
 @pytest.mark.parametrize(("share", "expected"), [(0.5, True), (0.9, True), (10.0, False)])
 def test_the_lanes_of_a_body_that_stands_at_the_largest_factor_are_open(one_edge, share, expected):
     body = Block(half_width=np.array([0.3]), half_height=np.array([1.2]))
-    ends = np.array([1.0])
-    march = LaneMarch(body, PULSE, DT, None, FACTOR_ONLY, ends, ends, 1, 1)
-    _, (found,) = probability_lanes(march, float(np.log(share * one_edge)))
+    march = LaneMarch(body, PULSE, DT, None, FACTOR_ONLY, 1, 1)
+    (found,) = probability_lanes(march, float(np.log(share * one_edge)))
     assert found.open == expected
     assert found.over.any() != expected
 
 
 def test_levels_are_those_from_uplift_to_the_largest_factor():
-    """From four deviations of the factor below the uplift of a body that lost exp(-0.2) of its angle, or from 1."""
+    """From four scales of the shift below the uplift of a body that lost exp(-0.2) of its angle, or from 1."""
     uplift = np.log(9.80665 * np.tan(np.arctan(0.25) * np.exp(-0.2)))
     weak, strong = overturning_probability(WALL, PULSE, DT), overturning_probability(WALL, 5.0 * PULSE, DT)
     assert weak.level[0] == 1.0
-    assert np.log(strong.level[0]) / 0.04 == pytest.approx(np.floor((uplift - np.log(5.0) - 0.4) / 0.04))
+    assert np.log(strong.level[0]) / 0.04 == pytest.approx(
+        np.floor((uplift - np.log(5.0) - 4.0 * np.hypot(0.1, 0.05)) / 0.04)
+    )
     # The largest factor is a level where it is one within rounding; 10 is none.
     assert np.log(weak.level[-1]) / 0.04 == pytest.approx(np.floor(np.log(10.0) / 0.04))
     least = overturning_probability(WALL, PULSE, DT, factor_max=np.exp(0.04 * 55) * (1.0 - 1e-11))
     assert np.log(least.level[-1]) / 0.04 == pytest.approx(55)
     # One is asked for, too, where the largest factor lies below it.
     assert overturning_probability(WALL, 5.0 * PULSE, DT, factor_max=0.5).level[-1] == 1.0
-    assert overturning_probability(WALL, 100.0 * PULSE, DT).level[-1] == 1.0
+    assert overturning_probability(WALL, 1000.0 * PULSE, DT).level[-1] == 1.0
 
 
 def test_probabilities_between_levels_are_linear_in_the_logarithm_of_the_factor():
@@ -381,11 +380,3 @@ def test_probabilities_between_levels_are_linear_in_the_logarithm_of_the_factor(
         assert read[row, :3] == pytest.approx([one, (1.0 - share) * one + share * two, two], rel=1e-9, abs=1e-12)
     assert read[0, 3] == found.probability[0, -1]
     assert read[1, 3] == 0.0
-
-
-def test_the_range_of_restitution_may_end_at_zero_at_one_and_at_one_value():
-    for least, most in ((0.0, 0.1), (0.5, 0.5), (0.9, 1.0 + 5e-10)):
-        assert overturning_probability(WALL, PULSE, DT, least=least, most=most).at_one.shape == (1,)
-    for least, most in ((-1e-12, 0.1), (0.9, 1.0 + 2e-9)):
-        with pytest.raises(ValueError, match="least <= most"):
-            overturning_probability(WALL, PULSE, DT, least=least, most=most)

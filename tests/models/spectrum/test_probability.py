@@ -63,7 +63,7 @@ def test_without_geometry_the_shift_is_normal():
 
 BAD = {
     "factor": [math.nan, "10 %", [0.1, 0.2]],
-    "restitution": [(0.0, 1.0), (1.0, 0.9), (0.9, 1.1), (0.9, math.nan), (0.9,), 0.9],
+    "restitution": [(0.0, 1.0), (0.9, 2.0 + 1e-9), (0.9, math.nan), (0.9,), 0.9, (0.9, 1.0, -0.1)],
     "geometry": [[0.1, 0.2], math.inf],
 }
 
@@ -83,10 +83,29 @@ def test_the_ends_of_a_range_belong_to_it(name, least, most):
             Uncertainty(**{name: value})
 
 
-def test_by_default_a_factor_of_10_percent_a_tenth_of_the_restitution_and_5_percent_of_the_angle():
+def test_by_default_a_factor_of_10_percent_5_percent_of_restitution_to_both_sides_and_5_percent_of_the_angle():
     known = Uncertainty()
-    assert (known.factor, known.restitution, known.geometry) == (0.1, (0.9, 1.0), 0.05)
-    assert Uncertainty(restitution=(1e-6, 1e-6)).restitution == (1e-6, 1e-6)
+    assert (known.factor, known.restitution, known.geometry) == (0.1, (0.95, 1.05), 0.05)
+    for ends in ((1e-6, 1e-6), (2.0, 2.0), (1.0, 0.9)):
+        assert Uncertainty(restitution=ends).restitution == ends
+
+
+def test_two_restitutions_are_the_limits_of_a_uniform_distribution_and_a_restitution_above_1_counts_as_1():
+    """Of the nominal 0.8 and 0.98: 0.76 to 0.84, and 0.931 to 1.029, of which ranks above 0.694 exceed 0.999."""
+    found = Uncertainty().restitutions([0.8, 0.98], np.array([0.0, 0.25, 0.69, 0.7, 1.0]))
+    assert found[0] == pytest.approx([0.76, 0.78, 0.76 + 0.69 * 0.08, 0.76 + 0.7 * 0.08, 0.84], rel=1e-12)
+    assert found[1] == pytest.approx([0.931, 0.931 + 0.25 * 0.098, 0.931 + 0.69 * 0.098, 0.999, 0.999], rel=1e-12)
+    assert Uncertainty(restitution=(1.05, 0.95)).restitutions(0.8, np.array([0.25])) == pytest.approx([0.78])
+
+
+def test_more_restitutions_are_measured_values_whose_quantiles_are_linear_between_them():
+    """Five values, in any order: a quarter of the ranks lies between two of them; their mean is that of trapezia."""
+    measured = Uncertainty(restitution=(0.97, 0.90, 1.10, 1.00, 0.99))
+    found = measured.restitutions(0.9, np.array([0.0, 0.125, 0.25, 0.5, 0.75, 0.9, 1.0]))
+    expected = 0.9 * np.array([0.90, 0.935, 0.97, 0.99, 1.00, 1.06, 1.10])
+    assert found == pytest.approx(expected, rel=1e-12)
+    mean = measured.restitutions(0.9, (np.arange(4000) + 0.5) / 4000).mean()
+    assert mean == pytest.approx(0.9 * (0.5 * 0.90 + 0.97 + 0.99 + 1.00 + 0.5 * 1.10) / 4.0, rel=1e-6)
 
 
 def test_beyond_eight_scales_the_density_is_zero():

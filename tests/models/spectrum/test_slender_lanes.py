@@ -6,18 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rocking import Block, Outcome, OverturningSpectrum, recorded_response
-from rocking.body.limits import RATES
+from rocking import Block, Outcome, OverturningSpectrum, Uncertainty, recorded_response
+from rocking.spectrum.probability import MOST_RESTITUTION
 from rocking.spectrum.slender_lanes import (
     FIRST,
     LEAST_RESTITUTION,
     MIDDLE,
-    MOST_RESTITUTION,
     SECOND,
     SLOPE,
-    _filled,
+    _both_stages,
+    body_piece_lanes,
     check_strength,
-    neighbours,
     piece_lanes,
     spectrum_lanes,
 )
@@ -32,14 +31,6 @@ C = np.array([0.8, 0.9, 1.0])
 @pytest.fixture(scope="module")
 def lanes():
     return spectrum_lanes(MOTION, DT, P)
-
-
-def test_the_neighbours_of_bodies_are_the_parameters_on_both_sides_or_the_first_or_last_two():
-    middle = np.sqrt(RATES[3] * RATES[4])
-    assert neighbours(np.array([middle])).tolist() == RATES[3:5].tolist()
-    assert neighbours(np.array([RATES[0]])).tolist() == RATES[:2].tolist()
-    assert neighbours(RATES[[-1, 0]]).tolist() == RATES[[0, 1, -2, -1]].tolist()
-    assert neighbours(np.array([0.1, 20.0])).tolist() == RATES[[0, 1, -2, -1]].tolist()
 
 
 def test_lanes_fill_strength_and_restitution(lanes):
@@ -108,7 +99,7 @@ def test_survivors_at_the_top_make_the_lanes_reach_further():
 
 @pytest.mark.parametrize(
     ("acceleration", "p", "told"),
-    [(np.zeros(10), [1.0], "only zeros"), (MOTION, [2.0, 1.0], "ascending"), (MOTION, [-1.0], "positive")],
+    [(np.zeros(10), [1.0], "zeros"), (MOTION, [2.0, 1.0], "ascending"), (MOTION, [-1.0], "positive")],
 )
 def test_what_has_no_spectrum(acceleration, p, told):
     with pytest.raises(ValueError, match=told):
@@ -130,7 +121,7 @@ def test_a_wall_lets_only_the_motions_away_from_it_lift_a_block():
     assert np.any(np.isfinite(one.peak))
 
 
-@pytest.mark.parametrize(("side", "least", "most"), [(0, 0.675, 0.999), (1, 0.25, 0.55)])
+@pytest.mark.parametrize(("side", "least", "most"), [(0, 0.7125, 0.999), (1, 0.25, 0.55)])
 def test_lanes_cover_the_restitutions_of_free_blocks_and_the_rebounds_before_a_wall(side, least, most):
     found = spectrum_lanes(MOTION, DT, P, side=side).restitution
     assert least <= found.min() < least + 0.01
@@ -138,7 +129,12 @@ def test_lanes_cover_the_restitutions_of_free_blocks_and_the_rebounds_before_a_w
 
 
 #: Restitutions of the lanes of the next tests, and ln x from uplift to their end at two frequency parameters.
-BETWEEN, LOW, HIGH = (0.7, 0.9), np.array([-0.4, 0.1]), np.array([1.6, 1.4])
+LOW, HIGH = np.array([-0.4, 0.1]), np.array([1.6, 1.4])
+
+
+def evenly(rank):
+    """Restitutions from 0.7 to 0.9 at two frequency parameters."""
+    return np.tile(0.7 + 0.2 * rank, (2, 1))
 
 
 def known_verdicts(log_x, restitution):
@@ -150,7 +146,7 @@ def known_verdicts(log_x, restitution):
 @pytest.mark.sweep
 def test_lanes_are_placed_and_weighed_as_their_notes_tell():
     """Against the same, lane by lane: a lattice of golden ratio, its second part where the verdicts nearby differ."""
-    found = _filled(np.array([1.0, 2.0]), LOW, HIGH, known_verdicts, BETWEEN)
+    found = _both_stages(LOW, HIGH, known_verdicts, evenly, 700)
     golden = 2.0 / (1.0 + math.sqrt(5.0))
     for row in range(2):
         low, high = LOW[row], HIGH[row]
@@ -177,21 +173,18 @@ def test_lanes_are_placed_and_weighed_as_their_notes_tell():
             expected.append((x, one, weight))
         columns = np.transpose(expected)
         for name, values in zip(("log_x", "restitution", "weight"), columns, strict=True):
-            assert getattr(found, name)[row] == pytest.approx(values, rel=1e-9, abs=1e-9)
-        assert found.peak[row].tolist() == known_verdicts(found.log_x[row], found.restitution[row]).tolist()
+            assert found[name][row] == pytest.approx(values, rel=1e-9, abs=1e-9)
+        assert found["peak"][row].tolist() == known_verdicts(found["log_x"][row], found["restitution"][row]).tolist()
         assert np.any(columns[2] == 0.0)
-    assert (found.bottom.tolist(), found.top.tolist()) == (LOW.tolist(), HIGH.tolist())
-    assert (found.between, found.side) == ((0.7, 0.9), 0)
+    assert (found["bottom"].tolist(), found["top"].tolist()) == (LOW.tolist(), HIGH.tolist())
 
 
 @pytest.mark.parametrize(("last", "times"), [(0.92, 1), (0.88, 0), (1.6, 2)])
 def test_lanes_that_stand_in_the_last_tenth_raise_the_top_of_their_own_frequency_parameter(last, times):
     """By 0.7 of ln x each time: from 0 to 1, all overturn from `last` on at one p, and from 0.5 on at the other."""
     edges = np.array([[last], [0.5]])
-    found = _filled(
-        np.ones(2), np.zeros(2), np.ones(2), lambda log_x, _: np.where(log_x > edges, np.inf, 0.5), (0.7, 0.9)
-    )
-    assert found.top == pytest.approx([1.0 + 0.7 * times, 1.0])
+    found = _both_stages(np.zeros(2), np.ones(2), lambda log_x, _: np.where(log_x > edges, np.inf, 0.5), evenly, 700)
+    assert found["top"] == pytest.approx([1.0 + 0.7 * times, 1.0])
 
 
 def test_lanes_before_a_wall_reach_at_least_0_7_above_uplift():
@@ -223,3 +216,37 @@ def test_the_strongest_ground_motion_is_a_million_times_gravity():
     check_strength(np.empty(0))
     with pytest.raises(ValueError, match="at most 1e\\+06 times gravity"):
         check_strength(np.array([0.0, -1.000001e6 * 9.80665]))
+
+
+BODIES = Block.from_parameters(p=[1.7, 0.9, 1.7], alpha=[0.1, 0.2, 0.15], restitution=[0.85, 0.97, 0.6], log=False)
+TIMES = DT * np.arange(MOTION.size)
+
+
+@pytest.mark.sweep
+def test_the_lanes_of_a_body_have_its_own_p_and_its_own_restitutions_and_end_as_they_do_alone():
+    """At ln f = ln x + ln(g tan(alpha)/p)."""
+    known = Uncertainty()
+    found = body_piece_lanes(TIMES, MOTION, BODIES, known)
+    for place, own in enumerate(found):
+        body = BODIES.lane(place).lanes(1)
+        lift = math.log(float(body.gravity * np.tan(body.alpha_c)[0]) / np.max(np.abs(MOTION)))
+        assert own.bottom == pytest.approx(lift)
+        assert np.sum(own.weight) == pytest.approx(own.top - own.bottom, rel=0.1)
+        assert own.log_factor.size > 1600
+        (alone,) = body_piece_lanes(TIMES, MOTION, body, known, threads=1)
+        for name in ("log_factor", "weight", "over", "bottom", "top"):
+            assert np.array_equal(getattr(own, name), getattr(alone, name)), name
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("side", [0, 1, -1])
+def test_the_lanes_of_a_body_are_those_of_a_spectrum_over_its_range_of_restitution_and_at_its_p(side):
+    body = BODIES.lane(0).lanes(1)
+    (found,) = body_piece_lanes(TIMES, MOTION, body, Uncertainty(), side=side, second=SECOND)
+    spectrum = piece_lanes(TIMES, MOTION, body.p, (0.95 * 0.85, 1.05 * 0.85), side=side)
+    inside = spectrum.weight[0] > 0.0
+    speed = math.log(float(body.gravity * np.tan(body.alpha_c)[0] / body.p[0]))
+    assert found.log_factor - speed == pytest.approx(spectrum.log_x[0, inside], rel=1e-6, abs=1e-6)
+    assert found.weight == pytest.approx(spectrum.weight[0, inside], rel=1e-6)
+    assert np.mean(found.over != np.isinf(spectrum.peak[0, inside])) < 0.01  # rounding at edges
+    assert (found.bottom - speed, found.top - speed) == pytest.approx((spectrum.bottom[0], spectrum.top[0]))

@@ -26,7 +26,7 @@ def body(name, **options):
     return rp.BlockSettings(name=name, width=0.4, height=3.0, **options)
 
 
-PROBABLE = {"uncertainty": rp.UncertaintySettings()}
+PROBABLE = {"uncertainty": rp.UncertaintySettings(spectrum="all")}
 
 
 def config(*blocks, **options):

@@ -19,13 +19,14 @@ from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
 from rockpulse.storage.variables.probability import PROBABILITY, READ, SOURCES
-from rockpulse.storage.variables.probability import SPECTRUM as SPECTRUM_VARIABLES
 
 NONLINEAR = rp.ModelSettings(use=("nonlinear",))
 NAMES = [name + end for name in READ for end in ("", "_low", "_high")]
 PIER = rp.BlockSettings(name="pier", width=0.9, height=5.0)
 CHEST = rp.BlockSettings(name="chest", width=0.4, height=0.9)
-NONE, SPECTRUM, OWN = range(3)
+NONE, SPECTRUM, LIMIT, NONLINEAR_EQUATION = range(4)
+#: The spectrum of each record is computed, and slender bodies are read from it.
+ALL = rp.UncertaintySettings(spectrum="all")
 
 
 def configured(*blocks, **sections):
@@ -43,33 +44,46 @@ def lanes():
     return spectrum_lanes(motion(), DT)
 
 
-def direct(block, limit=10.0, uncertainty=None, **ranges):
-    """By name, from the spectrum of the record itself."""
-    found = OverturningSpectrum(lanes(), uncertainty).factors(block, factor_max=limit, **ranges)
+def named(found):
+    """The factors of a result of `rocking`, by their names in the file."""
     return {name + end: getattr(found, own + end) for name, own in READ.items() for end in ("", "_low", "_high")}
+
+
+def seed_of(name, seed=0):
+    return int(np.random.SeedSequence([seed, *name.encode()]).generate_state(1)[0])
 
 
 @pytest.fixture(scope="module")
 def found():
-    """A wall, a pier, and a chest that is too squat for the spectrum."""
+    """A wall, a pier, and a chest that is too squat for the limit of slender blocks."""
     return told(record("one"), configured(WALL, PIER, CHEST))
 
 
-@pytest.mark.sweep
-def test_slender_bodies_have_what_the_spectrum_of_the_record_tells(found):
-    expected = direct(Block(half_width=np.array([0.2, 0.45]), half_height=np.array([1.5, 2.5])))
-    assert found["probability_source"].tolist() == [SPECTRUM, SPECTRUM, OWN]
-    for name in NAMES:
-        assert found[name][:2].tolist() == expected[name].tolist(), name
+def test_every_body_has_samples_of_its_own(found):
+    """By the limit of slender blocks, or the nonlinear equation for the chest."""
+    own = overturning_probability(Block(half_width=[0.2, 0.45, 0.2], half_height=[1.5, 2.5, 0.45]), motion(), DT,
+                                  seed=seed_of("one"))  # fmt: skip
+    assert found["probability_source"].tolist() == [LIMIT, LIMIT, NONLINEAR_EQUATION]
+    for name, values in named(own).items():
+        assert found[name].tolist() == values.tolist(), name
     assert 0.0 < found["overturning_probability"][0] < 1.0  # a case that could tell something
-
-
-def test_a_body_below_the_slenderness_of_the_spectrum_has_lanes_of_its_own(found):
-    seed = int(np.random.SeedSequence([0, *b"one"]).generate_state(1)[0])
-    own = overturning_probability(Block(0.4, 0.9), motion(), DT, seed=seed)
-    for name, field in READ.items():
-        assert found[name][2] == getattr(own, field)[0], name
     assert 1.0 < found["factor_10"][2] < found["factor_50"][2] < 10.0
+
+
+@pytest.mark.sweep
+def test_slender_bodies_have_what_the_spectrum_of_the_record_tells_if_all_of_it_is_asked_for(found):
+    demands = (rp.DemandSettings(name="ULS", value=4.0),)
+    read = told(record("one"), configured(WALL, PIER, CHEST, uncertainty=ALL, demands=demands))
+    block = Block(half_width=np.array([0.2, 0.45]), half_height=np.array([1.5, 2.5]))
+    spectrum = OverturningSpectrum(lanes())
+    assert read["probability_source"].tolist() == [SPECTRUM, SPECTRUM, NONLINEAR_EQUATION]
+    for name, values in named(spectrum.factors(block, factor_max=10.0)).items():
+        assert read[name][:2].tolist() == values.tolist(), name
+        assert read[name][2] == found[name][2], name
+    factor = read["demand_factor"][:2]
+    assert_allclose(read["demand_probability"][:2], spectrum.overturning(block, factor))
+    # The lanes of both differ, and what they estimate does not.
+    assert read["factor_50"] == pytest.approx(found["factor_50"], rel=0.1)
 
 
 def test_the_probability_of_uplift_is_that_of_draws(found):
@@ -95,22 +109,28 @@ def test_where_the_vertical_acts_every_body_has_lanes_of_its_own():
     records.append(replace(record("up", 3, 3.0, orientation="vertical", station="S"), source="one.txt"))
     config = configured(WALL, records=rp.RecordSettings(include_vertical=True, store="none"))
     summary = assess(records, config)["summary"]
-    assert summary["probability_source"].values.tolist() == [[OWN]]
-    seed = int(np.random.SeedSequence([0, *b"one"]).generate_state(1)[0])
-    own = overturning_probability(Block(0.4, 3.0), motion(), DT, vertical=motion(3, 3.0), seed=seed)
+    assert summary["probability_source"].values.tolist() == [[NONLINEAR_EQUATION]]
+    own = overturning_probability(Block(0.4, 3.0), motion(), DT, vertical=motion(3, 3.0), seed=seed_of("one"))
     assert summary["factor_50"].values[0, 0] == own.factor_50[0]
 
 
 @pytest.mark.sweep
-def test_a_list_of_restitutions_is_the_range_of_all_of_them():
-    several = replace(WALL, restitution=(0.95, 0.8))
-    summary = assess([record("one")], configured(several, PIER))["summary"]
+def test_each_restitution_of_a_list_has_the_probability_that_it_has_alone():
+    several, one = replace(WALL, restitution=(0.95, 0.8)), record("one")
+    demands = (rp.DemandSettings(name="ULS", value=4.0),)
+    summary = assess([one], configured(several, PIER, demands=demands))["summary"]
     assert summary["factor_50"].dims == ("record", "block", "case")
-    expected = direct(Block(0.4, 3.0).lanes(1), least=np.array([0.8]), most=np.array([0.95]))
-    for name in NAMES:
-        assert_allclose(summary[name].values[0, 0], np.repeat(expected[name], 2), rtol=1e-12, err_msg=name)
-    # A body with one value keeps the shares of it.
-    assert_array_equal(summary["factor_50"].values[0, 1], direct(Block(0.9, 5.0).lanes(1))["factor_50"].repeat(2))
+    for case, restitution in enumerate(several.restitution):
+        alone = told(one, configured(replace(WALL, restitution=restitution), demands=demands))
+        for name in (*NAMES, "demand_probability", "probability_source"):
+            assert summary[name].sel(block="wall").isel(case=case).values.ravel() == pytest.approx(
+                alone[name].ravel()
+            ), name
+    wall = summary["factor_50"].sel(block="wall").values.ravel()
+    assert wall[0] < wall[1]  # the livelier one overturns before
+    # A body with one value has it in both cases.
+    pier = told(one, configured(PIER))
+    assert_array_equal(summary["factor_50"].sel(block="pier").values.ravel(), pier["factor_50"].repeat(2))
 
 
 @pytest.mark.sweep
@@ -118,34 +138,34 @@ def test_the_uncertainty_is_that_of_the_configuration():
     known = rp.UncertaintySettings(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
     config = configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0))
     found = told(record("one"), config)
-    expected = direct(
-        Block(0.4, 3.0).lanes(1), limit=3.0, uncertainty=Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
-    )
-    for name in NAMES:
-        assert_array_equal(found[name], expected[name], err_msg=name)
+    expected = overturning_probability(Block(0.4, 3.0), motion(), DT, known.of_draws(), factor_max=3.0)
+    assert known.of_draws() == Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
+    for name, values in named(expected).items():
+        assert_array_equal(found[name], values, err_msg=name)
 
 
 def test_a_factor_beyond_the_search_is_inf_from_the_end_of_the_search_on():
     found = told(record("one", peak=0.5), configured(WALL, search=rp.SearchSettings(factor_max=2.0)))
-    assert (found["overturning_probability"], found["probability_source"]) == ([0.0], [SPECTRUM])
+    assert (found["overturning_probability"], found["probability_source"]) == ([0.0], [LIMIT])
     for name in ("factor_10", "factor_50", "capacity_mean"):
         assert [found[name + end][0] for end in ("", "_low", "_high")] == [np.inf, 2.0, np.inf]
 
 
-def test_a_record_that_lifts_nothing_needs_no_spectrum():
-    config = configured(WALL, CHEST)
+@pytest.mark.parametrize("strength", [0.0, 1e-3])
+@pytest.mark.parametrize(("known", "source"), [(rp.UncertaintySettings(), LIMIT), (ALL, SPECTRUM)])
+def test_a_record_that_lifts_nothing_overturns_nothing(strength, known, source):
+    config = configured(WALL, CHEST, uncertainty=known)
     scene, bodies = scene_of_record(record("one"), config), gather_bodies(config.bodies)
-    assert record_probability(scene, bodies, config)[1] is not None
-    for strength in (0.0, 1e-3):
-        still = replace(scene, record=replace(scene.record, acceleration=strength * motion()))
-        found, spectrum = record_probability(still, bodies, config)
-        assert spectrum is None
-        assert found["probability_source"].tolist() == [SPECTRUM, OWN]
-        assert found["overturning_probability_high"][0] == 0.0
-        assert found["overturning_probability"].tolist() == [0.0, 0.0]
-        assert found["uplift_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
-        assert found["factor_10_low"].tolist() == [10.0, 10.0]
-        assert_array_equal([found[name] for name in ("factor_10", "factor_50", "capacity_mean")], np.inf)
+    still = replace(scene, record=replace(scene.record, acceleration=strength * motion()))
+    found, spectrum = record_probability(still, bodies, config)
+    # A record of zeros has no spectrum.
+    assert (spectrum is not None) == (source == SPECTRUM and strength > 0.0)
+    assert found["probability_source"].tolist() == [source if spectrum else LIMIT, NONLINEAR_EQUATION]
+    assert found["overturning_probability_high"] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert found["overturning_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert found["uplift_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert found["factor_10_low"].tolist() == [10.0, 10.0]
+    assert_array_equal([found[name] for name in ("factor_10", "factor_50", "capacity_mean")], np.inf)
 
 
 @pytest.mark.parametrize(
@@ -188,18 +208,17 @@ def test_factors_that_are_searched_wait_for_the_key():
     assert_allclose(plain["summary"]["interval_count"].values[0, 0, 3], -1)
 
 
-@pytest.mark.sweep
-def test_at_a_demand_the_probability_is_that_of_the_spectrum_at_its_factor():
+def test_at_a_demand_the_probability_is_that_of_the_samples_at_its_factor():
     found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", value=4.0),)))
     factor = found["demand_factor"]
     assert 0.25 < factor[0, 0] < 4.0
-    block = Block(half_width=np.array([0.2]), half_height=np.array([1.5]))
-    assert_allclose(found["demand_probability"], OverturningSpectrum(lanes()).overturning(block, factor))
+    own = overturning_probability(Block(0.4, 3.0), motion(), DT)
+    assert_allclose(found["demand_probability"], own.overturning(factor))
     assert 0.0 < found["demand_probability"][0, 0] < 1.0
 
 
 def test_a_demand_from_which_the_record_is_far_has_no_probability():
-    """On a body that is read from the spectrum, and on one with lanes of its own."""
+    """On a slender body, and on one by the nonlinear equation."""
     times = [0.249, 0.251, 3.99, 4.01]
     demands = tuple(rp.DemandSettings(name=f"{one}", value=one * record("one").pga) for one in times)
     found = told(record("one"), configured(WALL, CHEST, demands=demands))
@@ -208,13 +227,14 @@ def test_a_demand_from_which_the_record_is_far_has_no_probability():
 
 
 @pytest.mark.sweep
-def test_the_variables_of_the_spectrum_lie_at_its_frequency_parameters_and_are_nan_elsewhere():
-    config = configured(WALL)
-    one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.bodies), config)
-    at = np.searchsorted(RATES, one.spectrum.p)
-    assert 0 < at.size < RATES.size
-    for name, values in stored_spectrum_values(one.spectrum).items():
-        place = SPECTRUM_VARIABLES[name].dims.index("p")
-        found = np.moveaxis(one.spectra[name], place, -1)
-        assert_array_equal(found[..., at], np.moveaxis(values, place, -1))
-        assert np.isnan(np.delete(found, at, axis=-1)).all()
+def test_the_spectrum_is_stored_at_all_of_its_parameters_if_it_is_asked_for():
+    for known, stored in ((ALL, True), (rp.UncertaintySettings(), False)):
+        config = configured(WALL, uncertainty=known)
+        one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.bodies), config)
+        assert (one.spectrum is not None) is stored
+        assert ("spectra" in assess([record("one")], config).children) is stored
+        if stored:
+            assert_array_equal(one.spectrum.p, RATES)
+            for name, values in stored_spectrum_values(one.spectrum).items():
+                assert_array_equal(one.spectra[name], values)
+                assert np.isfinite(values).all(), name

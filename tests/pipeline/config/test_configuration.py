@@ -6,6 +6,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -262,3 +263,29 @@ def test_the_uncertainty_is_read_and_written_and_is_that_of_the_solver(load):
     assert rp.UncertaintySettings().of_draws() == rp.models.Uncertainty()
     for key, (low, high) in {"factor": (0.02, 1.0), "geometry": (0.0, 1.0)}.items():
         assert [getattr(rp.UncertaintySettings(**{key: end}).of_draws(), key) for end in (low, high)] == [low, high]
+
+
+@pytest.mark.parametrize(
+    ("text", "shares"),
+    [
+        ("[1.05, 0.9]", (0.9, 1.05)),  # limits in any order
+        ("[0.97, 1.2, 0.97, 0.9]", (0.9, 0.97, 0.97, 1.2)),  # measured values
+        ("[2.0, 2]", (2.0, 2.0)),
+    ],
+)
+def test_a_restitution_is_a_range_or_measured_values_over_the_nominal_one(load, text, shares):
+    config = load(f"[uncertainty]\nrestitution = {text}\n")
+    assert config.uncertainty.of_draws().restitution == shares
+    assert load(config.as_text()) == config
+
+
+@pytest.mark.parametrize(("mean", "deviation"), [(0.98, 0.03), (1.4, 0.19), (0.31, 0.1)])
+def test_a_restitution_of_mean_and_deviation_is_a_normal_distribution(load, mean, deviation):
+    """By its moments and its quartiles, at 20,000 ranks."""
+    config = load(f"[uncertainty]\nrestitution = {{mean = {mean}, deviation = {deviation}}}\n")
+    drawn = config.uncertainty.of_draws().restitutions(0.3, (np.arange(20_000) + 0.5) / 20_000) / 0.3
+    assert np.mean(drawn) == pytest.approx(mean, rel=1e-6)
+    assert np.std(drawn) == pytest.approx(deviation, rel=0.003)
+    quartiles = mean + deviation * np.array([-0.67449, 0.0, 0.67449])
+    assert np.quantile(drawn, [0.25, 0.5, 0.75]) == pytest.approx(quartiles, abs=0.001 * deviation)
+    assert load(config.as_text()) == config

@@ -37,13 +37,13 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Create the curves of (m,) bodies from stored spectra; raise ResultsError if the spectra have gaps."""
+        """Create the curves of (m,) bodies from stored spectra; raise ResultsError if these have no values."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
             raise ResultsError(
-                "results: the spectra have gaps at the p of these bodies; assess again with [uncertainty] spectrum = "
-                '"all"'
+                "results: the spectra have no values at the C of these bodies, for [uncertainty] restitution is no "
+                "range or a narrow one; assess again with a range such as [0.95, 1.05]"
             )
         stored = spectra["probability"].transpose("p", "restitution", "record", "level").values
         floor = np.log(block.gravity * np.tan(block.alpha_c))
@@ -95,7 +95,10 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
     if measure not in measured:
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, found {measure}")
     if "spectra" not in results.children:
-        raise ResultsError("results: expected those of rockpulse assess with overturning spectra, found none")
+        raise ResultsError(
+            "results: expected those of rockpulse assess with overturning spectra, found none; assess again with "
+            '[uncertainty] spectrum = "all"'
+        )
     spectra = results["spectra"].to_dataset()
     return spectra, results["summary"].to_dataset().sel(record=spectra["record"].values)
 

@@ -22,6 +22,7 @@ from rockpulse.record.record import Record
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import given_results
 from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.plots import ground_motion, selection, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
@@ -97,29 +98,42 @@ def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
 
 
 def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str | None = None) -> Axes:
-    summary, spectra = tree["summary"].to_dataset(), tree["spectra"].to_dataset()
-    if record is not None:
-        spectra = spectra.sel(record=[selection.one_name(summary, "record", record)])
+    summary = tree["summary"].to_dataset()
+    records = None if record is None else [selection.one_name(summary, "record", record)]
     if restitution == "housner":
         raise ConfigError("restitution: the spectrum is drawn at one C; expected a number from 0.75 to 1")
     c = float(summary["restitution"].median()) if restitution is None else float(restitution)
-    return spectra_of_results(tree, _whole(tree, spectra, c), c)
+    return spectra_of_results(tree, spectra_of_records(tree, c, records), c)
 
 
-def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
-    """Return spectra at the stored C nearest to `restitution`, recomputed if they have gaps and the records are few."""
-    records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
-    nearest = float(grid[np.argmin(np.abs(grid - restitution))])
-    there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
-    samples = [selection.ragged(tree, "row_size", ["acceleration"], record) for record in records]
-    if there.all() or not there.any() or len(records) > MARCHED or None in samples:
-        return spectra
+def has_spectra(tree: xr.DataTree) -> bool:
+    """Return whether an assessment with a probability has overturning spectra, or few records to compute them from."""
+    if "spectra" in tree.children:
+        return True
+    probability = tree["summary"].to_dataset()["overturning_probability"].values
+    stored = "records" in tree.children and "acceleration" in tree["records"]
+    return stored and len(probability) <= MARCHED and bool(np.isfinite(probability).any())
+
+
+def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[str] | None = None) -> xr.Dataset:
+    """Return the spectra in the file; otherwise compute those of few records with any motion, at the nearest C."""
+    if "spectra" in tree.children:
+        stored = tree["spectra"].to_dataset()
+        return stored if records is None else stored.sel(record=list(records))
+    names = tree["summary"].to_dataset()["record"].values.tolist() if records is None else list(records)
+    if len(names) > MARCHED:
+        raise ResultsError(
+            f"the file does not hold the spectra of its {len(names)} records, and those of at most {MARCHED} are "
+            'computed for a picture: name one record, or assess again with [uncertainty] spectrum = "all"'
+        )
+    nearest = float(RESTITUTIONS[np.argmin(np.abs(RESTITUTIONS - restitution))])
     uncertainty = selection.settings_of(tree, UncertaintySettings).of_draws()
-    whole = [
-        overturning_spectrum(ground_motion.stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
-        for record in records
-    ]
-    return xr.concat(whole, xr.Variable("record", records), combine_attrs="drop_conflicts")
+    motions = [ground_motion.stored_record(tree, name) for name in names]
+    moving = [motion for motion in motions if np.any(motion.acceleration)]
+    if not moving:
+        raise ResultsError(f"{', '.join(names)}: the acceleration is zero throughout, so there is no spectrum")
+    found = [overturning_spectrum(motion, restitution=[nearest], uncertainty=uncertainty) for motion in moving]
+    return xr.concat(found, xr.Variable("record", [motion.id for motion in moving]), combine_attrs="drop_conflicts")
 
 
 def _overturning_map(
@@ -185,9 +199,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
     row = KINDS[kind]
     found = str(tree.attrs.get("kind", ASSESSMENT))
-    if found != row.file or (row.group and row.group not in tree.children):
-        without = f" without the group {row.group}" if found == row.file else ""
-        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)}{without}")
+    if found != row.file:
+        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)}")
     given = {name: value for name, value in options.items() if value is not None}
     for name in list(given):
         if name not in row.options:
@@ -218,7 +231,7 @@ def plot(
         contains results of any kind.
     kind : str, optional
         For results: one of :data:`rockpulse.plots.KINDS`; by default the overturning spectrum of an assessment (the
-        bodies if it has no spectrum), and the main picture of other files.
+        bodies if it has no spectrum and no accelerograms), and the main picture of other files.
     block : Block or str, optional
         For a sequence, the Block whose half-cycles determine the times; for results, the name of a body.
     **options
@@ -277,7 +290,7 @@ def _first(tree: xr.DataTree) -> str:
     """Return the default kind of picture of results."""
     found = str(tree.attrs.get("kind", ASSESSMENT))
     for kind in FIRST.get(found, ()):
-        if not KINDS[kind].group or KINDS[kind].group in tree.children:
+        if kind != "spectrum" or has_spectra(tree):
             return kind
     raise ResultsError(f"plot: there is no picture of {kind_in_words(found)}")
 

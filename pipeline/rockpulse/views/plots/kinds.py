@@ -15,7 +15,6 @@ class PictureKind:
     summary: str  # content of the picture
     command: str = "rockpulse assess"  # command that makes its file
     file: str = ASSESSMENT  # kind of that file
-    group: str = ""  # groups that the file must have
 
 
 _STORED = 'rockpulse assess with [records] store = "all"'
@@ -43,7 +42,7 @@ KINDS = {
     "spectrum": PictureKind(
         ("record", "restitution"),
         "overturning spectrum of a record, or of all with their median, and the bodies of the file",
-        group="spectra",
+        f'{_STORED} or [uncertainty] spectrum = "all"',
     ),
     "overturning-map": PictureKind(
         ("record", "block", "model"),

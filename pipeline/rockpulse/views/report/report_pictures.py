@@ -13,6 +13,7 @@ from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
+from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.beside import Paired
 from rockpulse.views.report.drawings import strip
@@ -112,15 +113,14 @@ class Pictures:
         """Return the main picture: spectra with bodies, or scale factors of the worst body; for a sequence its site."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
+        from rockpulse.views.plots.drawing import has_spectra
+
         found, plain = [], []
-        spectra = self._tree["spectra"].to_dataset() if "spectra" in self._tree.children else None
-        if spectra is not None and np.isfinite(spectra["spectrum"].values).any():
-            plain = plain_bodies(self._summary)
-        if spectra is not None and plain:
-            draw = partial(_spectra, self._tree, spectra)
-            median = float(self._summary["restitution"].median())
-            c = float(spectra["restitution"].sel(restitution=median, method="nearest"))
-            found.append(self._drawn(draw, "spectra", say("picture.spectra", c=three_digits(c))))
+        if has_spectra(self._tree) and (plain := plain_bodies(self._summary)):
+            c = float(self._summary["restitution"].median())
+            nearest = float(RESTITUTIONS[np.argmin(np.abs(RESTITUTIONS - c))])
+            caption = say("picture.spectra", c=three_digits(nearest))
+            found.append(self._drawn(partial(_spectra, self._tree, c), "spectra", caption))
         if others := [one for one in self._found if one.body.block not in plain]:
             worst = max(others, key=lambda one: (one.grade, one.share.value))
             found.append(self.body(worst.body.place, "front"))
@@ -156,11 +156,12 @@ class Pictures:
         return PageElement(Markup(svg(three_digits, name)), caption)
 
 
-def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
-    """Return the stored spectra at the C of most bodies, interpolated linearly over their gaps in p."""
+def _spectra(tree: xr.DataTree, restitution: float) -> Axes:
+    """Return the overturning spectra at the stored C that is nearest to a restitution."""
+    from rockpulse.views.plots.drawing import spectra_of_records
     from rockpulse.views.plots.spectra import spectra_of_results
 
-    ax = spectra_of_results(tree, spectra)
+    ax = spectra_of_results(tree, spectra_of_records(tree, restitution), restitution)
     ax.set_xlabel(say("picture.spectra_x"))
     ax.set_ylabel(say("picture.spectra_y"))
     return _bare(ax)

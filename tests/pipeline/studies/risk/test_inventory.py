@@ -48,15 +48,16 @@ def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
     scale = np.linspace(0.8, 3.0, 500)
     many = models.Block(width=0.3 * scale, height=2.4 * scale)
     found = rp.inventory_frequency(results, many, LAW)
-    # Not at every step: a spectrum has its dips.
-    assert np.mean(np.diff(found["frequency"]) < 0.0) > 0.9
+    # Not at every step of 0.4 %, at which the lanes of a spectrum change; from 18 to 50 % of the size.
+    frequency = found["frequency"].values
+    assert np.all(frequency[100:] < frequency[:-100])
     for place in (0, 250, 499):
         one = rp.inventory_frequency(results, models.Block(width=0.3 * scale[place], height=2.4 * scale[place]), LAW)
         for name in found:
             assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12, nan_ok=True), name
     # A body of the same shape at a level: half of the mean over records overturns there.
     median, spread = found["median"].values, found["dispersion"].values
-    assert np.mean(np.diff(median) > 0.0) > 0.9
+    assert np.all(median[100:] > median[:-100])
     assert np.all((spread > 0.05) & (spread < 1.5))
 
 
@@ -169,12 +170,16 @@ def test_the_sum_over_a_hazard_is_exact_between_its_bends_and_from_the_uplift_on
 def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_reported(results):
     bodies = models.Block(width=[0.4, 1.0], height=[3.0, 1.0], restitution=[0.9, 0.9])
     assert np.isnan(rp.inventory_frequency(results, bodies, LAW)["frequency"].values).tolist() == [False, True]
-    config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)))
-    partial = rp.assess([shaking(0)], config, bodies={"wall": models.Block(width=0.4, height=3.0)})
-    with pytest.raises(rp.ResultsError, match=r'gaps at the p of these bodies; assess again with .* spectrum = "all"'):
-        rp.inventory_frequency(partial, models.Block(width=[1.6], height=[12.0]), LAW)
-    found = rp.inventory_frequency(partial, models.Block(width=[0.4], height=[3.0]), LAW)
-    assert np.isnan(found["frequency_low"].item())
+    wall = models.Block(width=[0.4], height=[3.0])
+    for restitution in ((0.95, 1.05), (0.97, 0.98), (0.9, 0.95, 1.0)):
+        known = rp.UncertaintySettings(spectrum="all", restitution=restitution)
+        config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)), uncertainty=known)
+        one = rp.assess([shaking(0)], config, bodies={"wall": wall.lane(0)})
+        if restitution == (0.95, 1.05):
+            assert np.isnan(rp.inventory_frequency(one, wall, LAW)["frequency_low"].item())
+        else:
+            with pytest.raises(rp.ResultsError, match=r"no values at the C of these bodies, .* such as \[0.95, 1.05\]"):
+                rp.inventory_frequency(one, wall, LAW)
 
 
 def test_what_cannot_be_answered_is_refused(results):

@@ -36,7 +36,7 @@ def test_a_block_gives_a_sequence_its_times_and_spectra_are_drawn(record):
 
 @pytest.mark.sweep
 def test_results_are_drawn_by_their_kind(assessed, fragility_tree, tmp_path):
-    assert rp.plot(assessed).axes[0].get_title() == "wall"  # without spectra its bodies
+    assert rp.plot(assessed).axes[0].get_title() == "wall"  # without a probability its bodies
     assert rp.plot(fragility_tree).axes[0].get_ylabel().startswith("probability")
     path = tmp_path / "results.h5"
     path.write_bytes(results_bytes())

@@ -11,7 +11,7 @@ import rockpulse as rp
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
-from rockpulse.views.plots.drawing import DRAWERS, draw
+from rockpulse.views.plots.drawing import DRAWERS, draw, has_spectra
 from rockpulse.views.plots.ground_motion import stored_record
 from rockpulse.views.plots.kinds import KINDS, OPTIONS, kind_list
 from rockpulse.views.plots.selection import one_name
@@ -35,18 +35,30 @@ def spectra():
     return xr.Dataset(values, axes)
 
 
-@pytest.mark.slow
-def test_the_spectrum_of_a_record_is_whole_though_it_is_stored_next_to_the_bodies_alone(assessed, changed):
-    some = spectra()
-    some["spectrum"].values[:, ::2] = np.nan
-    tree = changed({"/spectra": some.assign_coords(record=assessed["summary"]["record"].values)})
+@pytest.mark.sweep
+def test_the_spectra_of_few_records_are_computed_if_the_file_does_not_hold_them(assessed, changed, monkeypatch):
     name = str(assessed["summary"]["record"].values[0])
-    (ax,) = draw(tree, "spectrum", record=name, restitution=0.9).axes
+    (ax,) = draw(assessed, "spectrum", record=name, restitution=0.9).axes
     curve = next(line for line in ax.lines if line.get_label() == "spectrum of the record")
-    expected = rp.overturning_spectrum(stored_record(tree, name), restitution=[0.9])
+    expected = rp.overturning_spectrum(stored_record(assessed, name), restitution=[0.9])
     assert curve.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0])
-    (both,) = draw(tree, "spectrum", restitution=0.9).axes
+    (both,) = draw(assessed, "spectrum", restitution=0.9).axes
     assert any(line.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0]) for line in both.lines)
+    chance = assessed["summary"]["overturning_probability"].values
+    known = changed(overturning_probability=np.full_like(chance, 0.2))
+    assert [has_spectra(tree) for tree in (assessed, known)] == [False, True]
+    monkeypatch.setattr("rockpulse.views.plots.drawing.MARCHED", 1)
+    assert not has_spectra(known)
+    assert draw(assessed, "spectrum", record=name).axes
+    with pytest.raises(ResultsError, match=r'of its 2 records, .* at most 1 .* \[uncertainty\] spectrum = "all"'):
+        draw(assessed, "spectrum")
+
+
+def test_records_of_zeros_have_no_spectrum(assessed, changed):
+    still = assessed["records"].to_dataset()
+    still["acceleration"] = 0.0 * still["acceleration"]
+    with pytest.raises(ResultsError, match="the acceleration is zero throughout"):
+        draw(changed({"/records": still}), "spectrum")
 
 
 @pytest.mark.sweep
@@ -141,7 +153,6 @@ def test_the_tables_agree():
         ("critical-scale", {"block": "wall", "case": 2}, "from 1 to 1, got 2"),
         ("overturning-map", {"block": "wall", "model": ["linear", "nonlinear"]}, "expected one model"),
         ("rocking-spectrum", {"record": "*90@*", "restitution": 1.5}, "restitution: expected a number from 0 to 1"),
-        ("spectrum", {}, "without the group spectra"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_what_would(assessed, kind, options, message):
