@@ -84,7 +84,8 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers
     if answers.motions.kind == "sequence":
         lines += [one.text for one in said if one.head == say("warning.site_confidence.head")]
     elif not answers.demands:
-        lines.append(say("legend.state_demand"))
+        head = say("warning.no_demand.head")
+        lines.append(f"{head[:1].upper()}{head[1:]}.")
     else:
         fewest = _fewest(found, answers.motions)
         lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=_most(fewest)))

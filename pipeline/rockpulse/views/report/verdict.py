@@ -110,10 +110,10 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         margin = say("verdict.factor", factor=smallest) if not math.isnan(found.margin.smallest) else ""
         key = "overturns_under_sequence" if found.grade == Grade.OVERTURNS else "under_sequence"
         return say(f"verdict.{key}", margin=margin)
-    counted = say("count_of", count=found.overturned, total=counted_words(found.motions, motions.kind))
+    counted = {"count": found.overturned, "motions": counted_words(found.motions, motions.kind)}
     if not found.demand:
         factor = say("verdict.smallest", factor=say(f"factor.{answers.factor}"), value=smallest)
-        return say("verdict.as_recorded", counted=counted, factor=factor if answers.has_factor else "")
+        return say("verdict.as_recorded", **counted, factor=factor if answers.has_factor else "")
     if found.grade == Grade.AT_REST:
         return say("verdict.not_lifted", motions=counted_words(found.motions, motions.kind), name=found.demand)
     others = ""
@@ -131,7 +131,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         confidence=share(CONFIDENCE),
         name=found.demand,
         events=counted_words(found.earthquakes, "earthquake"),
-        counted=counted,
+        **counted,
         others=others,
         few=say("verdict.few", needed=FEWEST_AT_DEMAND) if found.few else "",
     )
