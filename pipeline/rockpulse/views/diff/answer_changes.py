@@ -1,4 +1,4 @@
-"""The decisive changes between two assessments: results that crossed a limit, and margins that changed."""
+"""Decisive changes between two assessments: changed verdicts, ratios that crossed 1, and changed margins."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ MARGIN = (
 
 
 class Flip(NamedTuple):
-    """A changed verdict or a ratio that crossed 1, for a record, body and model, and possibly a demand."""
+    """A verdict that changed, or a ratio that crossed 1; ``place`` names the record, body, model and demand."""
 
     place: tuple[str, ...]
     before: str
@@ -30,7 +30,7 @@ class Flip(NamedTuple):
 
 @dataclass
 class Changes:
-    """Results of one variable that crossed a limit, in all models and in the most complete; the `listed` are named."""
+    """The changes of one variable: their number in all models and in the most complete model, and the first ones."""
 
     listed: int = 0
     compared: int = 0
@@ -42,11 +42,11 @@ class Changes:
 
     @property
     def named(self) -> list[Flip]:
-        """Return the first changes; changes of the most complete model come first."""
+        """Return the first `listed` changes; those in the most complete model come first."""
         return [*self._first, *self._others][: self.listed]
 
     def add(self, places: np.ndarray, leading: np.ndarray, named: Callable[[int], Flip]) -> None:
-        """Count changes at `places` and name the listed ones; `leading` marks changes of the most complete model."""
+        """Add changes at indices `places`; `leading` is True for those in the most complete model."""
         self.count += places.size
         self.count_by_model += int(leading.sum())
         for told, some in ((self._first, places[leading]), (self._others, places[~leading])):
@@ -54,7 +54,7 @@ class Changes:
 
 
 def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
-    """Return the most complete model that two nodes /summary have in common; empty for none."""
+    """Return the most complete model that is in both groups /summary; empty if they have no common model."""
     if "model" not in one.coords or "model" not in other.coords:
         return ""
     common = one.sel(model=np.isin(one["model"].values, other["model"].values))
@@ -64,7 +64,7 @@ def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
 def body_changes(
     one: xr.Dataset, other: xr.Dataset, named: Mapping[str, Matched], model: str, ignore: Sequence[str] = ()
 ) -> list[str]:
-    """Return a line for each body whose margin changed, for its worst restitution and the common records (`named`)."""
+    """Return a line for each body whose margin changed, computed from the records that both files contain."""
     records, blocks = named["record"], named["block"]
     size = records.first.size
     if not size or not blocks.first.size:
@@ -93,7 +93,7 @@ def body_changes(
 
 
 def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
-    """Describe the margins of bodies from the variables `names`."""
+    """Return the margins of all bodies as text, by name of the margin."""
     answers = Answers(summary)
 
     def probability(values: np.ndarray, *left_out: np.ndarray) -> list[str]:

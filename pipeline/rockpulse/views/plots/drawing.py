@@ -1,4 +1,4 @@
-"""Figures for each kind of picture of a results file, and for objects by their type."""
+"""Draws any kind of picture of a results file, and pictures of objects by their type."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -47,7 +47,7 @@ FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIN
 
 
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
-    """Return a record, a body and the title, with a second line on earthquake, station and direction."""
+    """Return the names of a record and a body, and the title of their picture."""
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     names = f"{style.plain(record)}, {style.plain(selection.named_body(summary, block, case))}"
@@ -91,7 +91,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
-    """Return equally spaced values over the same range, extended so that it includes every marked value."""
+    """Return equally spaced values from below the smallest to above the largest of all given values."""
     low, high = min([values[0], *(0.9 * one for one in marked)]), max([values[-1], *(1.1 * one for one in marked)])
     return np.linspace(low, high, len(values)).tolist()
 
@@ -107,7 +107,7 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 
 def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
-    """Return spectra at the stored C nearest to `restitution`, recomputed if they have gaps and the records are few."""
+    """Return the spectra; gaps next to the given restitution are filled by a new computation for a few records."""
     records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
     nearest = float(grid[np.argmin(np.abs(grid - restitution))])
     there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
@@ -274,7 +274,7 @@ def _of_dataset(spectrum: xr.Dataset) -> Axes:
 
 
 def _first(tree: xr.DataTree) -> str:
-    """Return the default kind of picture of results."""
+    """Return the kind of picture that is drawn by default."""
     found = str(tree.attrs.get("kind", ASSESSMENT))
     for kind in FIRST.get(found, ()):
         if not KINDS[kind].group or KINDS[kind].group in tree.children:

@@ -1,4 +1,4 @@
-"""The limit accelerogram and its secondary sequence (Casapulla & Maione 2017, Figures 1 and 2)."""
+"""Draws the limit accelerogram of a block (Casapulla & Maione 2017, Figures 1 and 2)."""
 
 import math
 from dataclasses import replace
@@ -89,7 +89,7 @@ def limit_accelerogram(
 
 
 def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Return the mask of the main impulses in a train with I_s = I, from the secondary impulses per half-cycle."""
+    """Return a mask of the main impulses among all impulses, if both kinds have the same size."""
     table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)
@@ -109,7 +109,7 @@ def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, words: str, color: str,
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
-    """Draw the half-cycles as bars along the bottom, each of which ends at the next main impulse."""
+    """Draw the half-cycles as bars along the bottom, with the largest rotation of each."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label=say("limit_state.overturning"))

@@ -1,4 +1,4 @@
-"""The kinds of pictures, each with its content, source file and options."""
+"""The kinds of pictures: what each shows, the command that makes its file, and its options."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from rockpulse.storage.variables.site import SITE_KIND
 
 @dataclass(frozen=True)
 class PictureKind:
-    """One kind of picture: content, source file and options."""
+    """One kind of picture: its options, what it shows, and the file from which it is drawn."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
     summary: str  # content of the picture
@@ -77,7 +77,7 @@ OPTIONS = {
 
 
 def kind_list() -> str:
-    """Return the list of kinds as text: for each its content, the command that makes the file, and the options."""
+    """Return the list of all kinds of pictures as text."""
     from rockpulse.views.shared.formatting import paragraph
 
     lines = []

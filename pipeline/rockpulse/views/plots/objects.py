@@ -95,7 +95,7 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
 
 
 def block_outlines(block: Block) -> Figure:
-    """Draw a block, or the first eight of (m,) blocks, with sizes and restraints, each at its own scale.
+    """Draw a block with its sizes and restraints, or the first eight blocks of an array, each at its own scale.
 
     The view is along the base, with theta > 0 to the right.
 
@@ -177,7 +177,7 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
 
 
 def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
-    """Draw the first eight bodies, given by names, blocks and the periods of their floors [s]."""
+    """Draw the first eight bodies, each given by its name, block and periods of its floor [s]."""
     drawn = drawn[:MOST]
     rows = math.ceil(len(drawn) / IN_ROW)
     figure = style.figure_of(height=3.2 * rows)

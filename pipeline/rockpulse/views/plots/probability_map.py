@@ -1,4 +1,4 @@
-"""Map of the probability of overturning of every body under every record."""
+"""Draws a map of the probability of overturning of every body under every record."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Collects the content of the page from the results as plain data for the templates."""
+"""Collects the content of the report page as plain data for the HTML templates."""
 
 import base64
 import math
@@ -48,7 +48,7 @@ _NOT_COVERED = ("sliding", "flexible", "walls", "floors", "space", "soil", "haza
 
 
 def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> SimpleNamespace:
-    """Collect the data of the page: ``found`` contains the verdicts on all bodies, ``counted_by`` explains them."""
+    """Collect the data of the page from the results and, if given, from a site file and a fragility file."""
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
     found = verdicts(answers)
@@ -110,14 +110,14 @@ def _fact(key: str) -> Fact:
 
 
 def _model(name: str, judging: bool) -> Fact:
-    """Describe a model; `judging` is the model that gives the verdict."""
+    """Describe a model as a fact; `judging` if the verdicts follow from this model."""
     shown = say(f"models.{name}")
     words = translated(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
     return Fact(say("method.judging", model=shown) if judging else shown, (words,))
 
 
 def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[Fact, ...]:
-    """Return the assumptions, with vertical acceleration and filters as stated in the results."""
+    """Return the assumptions of the assessment as facts."""
     facts = [_fact(f"assumption.{name}") for name in _ASSUMPTIONS]
     acted = int((summary["vertical_channel"] != "").sum())
     vertical = say("assumption.vertical.none")
@@ -132,14 +132,14 @@ def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[
 
 
 def parties(tree: xr.DataTree, config: Config | None = None) -> tuple[Fact, ...]:
-    """Return project, client and author, if stated, from a configuration or from the results."""
+    """Return project, client and author, if stated in the configuration or in the results."""
     chosen = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else config
     given = {name: str(chosen.report[name]) for name in ("project", "client", "author")}
     return tuple(Fact(say(f"page.{name}"), (told,)) for name, told in given.items() if told)
 
 
 def logo(tree: xr.DataTree, config: Config | None = None) -> str:
-    """Return the PNG of the logo in base64, from a configuration or from the results; empty without a logo."""
+    """Return the logo as PNG in base64, from the configuration or from the results; empty without a logo."""
     if config is not None:
         return base64.b64encode(logo_bytes(config.report, config.folder)).decode("ascii")
     stored = str(tree.attrs.get("report_logo", ""))
@@ -153,7 +153,7 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
 
 
 def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNamespace]:
-    """Make a page for every body: verdict for each restitution, facts, and the records closest to overturning it."""
+    """Collect the data of the section on each body: verdicts, facts, and the records closest to overturning it."""
     answers = cells.answers
     pages = []
     for place, block in enumerate(answers.blocks):
@@ -172,7 +172,7 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNames
 
 
 def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
-    """Make a page for every record: facts, worst result, and every body under it."""
+    """Collect the data of the section on each record: its facts, its worst result, and all bodies."""
     answers = cells.answers
     pages = []
     for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -214,7 +214,7 @@ def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[
 
 
 def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
-    """Return the records with the smallest scale factors for a body, then the worst records without a factor."""
+    """Return a table of the records with the smallest scale factors for the body at `place`."""
     answers = cells.answers
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
@@ -228,7 +228,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
 
 
 def _by_name(cells: AnswerCells, record: int) -> Cell:
-    """Describe a record by earthquake, station and direction, or by its id if these are unknown."""
+    """Return a cell with earthquake, station and direction of a record, or with its id if these are unknown."""
     known, cell = Known(cells.answers.summary, record=cells.answers.records[record]), cells.record(record)
     return cell._replace(text=records.record_named(known, cell.text))
 
@@ -262,7 +262,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
 
 
 def _sequence(one: Known) -> str:
-    """Describe the impulse sequence of a record in one line."""
+    """Describe the impulse sequence of a record on one line."""
     if math.isnan(one.value("main_impulse")):
         return say("fact.no_sequence")
     return say(

@@ -1,4 +1,4 @@
-"""Makes tables of records by earthquake and station, of input files, of skipped files with reasons, and of warnings."""
+"""Makes the tables of records, earthquakes, input files, files that were not assessed, and warnings."""
 
 import math
 from collections import Counter
@@ -29,14 +29,14 @@ _TOLD = ("failed", "skipped")
 
 
 def event_name(event: str, known: Known | None) -> str:
-    """Return the name of the earthquake to which a record is assigned, or its date for a label without a name."""
+    """Return the name of the earthquake of a record or, if it has no name, the earthquake's date."""
     if event == UNKNOWN:
         return say("unknown_event.name")
     return event if words_of(event) or known is None else earthquake_words(known) or event
 
 
 def record_label(record: str) -> str:
-    """Return the id of a record, or the label of a design sequence."""
+    """Return the id of a record; for a design sequence its name in the current language."""
     start, design, quantile = record.partition(NAME)
     if start or not design:
         return record
@@ -44,24 +44,24 @@ def record_label(record: str) -> str:
 
 
 def earthquake_words(known: Known) -> str:
-    """Return the name of an earthquake, or its date if it has no name; empty if unknown."""
+    """Return the name of an earthquake or, if it has no name, its date; empty if both are unknown."""
     return known.title or (say("earthquake_of", date=in_dates(known.date)) if known.date else "")
 
 
 def record_words(known: Known) -> str:
-    """Return earthquake, station code and direction of a record; empty if the earthquake is unknown."""
+    """Return earthquake, station code and direction of a record as text; empty if the earthquake is unknown."""
     event, station = earthquake_words(known), known.value("station") or known.place
     return ", ".join(filter(None, (event, station, known.direction))) if event else ""
 
 
 def record_named(known: Known, name: str) -> str:
-    """Describe a record by :func:`record_words` and, if the station is unknown, by its id, which may have marks."""
+    """Describe a record by earthquake, station and direction; `name` is added if the station is unknown."""
     told = record_words(known)
     return told if told and known.place else ", ".join(filter(None, (told, name)))
 
 
 def used_table(answers: Answers) -> Table:
-    """Return a table with a row for each station and earthquake, limited to the strongest."""
+    """Return a table of the records by station and earthquake, limited to the strongest ones."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -94,7 +94,7 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
 
 
 def _worst(answers: Answers, rows: list[int]) -> Cell:
-    """Return the body with the largest probability under unscaled records or, if unknown, the smallest scale factor."""
+    """Return a cell with the body that is most likely to overturn under the given records."""
     if not answers.bodies:
         return Cell("")
     table = answers["overturning_probability"][rows] if answers.probable else -answers[answers.factor][rows]
@@ -107,7 +107,7 @@ def _worst(answers: Answers, rows: list[int]) -> Cell:
 
 
 def earthquake_table(answers: Answers) -> Table:
-    """Return a table of the earthquakes with their facts from the files and their number of records."""
+    """Return a table of the earthquakes with facts from the files and the number of their records."""
     motions = answers.motions
     of_event: dict[str, list[int]] = {}
     for place, event in enumerate(motions.events):
@@ -132,7 +132,7 @@ def earthquake_table(answers: Answers) -> Table:
 
 
 def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
-    """Return date, magnitude, and range of epicentral distances of records; empty if not stated."""
+    """Return three cells for the records of one earthquake: date, magnitude, and range of epicentral distances."""
     dates = sorted({date for one in known if (date := one.date)})
     magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
@@ -144,7 +144,7 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
 
 
 def left_out_table(tree: xr.DataTree) -> Table:
-    """Return a table of skipped files and channels with reasons, one row per kind."""
+    """Return a table of files and channels that were not assessed: one row for each kind, with reasons."""
     found, beside = apart(failure_rows(tree))
     rows = []
     for kind, every in found.items():
@@ -158,7 +158,7 @@ def left_out_table(tree: xr.DataTree) -> Table:
 
 
 def input_table(summary: xr.Dataset) -> Table:
-    """Return a table of the input files."""
+    """Return a table of the input files of the records."""
     columns = [
         summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
         for name in ("source", "source_sha256", "format")
@@ -177,7 +177,7 @@ def input_table(summary: xr.Dataset) -> Table:
 
 
 def left_out_files(tree: xr.DataTree) -> Table:
-    """Return a table of files and channels that were not assessed, grouped by reason, failed ones first."""
+    """Return a table of files and channels that were not assessed: one row for each reason, failures first."""
     rows = tuple(
         (
             Cell(say(f"left_out.{kind}"), grade="bad" if kind == "failed" else ""),
@@ -204,7 +204,7 @@ def warning_table(summary: xr.Dataset) -> Table:
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:
-    """Return the versions of the packages that computed the results."""
+    """Return the versions of the software packages with which the results were computed."""
     found = {str(name): str(value) for name, value in tree.attrs.items() if name != "schema_version"}
     end = "_version"
     return tuple(Fact(name.removesuffix(end), (version,)) for name, version in found.items() if name.endswith(end))

@@ -1,4 +1,4 @@
-"""Writes the report as one HTML page without external resources, or as a PDF printed by a browser."""
+"""Writes the report as an HTML page without external resources, or as a PDF printed by a browser."""
 
 import base64
 import hashlib
@@ -128,7 +128,7 @@ def report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a report, before any work; raise ResultsError if the report cannot be written there."""
+    """Return the path of a report to be written; ResultsError if it cannot or must not be written."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -158,7 +158,7 @@ def report_page(
     language: str = "en",
     config: Config | None = None,
 ) -> str:
-    """Return the page of :func:`report` as text."""
+    """Return the HTML page of the report as text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -205,7 +205,7 @@ def report_page(
 
 
 def _in_language(tree: xr.DataTree) -> xr.DataTree:
-    """Return the tree with the names of samples, and warnings and processing of records, in the current language."""
+    """Return the results with sample names, warnings and processing notes in the current language."""
 
     def renamed(node: xr.Dataset) -> xr.Dataset:
         attrs = {name: own_name(str(node.attrs[name])) for name in ("title", "site_description") if name in node.attrs}
@@ -227,7 +227,7 @@ def _in_language(tree: xr.DataTree) -> xr.DataTree:
 
 
 def with_symbols(words: str) -> str:
-    """Replace terminal spellings by Greek letters and powers."""
+    """Replace names such as alpha_c and m/s2 in a text by Greek letters and powers."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 
@@ -257,7 +257,7 @@ def _text(name: str) -> str:
 
 
 def browser() -> str:
-    """Return the browser that prints PDF; raise ResultsError with advice if there is none."""
+    """Return the path of a browser that can print a PDF; ResultsError if none is found."""
     for name in BROWSERS:
         if found := shutil.which(name):
             return found
@@ -276,7 +276,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """Return the PDF of an HTML page; raise ResultsError if no browser is found or the time limit is exceeded."""
+    """Print an HTML page with a browser and return the PDF; ResultsError if this fails."""
     program = browser()
     # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

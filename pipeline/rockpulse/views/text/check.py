@@ -1,4 +1,4 @@
-"""Code checks as text and as a table."""
+"""The results of code checks as text for the terminal."""
 
 import math
 from dataclasses import replace
@@ -46,7 +46,7 @@ _OF_RESULTS = (
 
 
 def check_overview(check: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.check` as text."""
+    """Return the result of :func:`rockpulse.check` as text: a table for all bodies, and notes."""
     beside = "probability" in check
     names, codes = (check[dim].values.tolist() for dim in ("block", "code"))
     rows = check.stack(row=("block", "code"))

@@ -1,4 +1,4 @@
-"""A fragility file as text: medians, dispersions and confidence bands of every body, and the most efficient measure."""
+"""The content of a fragility file as text: medians, dispersions, confidence bands and efficiency of measures."""
 
 import math
 
@@ -24,7 +24,7 @@ LEVEL = 0.05
 
 
 def fragility_overview(tree: xr.DataTree) -> str:
-    """Return the tree of :func:`rockpulse.fragility` as text of one or two screens."""
+    """Return the result of :func:`rockpulse.fragility` as text of one or two screens."""
     curves, efficiency = tree["fragility"].to_dataset(), tree["efficiency"].to_dataset()
     bodies = several(curves.sizes["block"], "body")
     parts = [
@@ -39,13 +39,13 @@ def fragility_overview(tree: xr.DataTree) -> str:
 
 
 def shown_measure(curves: xr.Dataset) -> str:
-    """Return the intensity measure to be shown, from the node /fragility."""
+    """Return the intensity measure for which tables show the curves: the reference measure, else the first one."""
     measures = [str(name) for name in curves["measure"].values]
     return REFERENCE if REFERENCE in measures else measures[0]
 
 
 def records_words(tree: xr.DataTree) -> str:
-    """Return the numbers of records and earthquakes of the curves as text."""
+    """Return the numbers of records and earthquakes from which the curves were fitted, as text."""
     event = tree["capacities"].to_dataset()["event"].values
     records, earthquakes = counted_words(event.size, "record"), counted_words(np.unique(event).size, "earthquake")
     known = say("records_of", records=records, earthquakes=earthquakes)
@@ -53,17 +53,17 @@ def records_words(tree: xr.DataTree) -> str:
 
 
 def state_words(name: str) -> str:
-    """Return the name of a limit state, or its rotation: "uplift", "θ_max/α_c ≥ 0.4"."""
+    """Return the name of a limit state as text, such as "uplift" or "θ_max/α_c ≥ 0.4"."""
     return say(f"limit_state.{name}") if name.isalpha() else f"θ_max/α_c ≥ {numerals(name)}"
 
 
 def statement(one: xr.Dataset) -> str:
-    """Return the statement on the curve of a body and limit state in one measure; it may be empty."""
+    """Return the warnings on the curve of one body and limit state in one measure; empty if there are none."""
     return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 
 def median_table(tree: xr.DataTree) -> Table:
-    """Return a table of median and dispersion of every body and limit state in the measure shown."""
+    """Return a table with median and dispersion of every body and limit state in one intensity measure."""
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=shown_measure(curves))
     level = f"{six_digits(100.0 * float(tree.attrs['confidence']))} %"
@@ -96,7 +96,7 @@ def median_table(tree: xr.DataTree) -> Table:
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Return a table of the dispersions over all bodies, with the smallest for each limit state marked."""
+    """Return a table with the dispersion for every measure; the smallest one of each limit state is marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:
@@ -122,7 +122,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """Return a table of the number of cases in which the capacity depends on other properties; it may be empty."""
+    """Return a table with the number of tests in which the capacity depends on another property of the records."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))
@@ -142,7 +142,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
-    """Return a sentence for every property that some files state: number of records, and whether it suffices."""
+    """State for each property that only some files give how many records have it."""
     total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
@@ -155,7 +155,7 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """Return one statement for each status of curve, band and median, with the number of similar statements."""
+    """Return the warnings on all curves as text; similar warnings are counted and shown once."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):

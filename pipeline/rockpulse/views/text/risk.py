@@ -1,4 +1,4 @@
-"""Shows annual frequencies of a limit state as text and as tables, with warnings."""
+"""Annual frequencies of a limit state as text and as tables, with warnings."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -55,7 +55,7 @@ def _interval(title: str, show: Callable[[float], str], name: str) -> Column:
 
 
 def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: str) -> tuple[Column, ...]:
-    """Return the columns of all tables of frequencies; `doubt` determines which frequencies are marked."""
+    """Return the columns that all tables of frequencies share; `doubt` decides which frequencies get a mark."""
     years = f"in {float(risk.attrs['years']):g} years"
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
@@ -67,7 +67,7 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
 
 
 def risk_overview(risk: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.risk` as text."""
+    """Return the result of :func:`rockpulse.risk` as text."""
     years, measure = float(risk.attrs["years"]), risk.attrs["measure"]
     selected = (
         *_of_frequency(risk, "block", bool, "warning"),
@@ -90,7 +90,7 @@ def risk_overview(risk: xr.Dataset) -> str:
 
 
 def _levels(one: xr.Dataset) -> str:
-    """Return the levels, in the unit of the hazard, that contribute most of the frequency of a body."""
+    """Return the range of hazard levels that contributes 90 % of the frequency of a body, as text."""
     share = one["share"].values
     if np.isnan(share).any():
         return ABSENT
@@ -101,18 +101,18 @@ def _levels(one: xr.Dataset) -> str:
 
 
 def _unit(risk: xr.Dataset) -> float:
-    """Return the factor from the unit of the hazard to SI."""
+    """Return the value in SI units of one unit of the hazard curve."""
     return float(risk.attrs["unit_in_si"])
 
 
 def risk_warnings(risk: xr.Dataset) -> list[str]:
-    """Return a sentence for each body if levels beyond the records contribute more than a tenth of its frequency."""
+    """Return the warnings on the frequencies, each with the name of its body."""
     named = zip(risk["block"].values, risk["warning"].values, strict=True)
     return [f"{name}: {words}" for name, words in named if words]
 
 
 def inventory_overview(risk: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.inventory_frequency` as text: largest frequencies, and totals."""
+    """Return the result of :func:`rockpulse.inventory_frequency` as text: the most frequent overturnings, and sums."""
     years, measure = float(risk.attrs["years"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
@@ -149,7 +149,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
-    """Return a sentence for each kind of levels beyond the data that contributes more than a tenth of a frequency."""
+    """Warn if much of the frequency of any body comes from levels beyond the hazard curve or the records."""
     where = {}
     for side, end in (("below", "low"), ("above", "high")):
         level = float(risk.attrs[f"covered_{end}"]) / _unit(risk)
@@ -168,7 +168,7 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
 
 
 def standing_overview(standing: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.standing_test` as text; of an inventory the least likely survivors."""
+    """Return the result of :func:`rockpulse.standing_test` as text, limited to the least likely survivors."""
     (dim,) = standing["chance"].dims
     age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
     chance = standing["chance"].values
@@ -200,13 +200,13 @@ def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes:
 
 
 def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
-    """Return a table with a row for each body, without the contributions of levels."""
+    """Return a table with one row for each body, without the contributions of single hazard levels."""
     names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
     return _table(risk[names], "block", names, standing)
 
 
 def levels_table(risk: xr.Dataset) -> pd.DataFrame:
-    """Return a row for each body and range of levels (unit of the hazard) with its share of the frequency."""
+    """Return a table of the contribution of every range of hazard levels to the frequency of each body."""
     table = risk[["bin_low", "bin_high", "share"]].to_dataframe().reset_index()
     table[["bin_low", "bin_high"]] /= _unit(risk)
     table = table.assign(measure=risk.attrs["measure"], unit=risk.attrs["unit"])
@@ -214,7 +214,7 @@ def levels_table(risk: xr.Dataset) -> pd.DataFrame:
 
 
 def inventory_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
-    """Return a table with a row for each body of an inventory, and the median in the unit of the hazard."""
+    """Return a table with one row for each body of an inventory."""
     table = _table(risk[[*INVENTORY]], "body", [*INVENTORY], standing)
     return table.assign(median=table["median"] / _unit(risk), unit=risk.attrs["unit"])
 

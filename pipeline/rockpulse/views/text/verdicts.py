@@ -1,4 +1,4 @@
-"""The results of all models as text: a line for every record and body, and the overturned bodies."""
+"""The results of all models as text: a line for every record and body, verdicts, and worst records."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -35,7 +35,7 @@ NAMED = 3
 
 
 def verdict_table(summary: xr.Dataset) -> str:
-    """Return the results of every model, one line per body under a heading per record, with footnotes."""
+    """Return the results of every model as text: a line for each body below the heading of each record."""
     answers = Answers(summary)
     of_models = col.answer_columns(answers)
     marks = col.marks_of(cell for column in of_models.values() for cell in column)
@@ -46,7 +46,7 @@ def verdict_table(summary: xr.Dataset) -> str:
 
 
 def probability_table(answers: Answers) -> str:
-    """Return probabilities of overturning and their scale factors in the layout of the results; empty if unknown."""
+    """Return probabilities and scale factors of overturning as text; empty if the results have none."""
     if not answers.probable:
         return ""
     selected = col.columns(*PROBABILITY)
@@ -62,7 +62,7 @@ def probability_table(answers: Answers) -> str:
 
 
 def factor_table(answers: Answers) -> str:
-    """Return the smallest scale factors in each searched model, in the layout of the results; empty if unknown."""
+    """Return the smallest scale factors in every searched model as text; empty if no model was searched."""
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
@@ -87,7 +87,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return the rows of a table by body under a heading for every record, each with its demand, and the notes."""
+    """Return a table as text: below the heading of each record, its body rows; `table` has their further cells."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -107,7 +107,7 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """Return the records that overturn each body, unscaled or reduced, and counts for every model; `files` first."""
+    """Return the records that overturn each body, and their number in every model; `files` is shown above."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already includes chance survival.
@@ -134,7 +134,7 @@ def overturned(answers: Answers, files: str = "") -> str:
 
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
-    """Return the verdict on every body over all records, limited to the `most` bodies likeliest to overturn."""
+    """Return a table of the verdicts as text, limited to the `most` bodies that are most likely to overturn."""
     found, summary = verdicts(answers), answers.summary
     places = np.argsort([-one.decides.value for one in found], kind="stable")[:most]
     lanes = (np.sort(places) if most is None else places).tolist()
@@ -178,7 +178,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
 
 
 def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
-    """Describe the records of the verdicts: unscaled, or scaled to the demands of the site."""
+    """Describe the records from which the verdicts follow, unscaled or scaled to the demands."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
@@ -203,7 +203,7 @@ _MEANING = {
 
 
 def _legend(answers: Answers, found: Sequence[BodyVerdict], absent: str) -> list[str]:
-    """Explain the verdicts that occur and the columns; `absent` is the reason for unknown largest rotations."""
+    """Explain the verdicts and columns of the table; `absent` says why a largest rotation is missing."""
     if answers.motions.kind == "sequence":
         return []
     few = answers.motions.event_count
@@ -221,7 +221,7 @@ def _legend(answers: Answers, found: Sequence[BodyVerdict], absent: str) -> list
 
 
 def _middle_factors(answers: Answers) -> list[Cell]:
-    """Return for every body the median over records of the scale factor at P = 50 % or, if unknown, of overturning."""
+    """Return for every body a cell with the median over the records of the scale factor at P = 50 %."""
     if not answers.probable:
         return [col.margin_cells(margin)[1] for margin in answers.margins()]
     least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
@@ -232,7 +232,7 @@ def _middle_factors(answers: Answers) -> list[Cell]:
 
 
 def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every body the largest displacement of its top [cm] and the largest rotation [degrees] survived."""
+    """Return displacement of the top [cm] and rotation [degrees] of every body, the largest without overturning."""
     stays = np.isin(answers["outcome"], (Outcome.AT_REST, Outcome.ROCKS))
     peak = np.fmax.reduce(np.where(stays, answers["peak_rotation_ratio"], np.nan), axis=0, initial=np.nan)
     places = [body.place for body in answers.bodies]
@@ -241,7 +241,7 @@ def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
 
 
 def worst_motions(answers: Answers, most: int) -> str:
-    """Return the unscaled records most likely to overturn a body, with body, probability and scale factor."""
+    """Return the unscaled records that are most likely to overturn a body, as a table in text form."""
     motions, factor = answers.motions, np.fmin.reduce(answers.motions.over(answers[answers.factor], np.nan), axis=1)
     if not motions.names:
         return ""
@@ -284,7 +284,7 @@ def worst_motions(answers: Answers, most: int) -> str:
 
 
 def governing(answers: Answers) -> str:
-    """Describe the records with the smallest scale factors, or that overturn, and their bodies; empty if unknown."""
+    """Describe the records that govern the verdicts, and name their bodies; empty if there are none."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:
