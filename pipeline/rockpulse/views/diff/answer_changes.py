@@ -11,7 +11,7 @@ from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
 from rockpulse.views.shared.formatting import ratio
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.shown_columns import margin_cells
+from rockpulse.views.shared.table_columns import margin_cells
 
 #: Variables that describe the margin of a body.
 MARGIN = (
@@ -49,8 +49,8 @@ class Changes:
         """Add changes at indices `places`; `leading` is True for those in the most complete model."""
         self.count += places.size
         self.count_by_model += int(leading.sum())
-        for told, some in ((self._first, places[leading]), (self._others, places[~leading])):
-            told.extend(named(int(at)) for at in some[: self.listed - len(told)])
+        for kept, some in ((self._first, places[leading]), (self._others, places[~leading])):
+            kept.extend(named(int(at)) for at in some[: self.listed - len(kept)])
 
 
 def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
@@ -87,8 +87,8 @@ def body_changes(
     for place in range(blocks.first.size):
         pairs = {what: (cells[place], after[what][place]) for what, cells in before.items() if what in after}
         if any(old != new for old, new in pairs.values()):
-            told = [f"{what} {old}" + (f" -> {new}" if new != old else "") for what, (old, new) in pairs.items()]
-            lines.append(f"{blocks.names(place)[0]}: {', '.join(told)}{of}")
+            changes = [f"{what} {old}" + (f" -> {new}" if new != old else "") for what, (old, new) in pairs.items()]
+            lines.append(f"{blocks.names(place)[0]}: {', '.join(changes)}{of}")
     return lines
 
 
@@ -103,16 +103,16 @@ def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[
     def smallest(*demand: str) -> list[str]:
         return [margin_cells(margin)[0].marked for margin in answers.margins("block", *demand)]
 
-    shown = {}
+    margins = {}
     if answers.probable:
-        shown["P"] = probability(answers["overturning_probability"])
+        margins["P"] = probability(answers["overturning_probability"])
     if answers.factor in names:
-        shown[f"smallest {factor_heading(answers.factor)}"] = smallest()
+        margins[f"smallest {factor_heading(answers.factor)}"] = smallest()
     for demand in answers.demands:
         if answers.probable:
             at_demand = answers.at_demand(demand)
-            shown[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
-        shown[f"smallest capacity/demand {demand}"] = smallest(demand)
+            margins[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
+        margins[f"smallest capacity/demand {demand}"] = smallest(demand)
     if "outcome" in names:
-        shown["overturned"] = [str(count) for count in answers.overturnings("block")]
-    return shown
+        margins["overturned"] = [str(count) for count in answers.overturnings("block")]
+    return margins

@@ -97,9 +97,9 @@ def difference_overview(
         parts.append(_changes(title, by_model, found.model, flips))
     elif flips.compared:
         parts.append(f"None of {flips.compared} verdicts changed.")
-    told = {title: one for title, one in crossed.items() if one.count}
+    changed = {title: one for title, one in crossed.items() if one.count}
     parts += [
-        _changes(f"{title}: {one.count}", str(one.count_by_model), found.model, one) for title, one in told.items()
+        _changes(f"{title}: {one.count}", str(one.count_by_model), found.model, one) for title, one in changed.items()
     ]
     parts.append("\n".join(f"  {name}: {old} -> {new}" for name, old, new in found.about))
     changes = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration]
@@ -147,10 +147,10 @@ def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
     )
-    shown = lines(Table("", "", (Heading(""),) * len(rows[0]), rows))[1:]
+    listed = lines(Table("", "", (Heading(""),) * len(rows[0]), rows))[1:]
     more = [f"  and {changes.count - len(rows)} more (--limit)"] if changes.count > len(rows) else []
     heading = paragraph(f"{title} ({by_model} by the {model} model)" if model else title, "    ", "")
-    return "\n".join([heading, *("  " + line for line in shown), *more])
+    return "\n".join([heading, *("  " + line for line in listed), *more])
 
 
 def _variables(found: Differences, tolerance: str, most: int) -> str:
@@ -172,9 +172,9 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
         "largest: relative difference (inf: one value is not finite) and its position; of texts and flags the first "
         "difference."
     )
-    shown = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
+    text = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
     more = len(found.variables) - len(rows)
-    return f"{shown}\n  and {more} more variables" if more > 0 else shown
+    return f"{text}\n  and {several(more, 'more variable')}" if more > 0 else text
 
 
 def _place(names: Sequence[str]) -> str:

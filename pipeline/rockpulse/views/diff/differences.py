@@ -205,7 +205,7 @@ def _compare_values(
     largest, worst = -1.0, None
     for start, old, new in _parts(before, after, rows):
 
-        def told(at: int, start: int = start, old: np.ndarray = old, new: np.ndarray = new) -> Flip:
+        def change_at(at: int, start: int = start, old: np.ndarray = old, new: np.ndarray = new) -> Flip:
             place = np.unravel_index(at, old.shape)
             labels = (row.names(int(k) + (start if row is rows[0] else 0)) for row, k in zip(rows, place, strict=True))
             return Flip(tuple(chain(*labels)), _shown(old[place], words), _shown(new[place], words))
@@ -221,13 +221,13 @@ def _compare_values(
                 leads = np.moveaxis(np.broadcast_to(own, (*np.delete(old.shape, axis), own.size)), -1, axis)
             sides.compared += old.size
             sides.compared_by_model += int(leads.sum())
-            sides.add(changed, leads.ravel()[changed], told)
+            sides.add(changed, leads.ravel()[changed], change_at)
         if apart.size:
             differing += apart.size
             sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
             at = int(sizes.argmax())
             if sizes[at] > largest:
-                largest, worst = float(sizes[at]), told(apart[at])
+                largest, worst = float(sizes[at]), change_at(apart[at])
     found.compared += compared
     if worst is not None:
         size = largest if before.dtype.kind == "f" else math.nan

@@ -144,11 +144,11 @@ class RowMatcher:
         labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:
-            at, told = int(first[k]), list[str]()
+            at, labels_of_row = int(first[k]), list[str]()
             for pointer, label in labels.items():
                 pointed = self.one.variables[pointer][at : at + 1].values
-                told += self.named[label].names(int(self._common(pointed, label, "first")[0]))
-            return (*told, f"{dim} {at}")
+                labels_of_row += self.named[label].names(int(self._common(pointed, label, "first")[0]))
+            return (*labels_of_row, f"{dim} {at}")
 
         return name
 

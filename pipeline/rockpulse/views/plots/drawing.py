@@ -27,9 +27,9 @@ from rockpulse.views.plots import ground_motion, selection, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
-from rockpulse.views.plots.kinds import KINDS, OPTIONS
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
+from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation_panels import rotation_history
 from rockpulse.views.plots.site import calibration
@@ -130,7 +130,7 @@ def _overturning_map(
     return overturning_map(tree, record, block, None if models is None else models[0])
 
 
-#: For each name in :data:`rockpulse.views.plots.kinds.KINDS`: the function that draws it from a tree and options.
+#: For each kind of picture (:data:`rockpulse.plots.KINDS`): the function that draws it from a tree and options.
 DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
     "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
         ground_motion.stored_motion(tree, selection.one_name(tree["summary"].to_dataset(), "record", record))
@@ -181,8 +181,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     'stele'
     """
     if kind not in KINDS:
-        told = f"there are: {', '.join(KINDS)}"
-        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
+        available = f"there are: {', '.join(KINDS)}"
+        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, available)}')
     row = KINDS[kind]
     found = str(tree.attrs.get("kind", ASSESSMENT))
     if found != row.file or (row.group and row.group not in tree.children):

@@ -23,7 +23,7 @@ ROWS, ROW, NAME = 60, 0.155, 34
 LISTED = 3
 
 
-def shown_rows(
+def drawn_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
     """Return the indices of the drawn rows, the rows merged into each of the last ones, names, and notes."""
@@ -33,7 +33,7 @@ def shown_rows(
     records = len({record for record, _, _ in rows})
     if records > 1 or lone.size > most:  # smallest factor on top
         lone = lone[np.argsort(factors[lone], kind="stable")]
-    told = [say("plot.rows.smallest", count=most, total=len(rows))] if lone.size > most else []
+    sentences = [say("plot.rows.smallest", count=most, total=len(rows))] if lone.size > most else []
     lone = lone[:most]
     every = [named_body(summary, block, case) for _, block, case in rows]
     if records > 1:
@@ -45,8 +45,8 @@ def shown_rows(
     for group in merged:
         which = "all" if group.size == len(rows) else "other"
         names.append(say(f"plot.rows.{which}_{noun}", count=group.size))
-        told.append(f"{names[-1].capitalize()}: {plain(listed([every[place] for place in group], LISTED))}.")
-    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, told
+        sentences.append(f"{names[-1].capitalize()}: {plain(listed([every[place] for place in group], LISTED))}.")
+    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, sentences
 
 
 def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:

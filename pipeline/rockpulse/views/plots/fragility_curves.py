@@ -14,7 +14,7 @@ from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.plots.style import GREY, Look, Panels
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import in_numerals, numerals, say, translated
-from rockpulse.views.text.fragility import shown_measure, statement
+from rockpulse.views.text.fragility import displayed_measure, statement
 
 #: Probabilities below this value, and above one minus this value, are ignored for the range of the axis.
 _TAIL = 0.002
@@ -61,7 +61,7 @@ def fragility(
     >>> rp.plots.fragility(fragility, "pier", measure="pga").get_xlabel()
     'PGA [m/s²]'
     """
-    measure = measure or shown_measure(tree["fragility"].to_dataset())
+    measure = measure or displayed_measure(tree["fragility"].to_dataset())
     found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
     return found
 
@@ -92,7 +92,7 @@ def fragility_panels(
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
-    usual = dict.fromkeys((shown_measure(curves), settings_of(tree, HazardSettings).measure))
+    usual = dict.fromkeys((displayed_measure(curves), settings_of(tree, HazardSettings).measure))
     there = [name for name in usual if name in curves["measure"].values]
     chosen = [one_name(curves, "measure", name) for name in measures or there]
     panels = style.several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
@@ -131,7 +131,7 @@ def _panel(
 ) -> list[str]:
     """Draw the curves over one measure and return the notes; `alone` if the picture has no other panel."""
     level, measure = own["level"].values, str(own["measure"].item())
-    shown = _shown(own.sel(limit_state=list(states)))
+    drawn = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
     warnings: dict[str, list[str]] = {}
     for state, appearance in zip(states, style.looks([_named(state) for state in states]), strict=True):
@@ -145,7 +145,7 @@ def _panel(
         if alone and int(one["extrapolated"]):
             words = say("plot.fragility.extrapolated", state=words)
         ax.plot(*_curve(one, "probability"), lw=1.4, label=words, **line)
-        if state == banded and not _band_too_wide(one, shown):
+        if state == banded and not _band_too_wide(one, drawn):
             (levels, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
             ax.fill_between(levels, low, high, color=appearance.color, alpha=0.16, lw=0)
             for edge in (low, high):
@@ -154,12 +154,12 @@ def _panel(
             capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
             _capacities(ax, capacities, state, measure, appearance, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
-    first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
+    first, last = (float(end(level[drawn], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
         ax.set_xlim(first, last)
     counts = style.record_counts(int(own["records"].max()), int(own["events"].max()))
     data = say(f"plot.fragility.data.{tree.attrs['data']}")
-    notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, shown)]
+    notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, drawn)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan
     if lifted > ax.get_xlim()[0]:
         ax.axvline(lifted, color=GREY, lw=0.9, label=say("plot.fragility.lifts"))
@@ -167,7 +167,7 @@ def _panel(
     ax.set_ylim(-0.01, 1.01)
     ax.set_xlabel(f"{_measure_words(own)} [{style.unit(str(own['measure_units'].item()))}]")
     style.plain_ticks(ax.xaxis)
-    crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown)
+    crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), drawn)
     return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _merged_warnings(warnings, len(states))
 
 
@@ -202,9 +202,9 @@ def _shown(own: xr.Dataset) -> np.ndarray:
     return every
 
 
-def _crossing(own: xr.Dataset, shown: np.ndarray) -> bool:
+def _crossing(own: xr.Dataset, drawn: np.ndarray) -> bool:
     """Return whether a curve lies above the curve of a milder limit state."""
-    probability = own["probability"].transpose("limit_state", "point").values[:, shown]
+    probability = own["probability"].transpose("limit_state", "point").values[:, drawn]
     probability = probability[~np.isnan(probability).any(axis=1)]  # no curve
     return bool(np.any(probability[1:] > np.minimum.accumulate(probability[:-1]) + _ABOVE))
 
@@ -222,15 +222,15 @@ def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
     return np.exp(fine), PchipInterpolator(np.log(level), values)(fine)
 
 
-def _band_too_wide(one: xr.Dataset, shown: np.ndarray) -> bool:
-    return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
+def _band_too_wide(one: xr.Dataset, drawn: np.ndarray) -> bool:
+    return bool(np.median((one["probability_high"] - one["probability_low"]).values[drawn]) > _WIDE)
 
 
-def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: np.ndarray) -> list[str]:
+def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, drawn: np.ndarray) -> list[str]:
     if banded is None:
         return []
     one = own.sel(limit_state=banded)
-    if _band_too_wide(one, shown):
+    if _band_too_wide(one, drawn):
         return [say("plot.fragility.no_band", state=_named(banded), count=int(one["events"]))]
     confidence = six_digits(100.0 * float(tree.attrs["confidence"]))
     return [say("plot.fragility.band", state=_named(banded), confidence=confidence)]

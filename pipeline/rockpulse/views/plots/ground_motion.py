@@ -217,12 +217,12 @@ def _strong(motion: xr.Dataset) -> np.ndarray:
 def _impulses(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None:
     impulse, centroid = motion["impulse"].values, motion["centroid"].values
     largest = float(np.max(np.abs(impulse), initial=0.0))
-    shown = (centroid >= window[0]) & (centroid <= window[1]) & (np.abs(impulse) > VISIBLE * largest)
+    drawn = (centroid >= window[0]) & (centroid <= window[1]) & (np.abs(impulse) > VISIBLE * largest)
     # Lines from zero to every impulse, drawn as one line with gaps.
-    stems = np.full((np.count_nonzero(shown), 3, 2), np.nan)
-    stems[:, :2, 0], stems[:, 0, 1], stems[:, 1, 1] = centroid[shown, np.newaxis], 0.0, impulse[shown]
+    stems = np.full((np.count_nonzero(drawn), 3, 2), np.nan)
+    stems[:, :2, 0], stems[:, 0, 1], stems[:, 1, 1] = centroid[drawn, np.newaxis], 0.0, impulse[drawn]
     handles = ax.plot(*stems.reshape(-1, 2).T, color=BLUE, lw=0.9, label=say("plot.ground.impulses"))
-    strong = _strong(motion) & shown
+    strong = _strong(motion) & drawn
     if np.any(strong):
         dots: dict[str, Any] = {"color": BLUE, "ms": 3.0, "label": say("plot.ground.strong_impulses")}
         handles += ax.plot(centroid[strong], impulse[strong], "o", **dots)

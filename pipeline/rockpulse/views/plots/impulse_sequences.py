@@ -16,7 +16,7 @@ from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import numerals, say
 
 #: Largest number of main impulses in a picture, and shortest half-cycle whose peak is written, as a share of the width.
-_MAIN_SHOWN, _NAMED = 12, 0.07
+_MAIN_DRAWN, _NAMED = 12, 0.07
 #: Options of the text next to a half-cycle.
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}
 
@@ -56,14 +56,14 @@ def limit_accelerogram(
         main = np.isclose(np.abs(impulses), own.main)
         if own.secondary > 0.0 and math.isclose(own.secondary, own.main):
             main = _main_places(response, own, times)
-        starts = times[main][:_MAIN_SHOWN]
-        shown = times <= (starts[-1] if starts.size else 0.0)
+        starts = times[main][:_MAIN_DRAWN]
+        visible = times <= (starts[-1] if starts.size else 0.0)
         size = say("plot.sequence.main", size=three_digits(float(own.main)))
-        _draw(ax, times[shown & main], impulses[shown & main], size, color=BLUE, lw=1.6, ms=4.5)
+        _draw(ax, times[visible & main], impulses[visible & main], size, color=BLUE, lw=1.6, ms=4.5)
         if own.secondary > 0.0:
             size = say("plot.sequence.secondary", size=three_digits(float(own.secondary)))
             size = say("plot.sequence.continuous") if own.spacing == "continuous" else size
-            _draw(ax, times[shown & ~main], impulses[shown & ~main], size, color=ORANGE, lw=1.0, ms=2.8)
+            _draw(ax, times[visible & ~main], impulses[visible & ~main], size, color=ORANGE, lw=1.0, ms=2.8)
         ax.axhline(0.0, color=BLACK, lw=0.6)
         ax.set_ylabel(say("plot.sequence.impulse"))
         style.panel_title(ax, say(f"plot.sequence.{words}"), rows=1)
@@ -126,8 +126,8 @@ def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.nd
 def _warnings(found: list[Response], sequence: ImpulseSequence) -> str:
     words = style.notes(below=True)
     count = [int(main_impulses_given(one, sequence)) for one in found]
-    if max(count) > _MAIN_SHOWN:
-        words.append(say("plot.sequence.shown", most=_MAIN_SHOWN, one=count[0], other=count[1]))
+    if max(count) > _MAIN_DRAWN:
+        words.append(say("plot.sequence.shown", most=_MAIN_DRAWN, one=count[0], other=count[1]))
     if sequence.secondary > 0.0:
         interval = three_digits(float(sequence.interval), "s")
         words.append(say("plot.sequence.interval", interval=interval, spacing=sequence.spacing))

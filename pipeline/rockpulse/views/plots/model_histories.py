@@ -199,7 +199,7 @@ def recomputed(
     turned = selection.settings_of(tree, RecordSettings).components != "horizontal"
     if turned and np.isfinite(own) and not abs(math.remainder(own - azimuth, 180.0)) <= FACING_WITHIN:
         raise ResultsError(
-            f"{block}: it is shaken in a direction of its own, whose motion is not in the file: {_AGAIN}, or with its "
+            f"{block}: the motion in the direction of this body is not in the file: {_AGAIN}, or with its "
             "direction as that of [records]"
         )
     if floors and row.takes == "half-waves":
@@ -253,6 +253,6 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHist
     time, histories = np.asarray(found[0].time), []
     for lane, worse in enumerate(np.argmax(rank, axis=0)):
         rotation = body.ratio(np.asarray(found[worse].rotation)[lane])
-        told = (getattr(found[worse], name)[lane].item() for name in names)
-        histories.append(ModelHistory(model, time, rotation, _impacts(time, rotation, body), *told))
+        values = (getattr(found[worse], name)[lane].item() for name in names)
+        histories.append(ModelHistory(model, time, rotation, _impacts(time, rotation, body), *values))
     return histories

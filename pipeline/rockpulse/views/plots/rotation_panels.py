@@ -48,8 +48,8 @@ def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = No
     for place, history in enumerate(histories):
         appearance = style.look(history.model)
         color, words = appearance.color, f"{appearance.label}: {_answer(history)}"
-        shown = (history.time >= first) & (history.time <= last)
-        curve = thinned(history.time[shown], history.rotation[shown], INSTANTS)
+        in_window = (history.time >= first) & (history.time <= last)
+        curve = thinned(history.time[in_window], history.rotation[in_window], INSTANTS)
         # The reference model is the thickest line and on top.
         width, above = (1.7, 3.0) if is_full(history.model) else (1.0, 2.0)
         moving.plot(*curve, color=color, ls=appearance.line, lw=width, zorder=above, label=words)

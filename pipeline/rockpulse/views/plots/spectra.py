@@ -62,10 +62,10 @@ def rocking_spectrum(
     fallen = outcome == Outcome.OVERTURNS
     # Rotations of at least alpha_c without overturning have the darkest colour.
     rotation = np.minimum(peak, np.nextafter(1.0, 0.0))
-    shown = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
+    colour_values = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
     p, alpha = spectrum["p"].values, spectrum["alpha_c"].values
     cells: dict[str, Any] = {"cmap": colours, "norm": BoundaryNorm(levels, colours.N), "rasterized": True}
-    mesh = ax.pcolormesh(p, alpha, np.ma.masked_invalid(shown), **cells)
+    mesh = ax.pcolormesh(p, alpha, np.ma.masked_invalid(colour_values), **cells)
     if np.any(fallen):
         corners = np.asarray(mesh.get_coordinates())
         ways = [(0, 0), (0, 1), (1, 1), (1, 0), (0, 0)]
@@ -134,8 +134,8 @@ def size_scale(ax: Axes, gravity: float) -> None:
 
     low, high = ax.get_xlim()
     top = ax.secondary_xaxis("top", functions=(swapped, back))
-    shown = [radius for radius in _RADII if low <= float(back(np.array(radius))) <= high]
-    top.set_xticks(shown, list(map(six_digits, shown)), fontsize=SMALL)
+    radii = [radius for radius in _RADII if low <= float(back(np.array(radius))) <= high]
+    top.set_xticks(radii, list(map(six_digits, radii)), fontsize=SMALL)
     top.minorticks_off()
     top.tick_params(width=0.6, length=3)
     top.set_xlabel(say("plot.spectra.radius"), fontsize=FONT)

@@ -248,8 +248,8 @@ def wrapped(words: str, width: int) -> str:
     pieces = _MATHEMATICS.findall(words)
     # Each formula is replaced by as many private characters as it shows.
     for place, piece in enumerate(pieces):
-        shown = re.sub(r"\\[A-Za-z]+", "x", piece[1:-1])
-        words = words.replace(piece, chr(_PRIVATE + place) * max(len(re.sub(r"[{}_^ ]", "", shown)), 1), 1)
+        characters = re.sub(r"\\[A-Za-z]+", "x", piece[1:-1])
+        words = words.replace(piece, chr(_PRIVATE + place) * max(len(re.sub(r"[{}_^ ]", "", characters)), 1), 1)
     text = "\n".join(textwrap.fill(line, width, break_on_hyphens=False) for line in words.split("\n"))
     for place, piece in enumerate(pieces):
         letter = chr(_PRIVATE + place)

@@ -10,7 +10,7 @@ from rockpulse.assessment.verdict import BodyVerdict, Standing, reasons_unknown,
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.record_tables import record_label
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ratio, share
 from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table
@@ -67,9 +67,9 @@ class AnswerCells:
             return cell
         kind = Standing(int(self.standing[record, lane]))
         resting = kind == Standing.STANDS and self.answers["outcome"][record, lane] == Outcome.AT_REST
-        told = say(f"standing.{'at_rest' if resting else kind.name.lower()}")
+        result = say(f"standing.{'at_rest' if resting else kind.name.lower()}")
         why = f": {say(f'unknown.{self._why[record, lane]}')}" if kind == Standing.UNKNOWN else ""
-        return Cell(told + why, float(kind), grade=_GRADES[kind])
+        return Cell(result + why, float(kind), grade=_GRADES[kind])
 
     def worst(self, record: int) -> int:
         """Return the index of the body that a record is most likely to overturn."""
@@ -171,8 +171,8 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
     notes += [say("note.upper_bound", model=say(f"models.{name}")) for name in bounds]
     margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
     marks = cells.marks | col.marks_of(col.margin_cells(margin)[0] for margin in margins)
-    told = [mark.note for mark in (col.OUTSIDE, col.AT_MOST, col.NO_ANSWER) if mark in marks]
-    notes += dict.fromkeys(told)
+    explained = [mark.note for mark in (col.OUTSIDE, col.AT_MOST, col.NO_ANSWER) if mark in marks]
+    notes += dict.fromkeys(explained)
     if answers.motions.kind == "pair":
         notes.append(say("note.pair_mean" if answers.motions.any_azimuth else "note.pair_worst"))
     return notes

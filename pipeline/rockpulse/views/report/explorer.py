@@ -31,7 +31,7 @@ OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
 #: Probabilities for which scale factors are stored, and their variables.
 SHARES = {0.1: "factor_10", 0.5: "factor_50"}
 #: Smallest and largest scale factor that is shown.
-SHOWN = (0.05, 20.0)
+FACTOR_RANGE = (0.05, 20.0)
 #: Number of columns of a time window, which exceeds the resolution of a screen.
 COLUMNS = 1500
 #: Largest 16-bit integer, and the integer that means a missing value.
@@ -70,18 +70,18 @@ class Explorer(NamedTuple):
 
 def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] = ()) -> Explorer | None:
     """Return the data of the interactive part, or None for a model or results without motions."""
-    answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
+    answers, words = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
     if not ("records" in tree.children and any(name in tree["records"] for name in ("acceleration", "rotation"))):
         return Explorer("", say(f"models.{answers.model}"))
-    scenes = _Scenes(tree, answers, told)
+    scenes = _Scenes(tree, answers, words)
     lowest = np.fmin.reduce(known(answers[answers.factor]), axis=0)
-    shown = set(np.argsort(lowest, kind="stable")[:MOST_BODIES].tolist())
+    animated = set(np.argsort(lowest, kind="stable")[:MOST_BODIES].tolist())
     data = {
         "file": file,
         "model": answers.model,
-        "words": told,
+        "words": words,
         "records": [
             {"id": record, "words": record_words(Known(answers.summary, record=record))} for record in answers.records
         ],
@@ -91,7 +91,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
                 "block": stored[body.place] if stored else body.block,
                 "case": body.case + 1 if body.several else 0,
                 **_outline(block_of(answers.summary, body.block, body.case + 1)),
-                "scenes": scenes.of_body(lane, body) if lane in shown else [],
+                "scenes": scenes.of_body(lane, body) if lane in animated else [],
             }
             for lane, body in enumerate(answers.bodies)
         ],
@@ -102,20 +102,20 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
 class _Scenes:
     """Collects scenes; a scene contains the motions of a body under one record at several scale factors."""
 
-    def __init__(self, tree: xr.DataTree, answers: Answers, told: Mapping[str, str]) -> None:
-        self._tree, self._answers, self._words = tree, answers, told
+    def __init__(self, tree: xr.DataTree, answers: Answers, words: Mapping[str, str]) -> None:
+        self._tree, self._answers, self._words = tree, answers, words
         self._plain = set(plain_bodies(answers.summary))
         self._spectra = tree["spectra"].to_dataset() if "spectra" in tree.children else None
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
         """Return a scene for each record shown for a body, or the reason why its motions are missing."""
         found = []
-        for row, why in shown_records(self._answers, lane).items():
-            told = [self._words[one] for one in why]
+        for row, why in selected_records(self._answers, lane).items():
+            reasons = [self._words[one] for one in why]
             try:
-                found.append({"record": row, "why": told, **self._scene(row, lane, body)})
+                found.append({"record": row, "why": reasons, **self._scene(row, lane, body)})
             except ResultsError as reason:
-                found.append({"record": row, "why": told, "reason": str(reason)})
+                found.append({"record": row, "why": reasons, "reason": str(reason)})
         return found
 
     def _scene(self, row: int, lane: int, body: Body) -> dict[str, Any]:
@@ -211,7 +211,7 @@ def _outline(block: Block) -> dict[str, Any]:
     }
 
 
-def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
+def selected_records(answers: Answers, lane: int) -> dict[int, list[str]]:
     """Return the rows of the records shown for a body, each with the reasons why it is shown."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))
@@ -234,7 +234,7 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
     found: dict[float, str] = {}
     for value, label in named:
         factor = float(f"{value:.3g}")
-        if SHOWN[0] <= factor <= SHOWN[1] and len(found) < STEPS and _distance(factor, found) > APART:
+        if FACTOR_RANGE[0] <= factor <= FACTOR_RANGE[1] and len(found) < STEPS and _distance(factor, found) > APART:
             found[factor] = label
     low, high = 0.5 * min(found), 2.0 * max(found)
     while len(found) < STEPS:
@@ -255,8 +255,8 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
     found.append((1.0, float(answers["overturning_probability"][row, lane])))
     for name in answers.demands:
         found.append((float(answers.to_demand(name)[row, lane]), float(answers.at_demand(name)[row, lane])))
-    told = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
-    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
+    pairs = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
+    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(pairs)]
 
 
 def through_stored_points(

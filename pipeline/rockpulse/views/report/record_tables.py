@@ -56,8 +56,8 @@ def record_words(known: Known) -> str:
 
 def record_named(known: Known, name: str) -> str:
     """Describe a record by earthquake, station and direction; `name` is added if the station is unknown."""
-    told = record_words(known)
-    return told if told and known.place else ", ".join(filter(None, (told, name)))
+    description = record_words(known)
+    return description if description and known.place else ", ".join(filter(None, (description, name)))
 
 
 def used_table(answers: Answers) -> Table:
@@ -72,8 +72,8 @@ def used_table(answers: Answers) -> Table:
     titles = ("earthquake", "magnitude", "station", "direction", "records", PGA, "worst")
     headings = tuple(Heading(say(f"head.{title}"), "g" if title == PGA else "") for title in titles)
     rows = tuple(_used(answers, rows) for rows in order[:ROWS])
-    told = "caption.used" if len(order) <= ROWS else "caption.strongest"
-    caption = say(told, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
+    caption_key = "caption.used" if len(order) <= ROWS else "caption.strongest"
+    caption = say(caption_key, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
     return Table("used", caption, headings, rows)
 
 
@@ -81,12 +81,12 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
     every = [Known(answers.summary, record=answers.records[row]) for row in rows]
     first, strongest = every[0], max(rows, key=lambda row: float(answers["pga"][row]))
     directions = [*dict.fromkeys(filter(None, (one.direction for one in every)))]
-    shown = ", ".join(directions) if len(directions) <= DIRECTIONS else say("directions", count=len(directions))
+    which = ", ".join(directions) if len(directions) <= DIRECTIONS else say("directions", count=len(directions))
     return (
         Cell(earthquake_words(first) or answers.records[rows[0]], link=f"record-{strongest}"),
         Cell(first.magnitude, first.real("magnitude")),
         Cell(first.place or (answers.records[rows[0]] if earthquake_words(first) else "")),
-        Cell(shown),
+        Cell(which),
         number_cell(len(rows), str),
         number_cell(float(answers["pga"][strongest]) / STANDARD_GRAVITY, three_digits),
         _worst(answers, rows),
@@ -126,15 +126,15 @@ def earthquake_table(answers: Answers) -> Table:
             )
         )
     titles, always = ("earthquake", "date", "magnitude", "distance", "motions", "which"), (0, 4, 5)
-    shown = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
-    of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
-    return Table("earthquakes", say("caption.earthquakes"), _headings(*(titles[place] for place in shown)), of_shown)
+    kept = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
+    kept_rows = tuple(tuple(row[place] for place in kept) for row in rows)
+    return Table("earthquakes", say("caption.earthquakes"), _headings(*(titles[place] for place in kept)), kept_rows)
 
 
 def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     """Return three cells for the records of one earthquake: date, magnitude, and range of epicentral distances."""
     dates = sorted({date for one in known if (date := one.date)})
-    magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
+    magnitudes = list(dict.fromkeys(stated for one in known if (stated := one.magnitude)))
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
     largest = max((one.real("magnitude") for one in known if one.magnitude), default=math.nan)
     nearest, farthest = min(distances, default=math.nan), max(distances, default=math.nan)
@@ -149,9 +149,9 @@ def left_out_table(tree: xr.DataTree) -> Table:
     rows = []
     for kind, every in found.items():
         said, rest = reasons_of(every, REASONS, LONGEST) if kind in _TOLD else ([say(f"left_out.why.{kind}")], 0)
-        told = "; ".join([*said, *([say("left_out.other", count=rest)] if rest else [])])
+        reasons = "; ".join([*said, *([say("left_out.other", count=rest)] if rest else [])])
         grade = "bad" if kind == "failed" else ""
-        rows.append((Cell(say(f"left_out.{kind}"), grade=grade), number_cell(len(every), str), Cell(told)))
+        rows.append((Cell(say(f"left_out.{kind}"), grade=grade), number_cell(len(every), str), Cell(reasons)))
     if beside:
         rows.append((Cell(say("left_out.no_record")), number_cell(len(beside), str), Cell(listed(beside))))
     return Table("left-out", say("caption.left_out"), _headings("kind", "count", "reason"), tuple(rows))
@@ -166,8 +166,8 @@ def input_table(summary: xr.Dataset) -> Table:
     of_file: dict[str, dict[str, None]] = {}
     for record, source in zip(summary["record"].values, columns[0], strict=True):
         known = Known(summary, record=str(record))
-        if told := ", ".join(filter(None, (earthquake_words(known), known.place))):
-            of_file.setdefault(source, {})[told] = None
+        if occasion := ", ".join(filter(None, (earthquake_words(known), known.place))):
+            of_file.setdefault(source, {})[occasion] = None
     rows = tuple(
         (*map(Cell, row), number_cell(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
         for row, count in Counter(zip(*columns, strict=True)).items()

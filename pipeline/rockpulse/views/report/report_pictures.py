@@ -14,8 +14,8 @@ from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.report.beside import Paired
-from rockpulse.views.report.drawings import strip
+from rockpulse.views.report.body_drawings import strip
+from rockpulse.views.report.site_and_fragility import MatchedFile
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import body_name, say
 
@@ -37,7 +37,7 @@ class Pictures:
     """Draws the pictures of a report; records are given by row of /summary, bodies by index along block."""
 
     def __init__(
-        self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, found: list[BodyVerdict]
+        self, tree: xr.DataTree, site: MatchedFile | None, fragility: MatchedFile | None, found: list[BodyVerdict]
     ) -> None:
         self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
@@ -149,11 +149,11 @@ class Pictures:
         from rockpulse.views.plots.picture import svg
 
         try:
-            three_digits = draw().get_figure(root=True)
+            figure = draw().get_figure(root=True)
         except ResultsError as reason:
             return PageElement(Markup(""), str(reason))
-        assert three_digits is not None
-        return PageElement(Markup(svg(three_digits, name)), caption)
+        assert figure is not None
+        return PageElement(Markup(svg(figure, name)), caption)
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
@@ -168,8 +168,8 @@ def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
 
 def _bare(ax: Axes) -> Axes:
     """Remove title and small print from the figure of Axes, as the page shows them as text."""
-    three_digits = ax.get_figure(root=True)
-    assert three_digits is not None
-    three_digits.suptitle("")
-    three_digits.supxlabel("")
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    figure.suptitle("")
+    figure.supxlabel("")
     return ax

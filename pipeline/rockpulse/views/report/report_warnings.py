@@ -23,7 +23,7 @@ from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.shown_columns import doubt_notes, record_cells
+from rockpulse.views.shared.table_columns import doubt_notes, record_cells
 from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
@@ -57,8 +57,8 @@ def warnings(
         said += [] if site is None else _of_design(site, found)
     said += [_confidence(found, motions, site), _at_rest(found, motions)]
     if files.line:
-        told = files.counted or say("warning.files.none")
-        said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
+        counted = files.counted or say("warning.files.none")
+        said.append(_limit("limits", "files", counted=counted, reasons=files.reasons))
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
         said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
@@ -120,8 +120,8 @@ def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
 
 def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
-        told = say("warning.site_confidence.ask") if site is None else coverage(site)
-        return _limit("limits", "site_confidence", coverage=told)
+        covered = say("warning.site_confidence.ask") if site is None else coverage(site)
+        return _limit("limits", "site_confidence", coverage=covered)
     count = _fewest(found, motions)
     events = counted_words(count, "earthquake")
     few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
@@ -184,12 +184,12 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
         value = ratio(worst.decides.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=body_name(worst.body.name), value=value))
     for one in sliding(answers):
-        told = {
+        fields = {
             "total": counted_words(one.total, "record"),
             "most": ratio(one.most) if np.isfinite(one.most) else say("infinite"),
         }
         own = six_digits(one.friction)
-        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **told))
+        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **fields))
     return said
 
 

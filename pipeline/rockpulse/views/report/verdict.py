@@ -20,13 +20,13 @@ from rockpulse.model_table import is_upper_bound
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.plots.selection import block_of
-from rockpulse.views.report.drawings import Support, drawing
+from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.report.record_tables import record_named
 from rockpulse.views.shared.formatting import ABSENT, ratio, share, six_digits, three_digits
 from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.shown_columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
+from rockpulse.views.shared.table_columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 
 #: Separator between the ends of an interval, which allows no line break.
@@ -72,7 +72,7 @@ def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
     return -float(one.overall), -likely, math.inf if math.isnan(factor) else factor
 
 
-def drawings(tree: xr.DataTree) -> list[Drawing]:
+def body_drawings(tree: xr.DataTree) -> list[Drawing]:
     """Return a drawing of every body with its supports and restraints."""
     summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
     blocks = config_from_text(configuration).bodies if configuration else ()
@@ -93,7 +93,7 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
         holds |= {"load": body.loads, "thrust": body.thrusts}
         held = ", ".join(say(f"drawing.{kind}") for kind, own in holds.items() if own)
         label = str(escape(say("drawing.label", name=name, held=f", {held}" if held else "")))
-        found.append(Drawing(Markup(drawing(body, support, label, lambda value: three_digits(value, "m"))), held))
+        found.append(Drawing(Markup(body_drawing(body, support, label, lambda value: three_digits(value, "m"))), held))
     return found
 
 
@@ -127,10 +127,10 @@ def basis(answers: Answers, unused: str) -> str:
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
     said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
-        told = in_numerals(demand.words.replace("m/s2", "m/s²"))
+        strength = in_numerals(demand.words.replace("m/s2", "m/s²"))
         if demand.words.startswith("PGA "):
-            told += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
-        said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))
+            strength += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
+        said.append(say("demand", name=name, strength=", ".join(filter(None, (strength, demand.limit_state)))))
     return " ".join(said)
 
 
@@ -229,11 +229,11 @@ def _governing(answers: Answers, one: BodyVerdict) -> Cell:
     if one.governing < 0 or math.isinf(one.margin.smallest):
         return Cell(ABSENT)
     name = record_cells(answers.summary)[one.governing]
-    told = record_named(Known(answers.summary, record=answers.records[one.governing]), name.text)
-    return unexplained(name)._replace(text=told, link=f"record-{one.governing}")
+    description = record_named(Known(answers.summary, record=answers.records[one.governing]), name.text)
+    return unexplained(name)._replace(text=description, link=f"record-{one.governing}")
 
 
 def _share_cell(value: Share, grade: str = "") -> Cell:
     low, high = ratio(value.low), ratio(value.high)
-    shown = f"{ratio(value.value)} ({low if low == high == ABSENT else f'{low}{TO}{high}'})"
-    return Cell(shown, value.value, grade=grade)
+    text = f"{ratio(value.value)} ({low if low == high == ABSENT else f'{low}{TO}{high}'})"
+    return Cell(text, value.value, grade=grade)

@@ -24,11 +24,11 @@ from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
-from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.report.report_pictures import Pictures
+from rockpulse.views.report.site_and_fragility import matched_file
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import in_dates, own_name, result_texts, say, writing
 
@@ -104,9 +104,8 @@ def report(
     Raises
     ------
     ResultsError
-        For results of another kind, a site or fragility file with another body of the same name
-        (:func:`rockpulse.views.report.beside.paired`), an existing target that may not be replaced, or a PDF without a
-        browser to print it.
+        For results of another kind, a site or fragility file that contains another body of the same name, an existing
+        target that may not be replaced, or a PDF without a browser to print it.
     OSError
         If a file cannot be read or written.
 
@@ -168,7 +167,7 @@ def report_page(
         trees = loaded if language == "en" else {kind: _in_language(tree) for kind, tree in loaded.items()}
     tree, stored = trees[ASSESSMENT], [str(name) for name in loaded[ASSESSMENT]["summary"].to_dataset()["block"].values]
     kinds = [kind for kind in (SITE_KIND, FRAGILITY) if kind in trees]
-    others = {kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
+    others = {kind: matched_file(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
     beside = others.get(SITE_KIND), others.get(FRAGILITY)
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),

@@ -10,8 +10,8 @@ from rockpulse.assessment.answers import Answers, Motions, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_with_pedestal
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.formatting import ratio, several
-from rockpulse.views.shared.shown_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.table import CellMark
+from rockpulse.views.shared.table_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.words import say
 
 
@@ -50,7 +50,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     notes = [f"SF: smallest scale factor on {of} at which the body overturns by the {answers.model} model.{none}"]
     if missed := missed_step(answers):
         notes[0] += (
-            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: two digits of it are "
+            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: its second digit is "
             f"not reliable ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
@@ -129,8 +129,8 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
         for alone, worst in worse_with_pedestal(answers, found)
     ]
     notes += [
-        f"{one.body.name}: {one.above} of {several(one.total, 'record')} require more friction than {one.friction:g} "
-        f"(up to {ratio(one.most)}): it would slide; sliding is not modelled."
+        f"{one.body.name}: slides under {one.above} of {several(one.total, 'record')}: the required friction "
+        f"coefficient, up to {ratio(one.most)}, is larger than {one.friction:g}; sliding is not modelled."
         for one in sliding(answers)
     ]
     return notes

@@ -133,18 +133,18 @@ class Known(RecordFacts):
     @property
     def peak_velocity(self) -> str:
         """Return the PGV of the record in m/s, with a note if the baseline drifts."""
-        shown = self.number("pgv", "m/s")
-        return say("fact.drift", pgv=shown) if self.value("pgv_drift") else shown
+        pgv = self.number("pgv", "m/s")
+        return say("fact.drift", pgv=pgv) if self.value("pgv_drift") else pgv
 
     @property
     def radius(self) -> str:
         """Return the radius R of the body in m, with a note if the body is not a rectangle."""
-        shown, width = self.number("radius", "m"), self.value("width")
-        if shown == ABSENT or width is None or not math.isnan(width):
-            return shown
+        text, width = self.number("radius", "m"), self.value("width")
+        if text == ABSENT or width is None or not math.isnan(width):
+            return text
         radius, p, gravity = (self.value(name) for name in ("radius", "p", "gravity"))
         rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
-        return say(f"fact.radius_of_{'rectangle' if rectangle else 'body'}", radius=shown)
+        return say(f"fact.radius_of_{'rectangle' if rectangle else 'body'}", radius=text)
 
     @property
     def support(self) -> str:
@@ -199,7 +199,7 @@ class Known(RecordFacts):
             self._coordinates("hypocentre"),
             "" if math.isnan(depth) else say("stated.depth", depth=three_digits(depth / 1000.0, "km")),
         )
-        told = {
+        facts = {
             "agency": self.text("event_id"),
             "origin": in_dates(self.text("origin_time")),
             "magnitude": self.magnitude,
@@ -209,7 +209,7 @@ class Known(RecordFacts):
             "vs30": self.number("vs30", "m/s"),
             "site_class": self.text("site_class"),
         }
-        return [(say(f"stated.{name}"), words) for name, words in told.items() if words not in ("", ABSENT)]
+        return [(say(f"stated.{name}"), words) for name, words in facts.items() if words not in ("", ABSENT)]
 
     def _coordinates(self, of: str) -> str:
         """Return latitude and longitude of the station or the hypocentre as text; empty if unknown."""

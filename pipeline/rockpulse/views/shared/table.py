@@ -22,7 +22,7 @@ class CellMark(NamedTuple):
     before: bool = False
 
     @property
-    def shown(self) -> str:
+    def text(self) -> str:
         """Return the sign of the mark, or its text in the current language."""
         return self.sign or say(f"mark.{self.key}.sign")
 
@@ -44,12 +44,12 @@ class Cell(NamedTuple):
     @property
     def before(self) -> str:
         """Return the marks before the text."""
-        return "".join(mark.shown for mark in self.marks if mark.before)
+        return "".join(mark.text for mark in self.marks if mark.before)
 
     @property
     def after(self) -> str:
         """Return the marks after the text."""
-        return "".join(mark.shown for mark in self.marks if not mark.before)
+        return "".join(mark.text for mark in self.marks if not mark.before)
 
     @property
     def marked(self) -> str:
@@ -160,5 +160,5 @@ def table_text(table: Table) -> str:
 
 
 def _plain(cell: Cell, width: int | None) -> str:
-    shown = cell.text if width is None else shortened(cell.text, width)
-    return shown.upper() if cell.grade == "bad" else shown
+    text = cell.text if width is None else shortened(cell.text, width)
+    return text.upper() if cell.grade == "bad" else text

@@ -48,8 +48,8 @@ def language() -> str:
 def table(code: str) -> Mapping[str, str]:
     """Return the texts of a language by their keys; a key in a section is "section.key"."""
     if code not in LANGUAGES:
-        told = f"there are {', '.join(LANGUAGES)}"
-        raise ConfigError(f"language: no words for {code!r}{hint(code, LANGUAGES, told)}")
+        available = f"there are {', '.join(LANGUAGES)}"
+        raise ConfigError(f"language: unknown code {code!r}{hint(code, LANGUAGES, available)}")
     return dict(_flat(tomllib.loads(_FOLDER.joinpath(f"{code}.toml").read_text(encoding="utf-8"))))
 
 
@@ -89,13 +89,13 @@ def counted_words(count: int, noun: str) -> str:
 
 def listed(names: Sequence[str], most: int = 6) -> str:
     """Return the first names in a list; the number of the others replaces their names."""
-    told = ", ".join(names[:most])
-    return told if len(names) <= most else say("and_more", names=told, count=len(names) - most)
+    first = ", ".join(names[:most])
+    return first if len(names) <= most else say("and_more", names=first, count=len(names) - most)
 
 
-def numerals(shown: str) -> str:
+def numerals(number: str) -> str:
     """Replace the decimal point of a formatted number by the decimal sign of the current language."""
-    return shown if language() == "en" else shown.replace(".", say("decimal"))
+    return number if language() == "en" else number.replace(".", say("decimal"))
 
 
 def in_numerals(text: str) -> str:
@@ -106,10 +106,10 @@ def in_numerals(text: str) -> str:
 def in_dates(text: str) -> str:
     """Replace the ISO 8601 dates in a text by dates in the form of the current language."""
 
-    def shown(found: re.Match[str]) -> str:
+    def formatted(found: re.Match[str]) -> str:
         return say("date", year=found[1], month=found[2], day=found[3]) + found[4].replace("T", " ")
 
-    return text if language() == "en" else _DATE.sub(shown, text.removesuffix("+00:00"))
+    return text if language() == "en" else _DATE.sub(formatted, text.removesuffix("+00:00"))
 
 
 def body_name(name: str) -> str:
@@ -136,10 +136,10 @@ class _Numerals(Formatter):
         """Return the value of a field as text; a number gets the decimal sign of the current language."""
         if isinstance(value, str):
             return value
-        shown = super().format_field(value, format_spec)
+        text = super().format_field(value, format_spec)
         if isinstance(value, int | float):
-            return numerals(shown if language() == "en" else shown.replace("%", " %"))
-        return shown
+            return numerals(text if language() == "en" else text.replace("%", " %"))
+        return text
 
 
 def _translated(value: Any) -> Any:
@@ -167,10 +167,10 @@ def result_text(text: str, code: str = "") -> str:
         return text
     first, _, inner = code.partition("/")
     words = table(language()).get(f"warnings.{first}")
-    for template, told in ({TEMPLATES[first]: words} if words else section("phrases")).items():
+    for template, translation in ({TEMPLATES[first]: words} if words else section("phrases")).items():
         if found := _pattern(template).fullmatch(text):
             parts = {name: _part(name, part, inner) for name, part in found.groupdict().items()}
-            return _Numerals().vformat(told, (), parts)
+            return _Numerals().vformat(translation, (), parts)
     return text
 
 

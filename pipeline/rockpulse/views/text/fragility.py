@@ -10,8 +10,8 @@ from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, six_digits
-from rockpulse.views.shared.shown_columns import count_of, shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell, table_text
+from rockpulse.views.shared.table_columns import count_of, formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, numerals, say, translated, warnings_of
 from rockpulse.views.text.left_out import unused
 
@@ -38,7 +38,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
     return "\n\n".join(filter(None, parts))
 
 
-def shown_measure(curves: xr.Dataset) -> str:
+def displayed_measure(curves: xr.Dataset) -> str:
     """Return the intensity measure for which tables show the curves: the reference measure, else the first one."""
     measures = [str(name) for name in curves["measure"].values]
     return REFERENCE if REFERENCE in measures else measures[0]
@@ -65,7 +65,7 @@ def statement(one: xr.Dataset) -> str:
 def median_table(tree: xr.DataTree) -> Table:
     """Return a table with median and dispersion of every body and limit state in one intensity measure."""
     curves = tree["fragility"].to_dataset()
-    own = curves.sel(measure=shown_measure(curves))
+    own = curves.sel(measure=displayed_measure(curves))
     level = f"{six_digits(100.0 * float(tree.attrs['confidence']))} %"
 
     def beyond(median: float, extrapolated: int) -> Cell:
@@ -78,12 +78,12 @@ def median_table(tree: xr.DataTree) -> Table:
         titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=30),
         titled(say("fragility.limit_state"), lambda state: Cell(state_words(state)), "limit_state"),
         titled(say("site.head.median"), beyond, "median", "extrapolated"),
-        titled(say("site.head.low"), shown(ratio), "median_low", note=level),
+        titled(say("site.head.low"), formatted(ratio), "median_low", note=level),
         titled(say("site.head.high"), upper, "median_high", note=level),
-        titled("beta", shown(ratio), "beta", note=say("fragility.of_capacity")),
+        titled("beta", formatted(ratio), "beta", note=say("fragility.of_capacity")),
         titled(say("fragility.reached"), count_of, "reached", "observations", note=say("fragility.of_observations")),
-        titled(say("head.records"), shown(str), "records"),
-        titled(say("fragility.earthquakes"), shown(str), "events"),
+        titled(say("head.records"), formatted(str), "records"),
+        titled(say("fragility.earthquakes"), formatted(str), "events"),
     )
     words, units = (str(own[f"measure_{of}"].item()) for of in ("long_name", "units"))
     words = translated(f"measures.{own['measure'].item()}", words)
@@ -128,13 +128,13 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
     tests = int(np.count_nonzero(tested))
     if tests == 0:
         return []
-    shown = np.flatnonzero(tested.any(axis=(0, 2)) | [name not in STATED for name in p_value["quality"].values])
+    kept = np.flatnonzero(tested.any(axis=(0, 2)) | [name not in STATED for name in p_value["quality"].values])
     rows = []
-    for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, shown], strict=True):
+    for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, kept], strict=True):
         if np.any(np.isfinite(own)):
             counts = [(int(np.sum(found < LEVEL)), int(np.sum(np.isfinite(found)))) for found in own]
             rows.append((Cell(translated(f"measures.{name}", name)), *(count_of(*pair) for pair in counts)))
-    qualities = p_value["quality"].values[shown].tolist()
+    qualities = p_value["quality"].values[kept].tolist()
     headings = (Heading(""), *(Heading(say(f"quality.{name}")) for name in qualities))
     note = say("fragility.tests", tests=tests, few=f"{LEVEL * tests:.0f}")
     caption = say("fragility.sufficiency", level=six_digits(LEVEL))

@@ -8,13 +8,13 @@ import xarray as xr
 
 from rockpulse.errors import NO_RECORD, Failure, alike, last_part, reasons_in_words, some
 from rockpulse.views.shared.files_used import failure_rows
-from rockpulse.views.shared.formatting import WIDTH, paragraph
+from rockpulse.views.shared.formatting import WIDTH, paragraph, several
 from rockpulse.warning_text import PLAIN
 
 #: Largest number of rows of a kind other than "failed" in the overview, and in a brief one; equal reasons are one row.
 LISTED, FEW = 12, 3
 #: Kinds whose rows are grouped by reason; for other kinds the reasons name other records.
-_SHOWN_ONCE = frozenset({"failed", "skipped"})
+_GROUPED = frozenset({"failed", "skipped"})
 #: Number of words at the start of a warning without a code that identify its kind (numbers are not counted).
 _TELLING_WORDS = 4
 _KINDS = {
@@ -36,7 +36,9 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     for kind, rows in found.items():
         entries = _entries(kind, rows)
         title = (
-            f"vertical channels, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
+            f"vertical channels, acting on {several(acted, 'record')}"
+            if kind == "vertical" and acted
+            else _KINDS.get(kind, kind)
         )
         few, failed = (FEW, LISTED) if brief else (LISTED, len(entries))
         lines += [f"{title}: {len(rows)}", *_cut(entries, failed if kind == "failed" else few)]
@@ -46,7 +48,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     most = LISTED if brief else len(warned)
     lines += [paragraph(line, "      ", "") for line in warned[:most]]
     if len(warned) > most:
-        lines.append(f"and {len(warned) - most} more bodies with warnings")
+        lines.append(f"and {several(len(warned) - most, 'more body')} with warnings")
     if kinds := _kinds_of_warning(summary):
         count = sum(map(bool, summary["warnings"].values))
         lines.append(f"records with warnings: {count} (all warnings of one: rockpulse inspect RESULTS --record ID)")
@@ -110,7 +112,7 @@ def _with_kind(kind: str, entries: Sequence[Sequence[Failure]]) -> list[str]:
 
 def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:
     """Return the rows of a kind in groups with the same reason, or each row as its own group."""
-    return alike(rows) if kind in _SHOWN_ONCE else [[row] for row in rows]
+    return alike(rows) if kind in _GROUPED else [[row] for row in rows]
 
 
 def apart(rows: Iterable[Failure]) -> tuple[dict[str, list[Failure]], list[str]]:

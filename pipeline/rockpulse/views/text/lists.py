@@ -12,7 +12,7 @@ from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.storage.export.row_selection import RowSelection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import paragraph, several, shortened
 from rockpulse.views.shared.notes import factor_heading, factor_name
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
@@ -63,9 +63,9 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
     places, found = rows(summary, dims, selection, [(("block", "case"), _distinct(summary))] if "case" in dims else [])
     count = places["record"].size
-    told = "; ".join(replace(selection, sort=None, limit=None).words)
-    shown = "" if count == found else f"; {count} shown (--limit N for more)"
-    heading = paragraph(f"{several(found, 'case')} with {told}{_order(selection)}{shown}")
+    conditions = "; ".join(replace(selection, sort=None, limit=None).words)
+    limited = "" if count == found else f"; {count} shown (--limit N for more)"
+    heading = paragraph(f"{several(found, 'case')} with {conditions}{_order(selection)}{limited}")
     if not count:
         return heading
     points = _Points(summary, places)
@@ -142,9 +142,9 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
         *(mark.note for mark in (col.DRIFT, col.NONE_UP_TO) if mark in marks),
         *(col.doubt_notes(row[0] for row in table) if of_records else ()),
     ]
-    shown = f"{len(table)} of " if len(table) < found else ""
+    limited = f"{len(table)} of " if len(table) < found else ""
     return _listed(
-        f"{shown}{several(found, 'body' if dim == 'block' else dim)}{_order(selection)}", headings, table, notes
+        f"{limited}{several(found, 'body' if dim == 'block' else dim)}{_order(selection)}", headings, table, notes
     )
 
 
@@ -160,22 +160,22 @@ def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, Ro
 
 def _distinct(summary: xr.Dataset) -> np.ndarray:
     """Return a mask (block, case) that is True once for each different restitution of a body."""
-    shown = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
+    distinct = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
     for body in bodies_of(summary):
-        shown[body.place, body.case] = True
-    return shown
+        distinct[body.place, body.case] = True
+    return distinct
 
 
 def _of_interest(
-    summary: xr.Dataset, selection: RowSelection, shown: Sequence[col.Column], dim: str = ""
+    summary: xr.Dataset, selection: RowSelection, selected: Sequence[col.Column], dim: str = ""
 ) -> tuple[col.Column, ...]:
     """Return extra columns for the variables in the conditions of a selection that have no column yet."""
-    told = {name for column in shown for name in column.of} | {"factor_resolved"}
+    present = {name for column in selected for name in column.of} | {"factor_resolved"}
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
     return tuple(
         col.Column(name, (name,), _plain(summary[name].variable), title=name)
         for name in dict.fromkeys(names)
-        if name not in told and (not dim or summary[name].dims == (dim,))
+        if name not in present and (not dim or summary[name].dims == (dim,))
     )
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, shortened, three_digits
 from rockpulse.views.shared.notes import cautions, factor_heading, factor_name, factor_notes
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
@@ -21,11 +21,11 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     if not answers.demands or not motions.names:
         return ""
     of_demands = [answers.margins(demand=name) for name in answers.demands]
-    shown = [k for k, body in enumerate(answers.bodies) if blocks is None or body.place in blocks]
-    every = [margins[k] for k in shown for margins in of_demands]
+    listed = [k for k, body in enumerate(answers.bodies) if blocks is None or body.place in blocks]
+    every = [margins[k] for k in listed for margins in of_demands]
     rows = [
         (answers.bodies[k].block, answers.bodies[k].restitution, [_both(margins[k]) for margins in of_demands])
-        for k in shown
+        for k in listed
     ]
     each = "the pairs" if motions.kind == "pair" else "the records"
     of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
@@ -119,10 +119,10 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     every = lines(Table("", "", tuple(headings), tuple(rows)))
     head, laid = every[: -len(rows)], every[-len(rows) :]
     over = f"directions of {count} that overturn".rjust(max(map(len, head)))  # above the columns of the models
-    told, size = [], len(answers.bodies)
+    text_lines, size = [], len(answers.bodies)
     for pair, name in enumerate(names):
         title = "  ".join([name.marked, *_pair_strength(directions.isel(pair=pair))])
-        told += ["", title, over, *head, *laid[pair * size : (pair + 1) * size]]
+        text_lines += ["", title, over, *head, *laid[pair * size : (pair + 1) * size]]
     smallest_of = f" Then the smallest {factor_name(answers.factor)} and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
@@ -134,7 +134,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         "Each direction is a record: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
         *cautions(answers.models),
     ]
-    return "\n".join([*told[1:], "", *(paragraph(note, "  ") for note in notes)])
+    return "\n".join([*text_lines[1:], "", *(paragraph(note, "  ") for note in notes)])
 
 
 def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) -> tuple[Cell, Cell]:

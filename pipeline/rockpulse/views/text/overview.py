@@ -14,8 +14,8 @@ from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, fixed, paragraph, restitution, several, three_digits
 from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.shown_columns import doubt, doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
+from rockpulse.views.shared.table_columns import doubt, doubt_notes, record_cells
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, skipped_summary, unused
 from rockpulse.views.text.lists import case_list, sorted_by_factor
@@ -161,7 +161,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
     marks = doubt(pga, one.value("warning_codes"))
     strength = Cell(f"{three_digits(pga, 'm/s2')} ({three_digits(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
     rows = [
-        *(("description", told) for told in (one.described,) if told),
+        *(("description", description) for description in (one.described,) if description),
         ("source", words("source")),
         ("sha256 of the source", words("source_sha256")),
         ("station, component", f"{words('station')}, {words('component')} (azimuth {number('azimuth', 'degrees')})"),
@@ -214,8 +214,8 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
     head = [title, *(paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows), ""]
     if is_large(answers):
         words = (outcome.name.lower().replace("_", " ") for outcome in Outcome)
-        told = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
-        heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {told}."
+        counted = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
+        heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {counted}."
         worst = case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=CASES)))
         return "\n".join([*head, heading, "", worst])
     factors = verdicts.probability_table(answers) + verdicts.factor_table(answers)

@@ -11,11 +11,11 @@ from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStat
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.formatting import ABSENT, paragraph, several, share, three_digits
-from rockpulse.views.shared.shown_columns import Column, tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
+from rockpulse.views.shared.table_columns import Column, tabulated, titled
 
 #: Number of bodies of an inventory that are shown.
-SHOWN = 10
+MOST_BODIES = 10
 #: The shown levels are those between these quantiles of a frequency.
 ENDS = (0.05, 0.95)
 #: Kinds of levels or scale factors outside the range of the records.
@@ -48,10 +48,10 @@ def _text(title: str, show: Callable[[float], str], name: str) -> Column:
 
 
 def _interval(title: str, show: Callable[[float], str], name: str) -> Column:
-    def told(low: float, high: float) -> Cell:
+    def interval_cell(low: float, high: float) -> Cell:
         return Cell(ABSENT if math.isnan(low) else f"{show(low)} to {show(high)}")
 
-    return titled(title, told, f"{name}_low", f"{name}_high")
+    return titled(title, interval_cell, f"{name}_low", f"{name}_high")
 
 
 def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: str) -> tuple[Column, ...]:
@@ -76,17 +76,17 @@ def risk_overview(risk: xr.Dataset) -> str:
         titled(f"{measure} [{risk.attrs['unit']}]", Cell, "levels"),
     )
     levels = [_levels(risk.isel(block=place)) for place in range(risk.sizes["block"])]
-    told = [
+    notes = [
         "per year: annual frequency lambda, the fragility integrated over the hazard curve; intervals: over the "
         f"earthquakes of the fragility, with the hazard as given; survival: probability of surviving {years:g} years; "
         f"{measure}: levels that contribute 90 % of lambda.",
         *_assumed(risk),
     ]
     named = zip(risk["block"].values, risk["statement"].values, strict=True)
-    told += [f"{name}: {statement}." for name, statement in named if statement]
-    told += [f"! {words}." for words in risk_warnings(risk)]
+    notes += [f"{name}: {statement}." for name, statement in named if statement]
+    notes += [f"! {words}." for words in risk_warnings(risk)]
     title = f"Frequency of {risk.attrs['limit_state']}, {several(len(levels), 'body')}; hazard: {risk.attrs['hazard']}"
-    return _table_text(title, selected, risk.assign(levels=("block", levels)), told)
+    return _table_text(title, selected, risk.assign(levels=("block", levels)), notes)
 
 
 def _levels(one: xr.Dataset) -> str:
@@ -122,8 +122,8 @@ def inventory_overview(risk: xr.Dataset) -> str:
         _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median"),
         _text("dispersion", three_digits, "dispersion"),
     )
-    order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]
-    told = [
+    order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(MOST_BODIES, int(known.sum()))]
+    notes = [
         f"the {order.size} bodies that overturn most often; overturnings of all bodies: "
         f"{_rate(float(np.sum(frequency[known])))} per year, {_rate(float(np.nansum(risk['probability'].values)))} "
         f"expected in {years:g} years.",
@@ -133,19 +133,19 @@ def inventory_overview(risk: xr.Dataset) -> str:
     ]
     if int(risk.attrs["events"]) < LEAST_EVENTS:
         missing = np.isnan(risk["frequency_low"].values[known]).all()
-        told.append(
+        notes.append(
             f"{'no interval' if missing else 'the intervals may be too narrow'}: "
             f"{several(int(risk.attrs['events']), 'earthquake')}, {4 if missing else LEAST_EVENTS} are needed."
         )
     if not known.all():
         lost = risk["body"].values[~known].tolist()
-        told.append(
+        notes.append(
             f"no frequency for {several(len(lost), 'body')}, which the spectra of the results do not cover: "
             f"{', '.join(map(str, lost[:5]))}{' ...' if len(lost) > 5 else ''}."
         )
-    told += [f"! {words}." for words in inventory_warnings(risk)]
+    notes += [f"! {words}." for words in inventory_warnings(risk)]
     title = f"Frequency of overturning, {several(frequency.size, 'body')}; hazard: {risk.attrs['hazard']}"
-    return _table_text(title, selected, risk.isel(body=order), told)
+    return _table_text(title, selected, risk.isel(body=order), notes)
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
@@ -157,14 +157,14 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
         where[side] = f"levels {side} {ends if math.isfinite(level) else 'the end of the hazard curve of its site'}"
     factors = f"{risk.attrs['factor_low']:g} to {risk.attrs['factor_high']:g}"
     where["far"] = f"records with scale factors outside {factors}, which represent no recorded motion"
-    told = []
+    warnings = []
     for name, words in where.items():
         if count := int(np.sum(risk[name].values > OUTSIDE)):
-            told.append(
+            warnings.append(
                 f"of {count} of {several(risk.sizes['body'], 'body')} more than a tenth of the frequency, up to "
                 f"{share(float(np.nanmax(risk[name].values)))}, comes from {words}"
             )
-    return told
+    return warnings
 
 
 def standing_overview(standing: xr.Dataset) -> str:
@@ -179,7 +179,7 @@ def standing_overview(standing: xr.Dataset) -> str:
         _text("factor on the hazard", three_digits, "factor"),
         titled(" ", lambda code: Cell("contradicts this hazard" if code == 1 else "consistent"), "contradicted"),
     )
-    order = np.argsort(chance, kind="stable")[: min(SHOWN, int(np.isfinite(chance).sum()))]
+    order = np.argsort(chance, kind="stable")[: min(MOST_BODIES, int(np.isfinite(chance).sum()))]
     largest = _rate(float(np.max(standing["largest"].values, initial=0.0)))
     note = (
         f"survival: exp(-lambda {age:g}), its probability; factor on the hazard: multiplier of the annual rates at "

@@ -20,15 +20,15 @@ from rockpulse.views.shared.formatting import (
     six_digits,
     three_digits,
 )
-from rockpulse.views.shared.shown_columns import Column, shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
+from rockpulse.views.shared.table_columns import Column, formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Largest number of listed bodies and earthquakes.
 LISTED = 12
 #: Restitution for which the table of the spectrum is shown, and step of its rows along p.
-SHOWN_RESTITUTION, STEP = 0.9, 3
+TABLE_RESTITUTION, STEP = 0.9, 3
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
@@ -139,18 +139,18 @@ def coverage(site: xr.Dataset) -> str:
     covered = _number(site, "coverage")
     if math.isnan(covered):
         why = say(f"site.not_covered.{'one_event' if site.sizes['site_event'] == 1 else 'not_judged'}")
-        told = [say("site.coverage_unknown", why=why, share=inside, nominal=nominal)]
+        sentences = [say("site.coverage_unknown", why=why, share=inside, nominal=nominal)]
     else:
         interval, level = _range(site, "coverage", share), say("site.one_event")
         if interval != ABSENT:
             level = say("site.with_confidence", confidence=_percent(site, "confidence"), interval=interval)
-        told = [say("site.coverage", share=share(covered), level=level, nominal=nominal, inside=inside)]
+        sentences = [say("site.coverage", share=share(covered), level=level, nominal=nominal, inside=inside)]
     if not math.isnan(every := _number(site, "coverage_all")):
-        told.append(say("site.coverage_all", share=share(every)))
+        sentences.append(say("site.coverage_all", share=share(every)))
     if judged := int(site["judged_pairs"]):
         events = counted_words(int(site["judged_events"]), "event")
-        told.append(say("site.judged", pairs=counted_words(judged, "answer"), events=events))
-    return " ".join(told)
+        sentences.append(say("site.judged", pairs=counted_words(judged, "answer"), events=events))
+    return " ".join(sentences)
 
 
 def _block_table(site: xr.Dataset) -> Table:
@@ -163,13 +163,13 @@ def _block_table(site: xr.Dataset) -> Table:
         titled(say("site.head.block"), lambda name: Cell(body_name(name)), "block", width=34),
         _restitution(),
         titled(say("site.head.under"), under, "design_rotation_ratio", note="theta_max/alpha_c"),
-        titled(say("site.coverage_head"), shown(share), "block_coverage", note=say("site.left_out")),
+        titled(say("site.coverage_head"), formatted(share), "block_coverage", note=say("site.left_out")),
     )
     return tabulated("site-blocks", say("site.caption.blocks"), selected, site)
 
 
 def _restitution() -> Column:
-    return titled("C", shown(restitution), "restitution", note=say("head.restitution"))
+    return titled("C", formatted(restitution), "restitution", note=say("head.restitution"))
 
 
 def _interval(title: str, name: str) -> Column:
@@ -193,7 +193,7 @@ def _design_table(site: xr.Dataset) -> Table:
         _interval(say("site.head.interval", confidence=confidence), "effective_impulse"),
         titled(say("site.head.overturns_at"), number_cell, "speed", unit="m/s", note="g tan(alpha_c)/p"),
         titled(say("site.factor"), over, "design_factor", note=say("site.note.on_design")),
-        titled(say("site.head.overturned_by"), shown(share), "overturned_share", note=say("site.note.weight")),
+        titled(say("site.head.overturned_by"), formatted(share), "overturned_share", note=say("site.note.weight")),
     )
     own = site.assign(speed=site["design_factor"] * site["effective_impulse"])
     own = own.isel(block=np.flatnonzero(site["effective_impulse"].notnull()))
@@ -220,7 +220,7 @@ def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
     """Return a table of spectrum quantiles over p; empty if there are too few earthquakes."""
     if spectra["spectrum_design"].isnull().any():
         return []
-    at = spectra.sel(restitution=SHOWN_RESTITUTION, method="nearest")
+    at = spectra.sel(restitution=TABLE_RESTITUTION, method="nearest")
     quantile, confidence = (f"{100.0 * float(site[name]):g} %" for name in ("quantile", "confidence"))
     columns = {"spectrum_50": "median", "spectrum_84": "84 %", "spectrum_design": quantile}
     titles = {title: key for key, title in columns.items()}  # the design replaces the same quantile
@@ -272,12 +272,12 @@ def _correlation(site: xr.Dataset) -> Table:
 
 def _coverage(site: xr.Dataset, blocks: Table) -> str:
     """Describe the coverage of all bodies together, then of each body or, if they are many, the extreme values."""
-    told = [
+    sentences = [
         coverage(site),
-        f"{share(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "
-        f"block), {share(_number(site, 'standing_share'))} of these on blocks that the design leaves standing.",
+        f"{share(_number(site, 'lifted_share'))} of the pairs of record and block are used (the record lifts the "
+        f"block), {share(_number(site, 'standing_share'))} of these for blocks that the design does not overturn.",
     ]
-    parts = [paragraph(line, "  ", "") for line in told]
+    parts = [paragraph(line, "  ", "") for line in sentences]
     shares = site["block_coverage"]
     if site.sizes["block"] <= LISTED:
         parts.append(explained(blocks))

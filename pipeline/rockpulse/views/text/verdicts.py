@@ -13,7 +13,7 @@ from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTUR
 from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, shortened, three_digits
 from rockpulse.views.shared.notes import (
     body_notes,
@@ -102,8 +102,8 @@ def _below_records(
         impulse = record.value("main_impulse")
         strength = [*record.strength, *([] if math.isnan(impulse) else [f"I {three_digits(impulse, 'm/s')}"])]
         found += ["", "  ".join([cell.marked, *strength]), *head, *laid[place * size : (place + 1) * size]]
-    shown = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
-    return "\n".join(shown)
+    text_lines = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
+    return "\n".join(text_lines)
 
 
 def overturned(answers: Answers, files: str = "") -> str:
@@ -114,7 +114,7 @@ def overturned(answers: Answers, files: str = "") -> str:
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
-    told = [
+    text_lines = [
         f"Records that overturn each body ({answers.model} model):",
         *([paragraph(files, "    ", "  ! ")] if files else []),
     ]
@@ -123,14 +123,14 @@ def overturned(answers: Answers, files: str = "") -> str:
         weaker = [f"{names[row]} ({three_digits(factor[row, place])})" for row in np.flatnonzero(lucky[:, place])]
         nothing = "none as recorded, but see below" if weaker else "none"
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
-        told.append(paragraph(named or nothing, "      ", f"  {block}: "))
+        text_lines.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
         rows.append((Cell(block), *(col.count_of(own[place], len(names)) for own in counts)))
     headings = (Heading("number of records", width=col.NAME_WIDTH), *map(Heading, answers.models))
-    told += ["", *lines(Table("", "", headings, tuple(rows)), "  ")]
+    text_lines += ["", *lines(Table("", "", headings, tuple(rows)), "  ")]
     if by_weaker:
-        told += ["", "Records that overturn the body only if scaled down (SF in brackets):", *by_weaker]
-    return "\n".join(told)
+        text_lines += ["", "Records that overturn the body only if scaled down (SF in brackets):", *by_weaker]
+    return "\n".join(text_lines)
 
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
@@ -159,7 +159,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     selected = (
         col.titled("", Cell, "name", width=col.NAME_WIDTH),
         col.titled(col.COLUMNS["verdict"].heading.title, lambda one: Cell(col.grade_cell(one).text), "found"),
-        *(col.titled(title, col.shown(ratio), title) for title in likely),
+        *(col.titled(title, col.formatted(ratio), title) for title in likely),
         *col.columns("probability_upper", "uplift", middle, "top", "rotation"),
         *col.columns("worst", worst=f"worst {answers.motions.kind}"),
     )
@@ -182,14 +182,14 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
-    told = []
+    demands = []
     for place, (name, demand) in enumerate(answers.demands.items()):
         every = [one.demands[place] for one in found]
         lost, left = max(one.left_out for one in every), min(one.earthquakes for one in every)
         without = f", {lost} left out: scale factor outside {FARTHEST[0]:g} to {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
-        told.append(f"{name} ({demand.words}{without}{short})")
-    return f"{counted_motions(motions)} scaled to the demand {' and '.join(told)}"
+        demands.append(f"{name} ({demand.words}{without}{short})")
+    return f"{counted_motions(motions)} scaled to the demand {' and '.join(demands)}"
 
 
 #: Meaning of each verdict in terms of the probability, or of the share of records, from which it follows.
@@ -289,14 +289,14 @@ def governing(answers: Answers) -> str:
     for one in verdicts(answers):
         if one.governing >= 0:
             ruled.setdefault(one.governing, {})[one.body.block] = None
-    told = []
+    text_lines = []
     for row, blocks in sorted(ruled.items(), key=lambda item: -len(item[1]))[:NAMED]:
         record = answers.records[row]
         if known := Known(answers.summary, record=record).described:
-            told.append(paragraph(f"{record}: {known} (for {some(list(blocks), NAMED)})", "      ", "  "))
-    if not told:
+            text_lines.append(paragraph(f"{record}: {known} (for {some(list(blocks), NAMED)})", "      ", "  "))
+    if not text_lines:
         return ""
     if len(ruled) > NAMED:
-        told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
+        text_lines.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
     what = f"with the smallest {factor_name(answers.factor)}" if answers.has_factor else "that overturns"
-    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *told])
+    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *text_lines])

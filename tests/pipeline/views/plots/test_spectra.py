@@ -75,7 +75,7 @@ def test_records_far_below_every_body_are_counted_and_not_shown():
     many, body = spectra(1.0, 2.0, 1e-3), {"wall": (2.0, 0.1)}
     ax = overturning_spectra(many, restitution=0.85, bodies=body)
     assert ax.get_ylim()[0] == pytest.approx(0.1 * 9.80665 * math.tan(0.1) / 2.0)
-    assert "Below the picture, far from every body: 1 of 3 curves." in small_print(ax)
+    assert "Far below all bodies and not drawn: 1 of 3 curves." in small_print(ax)
     alone = overturning_spectra(many, restitution=0.85)
     assert alone.get_ylim()[0] < 2e-4
     assert "Below the picture" not in small_print(alone)

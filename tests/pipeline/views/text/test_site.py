@@ -64,7 +64,7 @@ def test_what_is_not_known_of_the_coverage_is_said_in_words(tree):
     one = site.assign(**{name: site[name].copy(data=value) for name, value in gone.items()}, judged_pairs=0)
     tree["site"] = one
     text = " ".join(site_overview(tree).split())
-    assert "Coverage of other earthquakes: not known, because no event could be judged" in text
+    assert "Coverage of other earthquakes: not known, because no earthquake could be left out" in text
     assert "covers -" not in text
     assert "Judged" not in text
     tree["site"] = one.isel(site_event=[0])

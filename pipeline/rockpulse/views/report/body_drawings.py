@@ -32,7 +32,7 @@ class Support:
     joined: int = 0
 
 
-def drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
+def body_drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
     """Return an `<svg>` element of a body with its restraints and sizes; `length` formats a length [m]."""
     below, top = sum(height for _, height in support.pedestals), body.top
     width = max(body.width, *(one for one, _ in support.pedestals), 0.25 * (top + below))
@@ -71,8 +71,8 @@ def drawing(body: Outline, support: Support, label: str, length: Callable[[float
     under = y(top) - 6 if support.pedestals else ground + 15
     parts.append(f'<text x="{x(middle)}" y="{under}" text-anchor="middle">{length(body.width)}</text>')
     side = max([x(body.right), *(x(middle + one / 2) for one, _ in support.pedestals)]) + 5
-    told = length(top) if math.isfinite(body.height) else f"↕ {length(body.centre)}"
-    parts.append(f'<text x="{side}" y="{y(0.5 * top)}">{told}</text>')
+    height_label = length(top) if math.isfinite(body.height) else f"↕ {length(body.centre)}"
+    parts.append(f'<text x="{side}" y="{y(0.5 * top)}">{height_label}</text>')
     lines = "\n".join(parts)
     size = f"0 0 {SIDE:.0f} {SIDE:.0f}"
     return f'<svg viewBox="{size}" class="drawing" role="img" aria-label="{label}">\n{lines}\n</svg>'

@@ -116,8 +116,8 @@ def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, int
         return Cell(ratio(factor), factor, tuple(marks))
     if math.isnan(limit):
         return Cell(say("answer.none"), factor, tuple(marks))
-    shown, point, decimals = lower_bound(limit)[1:].partition(say("decimal"))
-    return Cell((shown + point + decimals.rstrip("0")).rstrip(point or " "), factor, (NONE_UP_TO, *marks))
+    whole, point, decimals = lower_bound(limit)[1:].partition(say("decimal"))
+    return Cell((whole + point + decimals.rstrip("0")).rstrip(point or " "), factor, (NONE_UP_TO, *marks))
 
 
 def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
@@ -139,7 +139,7 @@ def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
 
 def unexplained(cell: Cell) -> Cell:
     """Return the cell with marks that add no note below the table."""
-    return cell._replace(marks=tuple(CellMark("", mark.shown, mark.before) for mark in cell.marks))
+    return cell._replace(marks=tuple(CellMark("", mark.text, mark.before) for mark in cell.marks))
 
 
 def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
@@ -168,11 +168,11 @@ def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
     few = one.deciding is not None and one.deciding.few
     # No record overturns it, but half of such earthquakes might: not graded as good.
     unsure = one.overall == Grade.ROCKS and one.decides.high >= OVERTURNS
-    told = say(f"grade.{'no_verdict' if few else one.overall.name.lower()}")
-    return Cell(before + told, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
+    verdict = say(f"grade.{'no_verdict' if few else one.overall.name.lower()}")
+    return Cell(before + verdict, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
 
 
-def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
+def formatted(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
     """Return a function that makes a cell from a number: it divides by `scale` and formats with `show`."""
     return lambda value: number_cell(value if scale == 1.0 else value / scale, show)
 
@@ -225,11 +225,11 @@ COLUMNS = {
         Column("record", _RECORD, lambda *one: record_cell(shortened(one[0], ID_WIDTH), *one[1:])),
         Column("block", ("block",), Cell, width=NAME_WIDTH),
         Column("model", ("model",), lambda name: Cell(say(f"models.{name}"))),
-        Column("restitution", ("restitution",), shown(restitution)),
+        Column("restitution", ("restitution",), formatted(restitution)),
         *map(_of_measure, STORED_OF_BODIES),
-        Column("impulse_ratio", ("impulse_ratio",), shown(ratio)),
+        Column("impulse_ratio", ("impulse_ratio",), formatted(ratio)),
         Column("answer", ("outcome", "peak_rotation_ratio", "applicable"), answer_cell),
-        Column("overturning_probability", ("overturning_probability",), shown(ratio)),
+        Column("overturning_probability", ("overturning_probability",), formatted(ratio)),
         Column("probability_interval", _PROBABILITY, _probability),
         Column("factor_10", ("factor_10", "factor_10_low"), factor_cell),
         Column("factor_50", ("factor_50", "factor_50_low"), factor_cell),
@@ -240,27 +240,27 @@ COLUMNS = {
         Column("capacity_pga", ("capacity_pga", "safe_up_to", PGA), _capacity, "g"),
         # a record
         *map(_of_measure, STORED),
-        Column("main_impulse", ("main_impulse",), shown(ratio), "m/s"),
+        Column("main_impulse", ("main_impulse",), formatted(ratio), "m/s"),
         Column("magnitude", ("magnitude",), number_cell),
         Column("epicentral_distance", ("epicentral_distance",), lambda distance: number_cell(distance / 1000.0), "km"),
         Column("warnings", ("warning_codes",), _counted),
         Column("overturns", ("fallen", "total"), count_of),
         # a block
-        Column("width", ("width",), shown(ratio), "m"),
-        Column("height", ("height",), shown(ratio), "m"),
-        Column("alpha_c", ("alpha_c",), shown(ratio), "rad"),
-        Column("p", ("p",), shown(ratio), "1/s"),
-        Column("critical_impulse", ("critical_impulse",), shown(ratio), "m/s"),
+        Column("width", ("width",), formatted(ratio), "m"),
+        Column("height", ("height",), formatted(ratio), "m"),
+        Column("alpha_c", ("alpha_c",), formatted(ratio), "rad"),
+        Column("p", ("p",), formatted(ratio), "1/s"),
+        Column("critical_impulse", ("critical_impulse",), formatted(ratio), "m/s"),
         Column("restitutions", ("restitutions",), _restitutions),
         Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all records, and the worst body of a record
         Column("verdict", ("found",), grade_cell),
-        Column("probability_upper", ("high",), shown(ratio)),
-        Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
+        Column("probability_upper", ("high",), formatted(ratio)),
+        Column("uplift", ("uplift",), formatted(ratio, STANDARD_GRAVITY), "g"),
         Column("median_factor_50", ("median",), unexplained),
         Column("median_safety_factor", ("median",), unexplained),
-        Column("top", ("top",), shown(ratio), "cm"),
-        Column("rotation", ("rotation",), shown(ratio), "deg"),
+        Column("top", ("top",), formatted(ratio), "cm"),
+        Column("rotation", ("rotation",), formatted(ratio), "deg"),
         Column("worst", ("worst",), Cell),
         Column("worst_for", ("worst_for",), Cell),
     )

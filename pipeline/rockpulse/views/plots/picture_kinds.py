@@ -47,13 +47,13 @@ KINDS = {
     ),
     "overturning-map": PictureKind(
         ("record", "block", "model"),
-        "factors on the input that overturn, of all blocks under a record or all records on a block",
+        "scale factors at which bodies overturn: all bodies under a record, or all records for a body",
     ),
     "probability": PictureKind(
         ("demand",), "probability that each record, unscaled or scaled to a demand, overturns each body"
     ),
     "critical-scale": PictureKind(
-        ("block", "model", "case"), "smallest factor on every record that overturns a block, by each model"
+        ("block", "model", "case"), "smallest scale factor on every record at which a body overturns, in each model"
     ),
     "fragility": PictureKind(
         ("block", "measure", "limit_state"),
@@ -83,8 +83,8 @@ def kind_list() -> str:
     lines = []
     for name, row in KINDS.items():
         options = ", ".join(OPTIONS[option] for option in row.options) or "none"
-        told = (row.summary, f"from: {row.command}; options: {options}")
-        lines += [name, *(paragraph(words, "    ", "    ") for words in told)]
+        texts = (row.summary, f"from: {row.command}; options: {options}")
+        lines += [name, *(paragraph(words, "    ", "    ") for words in texts)]
     words = (
         "--record and --block may be omitted if the file has only one. A pattern (*, ?) may replace a name if it "
         "matches exactly one."

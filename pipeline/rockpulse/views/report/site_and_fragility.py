@@ -17,8 +17,8 @@ from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import share
-from rockpulse.views.shared.shown_columns import shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
+from rockpulse.views.shared.table_columns import formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated
 from rockpulse.views.text import fragility as curves_text
 from rockpulse.views.text.site import about_records, coverage, design, site_tables, site_warnings
@@ -41,7 +41,7 @@ NAMED = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Paired:
+class MatchedFile:
     """A site file or fragility file that is shown in the report, limited to bodies of the results; how it differs."""
 
     tree: xr.DataTree
@@ -56,17 +56,17 @@ class Paired:
         """Return warnings that the file was made from other records; empty if a design sequence was assessed."""
         if not assessed:
             return []
-        told = {
+        conditions = {
             f"{subject}.other_motions": not self.same,
-            "beside.unchecked": self.unchecked,
-            "beside.changed": self.changed,
-            "beside.settings": self.settings,
+            "matched_file.unchecked": self.unchecked,
+            "matched_file.changed": self.changed,
+            "matched_file.settings": self.settings,
         }
         fields = {"records": listed(self.changed), "settings": "; ".join(self.settings)}
-        return [say(key, **fields) for key, there in told.items() if there]
+        return [say(key, **fields) for key, there in conditions.items() if there]
 
 
-def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
+def matched_file(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> MatchedFile:
     """Compare a site or fragility file with the results; ResultsError if bodies of one name or the designs differ."""
     summary = results["summary"].to_dataset()
     site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
@@ -90,7 +90,7 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
     changed = tuple(record for record, peak in common.items() if not _close((assessed[record],), (peak,)))
     unchecked = sum(np.isnan(peak) for peak in common.values())
     settings = _other_settings(results, other)
-    return Paired(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
+    return MatchedFile(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
 
 
 def _bodies(
@@ -200,7 +200,7 @@ def _set(value: Any) -> str:
 
 
 @dataclass(frozen=True)
-class BesideSection:
+class ReportSection:
     """A section of the report: warnings, sentences, tables, the bodies whose curves are drawn, and `banded`."""
 
     warnings: tuple[str, ...]
@@ -210,7 +210,7 @@ class BesideSection:
     banded: bool = True
 
 
-def describe_site(of: Paired, assessed: int) -> BesideSection:
+def describe_site(of: MatchedFile, assessed: int) -> ReportSection:
     """Return the report section on the site; `assessed` is the number of assessed records, 0 for a design sequence."""
     site = of.tree["site"].to_dataset()
     said, tables = [coverage(site)], site_tables(site)
@@ -221,10 +221,10 @@ def describe_site(of: Paired, assessed: int) -> BesideSection:
         bodies, names = counted_words(site.sizes["block"], "body"), listed(of.foreign)
         common.append(say("site.foreign", bodies=bodies, count=len(of.foreign), names=names))
     warnings = (*_not_used(of), *of.other_motions("site", assessed), *site_warnings(site))
-    return BesideSection(warnings, (*about_records(site), *common, *said), tuple(tables))
+    return ReportSection(warnings, (*about_records(site), *common, *said), tuple(tables))
 
 
-def _not_used(of: Paired) -> list[str]:
+def _not_used(of: MatchedFile) -> list[str]:
     """Describe the files that the site or the curves do not use; empty if all files were used."""
     files = files_used(of.tree)
     return [f"{files.counted or say('warning.files.none')}: {files.reasons}."] if files.line else []
@@ -233,8 +233,8 @@ def _not_used(of: Paired) -> list[str]:
 def _events(site: xr.Dataset) -> Table:
     selected = (
         titled(say("head.earthquake"), Cell, "site_event"),
-        titled(say("head.records"), shown(str), "event_records"),
-        titled(say("site.coverage_head"), shown(share), "event_coverage", note=say("site.without_it")),
+        titled(say("head.records"), formatted(str), "event_records"),
+        titled(say("site.coverage_head"), formatted(share), "event_coverage", note=say("site.without_it")),
     )
     return tabulated("site-events", say("site.earthquakes"), selected, site)
 
@@ -251,17 +251,17 @@ def _every_record(site: xr.Dataset) -> Table:
         titled("PGV", number_cell, "pgv", unit="m/s"),
         *(titled(title, number_cell, title, unit=unit) for title, unit in parameters),
         titled(say("site.misfit"), number_cell, "misfit", note=translated("labels.ln, rms", "ln, rms")),
-        titled(say("site.below"), shown(share), "unsafe_share", note=say("site.of_blocks")),
+        titled(say("site.below"), formatted(share), "unsafe_share", note=say("site.of_blocks")),
     )
     values = {title: site["value"].isel(parameter=place) for place, (title, _) in enumerate(parameters)}
     return tabulated("site-records", say("site.caption.records"), selected, site.assign(values))
 
 
-def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
+def describe_fragility(of: MatchedFile, assessed: int, model: str) -> ReportSection:
     """Return the report section on fragility; `assessed` is the number of records, 0 for a design sequence."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
-    own = curves.sel(measure=curves_text.shown_measure(curves))
+    own = curves.sel(measure=curves_text.displayed_measure(curves))
     common = say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed)
     data = say(f"fragility.{tree.attrs['data']}")
     said = say("fragility.from", records=curves_text.records_words(tree), common=common, data=data)
@@ -274,7 +274,7 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
     of_measures = curves_text.sufficiency_tables(tree["efficiency"].to_dataset())
     tables = tuple(one for one in (curves_text.median_table(tree), _warning_table(own), *of_measures) if one.rows)
     banded = bool(own["median_low"].notnull().any())
-    return BesideSection(tuple(warnings), (said,), tables, tuple(own["block"].values.tolist()), banded)
+    return ReportSection(tuple(warnings), (said,), tables, tuple(own["block"].values.tolist()), banded)
 
 
 def _warning_table(own: xr.Dataset) -> Table:
