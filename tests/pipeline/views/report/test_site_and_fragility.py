@@ -132,7 +132,7 @@ def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, 
 def test_other_settings_another_gravity_and_another_equation_are_reported(results, bursts, bodies, fragility):
     fragility = rp.fragility(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).warnings == (
-        "The motions were made with other settings: [conditioning] order = 4, here 2.",
+        "The motions were processed with other settings: [conditioning] order = 4, here 2.",
     )
     here, there = results.copy(), fragility.copy()
     here.attrs["configuration"], there.attrs["configuration"] = (
@@ -141,7 +141,7 @@ def test_other_settings_another_gravity_and_another_equation_are_reported(result
     assert matched_file(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
     linear = replace(CURVES, fragility=replace(CURVES.fragility, equation="linear"))
     assert curves_of(results, rp.fragility(bursts, linear, bodies)).warnings == (
-        "The curves are by the linear equation of motion, the verdict is by the nonlinear model.",
+        "The curves are computed with the linear equation of motion, the verdict with the nonlinear model.",
     )
 
 

@@ -144,7 +144,7 @@ def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lif
     assert (shown["P as recorded"], shown["smallest scale factor at P = 10 %"]) == (f"0 (0{TO}0.26)", ">10")
     summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
     told = sentence(answers(summary), verdict(summary))
-    assert told == "None of 2 records of 2 earthquakes lifts it; no conclusion can be drawn for stronger records."
+    assert told == "Not lifted by any of 2 records of 2 earthquakes; no conclusion can be drawn for stronger records."
     assert grade_cell(verdict(summary)).text == "at rest"
 
 

@@ -68,9 +68,9 @@ def test_what_is_not_known_of_the_coverage_is_said_in_words(tree):
     assert "covers -" not in text
     assert "Judged" not in text
     tree["site"] = one.isel(site_event=[0])
-    assert "not known, because there is only one event, which cannot be" in " ".join(site_overview(tree).split())
+    assert "not known, because there is only one earthquake, which cannot be" in " ".join(site_overview(tree).split())
     tree["site"] = site.assign(**{name: site[name].copy(data=np.nan) for name in ("coverage_lower", "coverage_upper")})
-    assert "(one event: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
+    assert "(one earthquake: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
 
 
 @pytest.mark.parametrize("scaled", ["pga 4 m/s2", "pgv 0.5 m/s", "impulse 0.5 m/s"])
