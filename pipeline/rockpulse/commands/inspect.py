@@ -28,16 +28,16 @@ NOTHING = "nothing failed and nothing was skipped"
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.hdf5.results_file import open_results
+    from rockpulse.storage.hdf5.results_file import open_results_file
 
-    with open_results(args.results) as file, file.reading():
+    with open_results_file(args.results) as file, file.reading():
         whole = [group for group in SHOWN_WHOLE if group in file.groups]
         tell(_whole(file, whole[0], args) if whole else "\n\n".join(_parts(file, args)))
     return 0
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """Return the requested parts in the order of the help; the overview if none is requested."""
+    """Return the parts of the results that the options request, or the overview."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
@@ -92,7 +92,7 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
 
 
 def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
-    from rockpulse.storage.hdf5.results_file import load
+    from rockpulse.storage.hdf5.results_file import load_tree
     from rockpulse.views.text.left_out import failure_list
 
     said, name = SHOWN_WHOLE[group]
@@ -106,7 +106,7 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     if args.failures:
         return failure_list(file.tree("failures")) or NOTHING
     overview = getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")
-    return str(overview(load(args.results)))
+    return str(overview(load_tree(args.results)))
 
 
 VERB = Verb(
@@ -118,14 +118,13 @@ VERB = Verb(
         {
             "RESULTS": "file of rockpulse assess, calibrate or fragility",
             "--record ID ...": "one record in detail, or the cases of a pattern such as '*CCC*' (* and ? are "
-            "wildcards); "
-            "repeatable",
+            "wildcards); repeatable",
             "--block NAME ...": "one body in detail, or the cases of a pattern; repeatable",
-            "--all": "the verdict of every model for every record and body",
-            "--failures": "files and channels that failed or were skipped, with the reason",
+            "--all": "show the verdict of every model for every record and body",
+            "--failures": "list the files and channels that failed or were skipped, with the reason",
             "--records": "list the records",
             "--blocks": "list the bodies",
-            "--worst N": ("the N cases with the smallest scale factor that overturns", {"type": parse_count}),
+            "--worst N": ("list the N cases with the smallest scale factors of overturning", {"type": parse_count}),
             **SELECTION,
         },
     ),

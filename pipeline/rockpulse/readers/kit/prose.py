@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 from rockpulse.readers.kit.direction import Direction, direction, heading_direction
 from rockpulse.readers.kit.facts import written
-from rockpulse.readers.kit.kinds import plain, prose_kinds
+from rockpulse.readers.kit.motion_kinds import folded_text, prose_kinds
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
-_LINE = 1000  # characters of a header line that are looked at
-#: Pattern of words for the history of a record; numbers next to them do not describe the file.
+_LINE = 1000  # number of characters of a header line that are read
+#: Pattern of words for earlier processing of a record; numbers next to them do not describe the file.
 _PAST = re.compile(r"\b(?:convert|resampl|original|decimat|interpolat)")
 _SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|velocity[- ]pulses?\b|\bvs_?30\b")
 _PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")
@@ -47,7 +47,7 @@ _BRACKET = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")
 _ONE_UNIT = re.compile(r"[^\s,;)\]]{1,12}")
 
 
-#: Pattern of units of quantities other than ground motion, or of a motion before its gain.
+#: Pattern of units of other quantities than acceleration, or of the raw output of a sensor.
 _NO_UNIT = re.compile(
     r"[muµ]?v|(?:milli|micro)?volts?|counts?|cts|lsb|bits?|digits?|raw|adc|mm|cm|m|in|inch(?:es)?|ft|feet|k?n|[kmg]?pa|"
     r"bar|rad(?:/s2?)?|deg(?:/s)?|(?:micro)?strain|mm/s|cm/s|m/s|kine"
@@ -71,7 +71,7 @@ _SCALES = re.compile(
     r"multipl(?:y|ied)(?: \w+)? by|factor de escala|fattore di scala|skalierungsfaktor|facteur d.echelle|olcek faktoru)"
     r" ?(?:[=:]|is|of)? ?" + _NUMBER
 )
-_FEWEST_SAMPLES = 50  # a smaller number of points may be that of a filter or of a row
+_FEWEST_SAMPLES = 50  # fewer points may be those of a filter or of a row
 _REVERSED = re.compile(r"polarity ?[=:]? ?(?:is )?(?:reversed|inverted|negative|-1?\b)|(?:reversed|inverted) polarity")
 _ONE_COMPONENT = re.compile(
     r"(?:component|componente|composante|komponente|direction|direccion|direzione|richtung|orientation|orientacion|"
@@ -98,9 +98,9 @@ _NUMBERED = re.compile(
 
 
 class Statement(NamedTuple):
-    """A statement of the header (its line from 1, and its words): an interval or duration [s], a count, or a unit.
+    """A statement of the header: the number of its line (from 1), its words, and its value.
 
-    The value of a unit is 1 if the word "unit" names it, and 0 otherwise.
+    The value of a unit is 1 if the word "unit" precedes it, else 0. Intervals and durations are in s.
     """
 
     line: int
@@ -109,17 +109,17 @@ class Statement(NamedTuple):
 
 
 class Peak(NamedTuple):
-    """A peak stated in prose: its number as printed, and its unit as worded, which may be empty."""
+    """A peak that the prose states: its number and its unit, both as texts; the unit may be empty."""
 
     text: str
     unit: str = ""
 
 
 def stated_kinds(header: Sequence[str]) -> dict[str, int]:
-    """Return the kinds of motion that a header names, by word or unit, with the first line of each, from 1."""
+    """Return the kinds of motion that a header names, each with the number (from 1) of the first such line."""
     found: dict[str, int] = {}
     for number, line in enumerate(header, 1):
-        text = _SHEAR_WAVES.sub(" ", plain(line))
+        text = _SHEAR_WAVES.sub(" ", folded_text(line))
         kinds = prose_kinds(text)
         kinds += [quantity for quantity, _ in _units(line)]
         found = {**dict.fromkeys(kinds, number), **found}
@@ -127,9 +127,9 @@ def stated_kinds(header: Sequence[str]) -> dict[str, int]:
 
 
 def _units(line: str) -> list[tuple[str, str]]:
-    """Return quantity and unit that a line of prose states for the samples, but not the unit of a value or peak."""
+    """Return the quantity and the unit of the samples that a line states; units of single values do not count."""
     line = line[:_LINE]
-    text = plain(line)
+    text = folded_text(line)
     if _PEAK.search(text) or _PAST.search(text):
         return []
     named = ((unit[:2], line[max(unit[2] - 2, 0) : unit[2]]) for unit in mentioned_units(line))
@@ -144,7 +144,7 @@ def _units(line: str) -> list[tuple[str, str]]:
 
 
 def _unit_words(text: str) -> list[tuple[str, bool]]:
-    """Return the words after "in" or "unit" (in any language) in a text, and whether they follow "unit"."""
+    """Return the words after "in" or "unit" (in several languages), each with True if it follows "unit"."""
     found = []
     for match in _UNIT.finditer(text):
         word = _ONE_UNIT.match(text, match.end())
@@ -153,20 +153,20 @@ def _unit_words(text: str) -> list[tuple[str, bool]]:
 
 
 def stated_units(header: Sequence[str]) -> list[Statement]:
-    """Return the units of acceleration that a header states, with value 1 if the word "unit" precedes them."""
+    """Return the units of acceleration that a header states; the value is 1 after the word "unit", else 0."""
     found = []
     for number, line in enumerate(header, 1):
-        named = {word for word, with_word in _unit_words(plain(line)) if with_word}
+        named = {word for word, with_word in _unit_words(folded_text(line)) if with_word}
         units = [wording for quantity, wording in _units(line) if quantity == "acceleration"]
         found += [Statement(number, wording, float(wording.lower() in named)) for wording in units]
     return found
 
 
 def other_units(header: Sequence[str]) -> list[Statement]:
-    """Return units of the samples other than of acceleration (V, counts, mm), if the word "unit" names them."""
+    """Return the units that a header states for the samples but that are none of acceleration: V, counts, mm."""
     found = []
     for number, line in enumerate(header, 1):
-        text = plain(line)
+        text = folded_text(line)
         for match in _UNIT.finditer(text):
             word = _ONE_UNIT.match(text, match.end())
             before = text[: match.start()]
@@ -179,10 +179,10 @@ def other_units(header: Sequence[str]) -> list[Statement]:
 
 
 def stated_steps(header: Sequence[str]) -> list[Statement]:
-    """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` is used only without any other."""
+    """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` counts only without others."""
     named, bare = [], []
     for number, line in enumerate(header, 1):
-        text = plain(line)
+        text = folded_text(line)
         if _PAST.search(text):
             continue
         for match in _STEP.finditer(text):
@@ -205,33 +205,33 @@ def _step_of_rate(match: re.Match[str]) -> float:
 
 def stated_counts(header: Sequence[str]) -> list[Statement]:
     """Return the numbers of samples that a header states."""
-    counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(plain(line)))
+    counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(folded_text(line)))
     return [Statement(number, match[0], float(match[1] or match[2])) for number, match in counts]
 
 
 def surely_counts(said: Statement) -> bool:
-    """Return whether a count is stated in unambiguous words, and is not only a few values."""
+    """Return whether a statement is surely the number of samples: clear words and a large number."""
     return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
 
 
 def stated_peaks(header: Sequence[str]) -> list[Peak]:
     """Return the peaks of acceleration that a header states."""
-    matches = (match for line in header for match in _PEAKS.finditer(plain(line)))
+    matches = (match for line in header for match in _PEAKS.finditer(folded_text(line)))
     found = [(Peak(match["value"].replace(",", "."), _peak_unit(match)), match) for match in matches]
     return [peak for peak, match in found if match["power"] is None and (match["sign"] or peak.unit)]
 
 
 def _peak_unit(match: re.Match[str]) -> str:
-    """Return the unit of a stated peak, also if it is not one of acceleration; empty for other words."""
+    """Return the unit of a stated peak; empty if no unit is beside the number."""
     words = [word for word in (match["before"], match["unit"]) if word]
     return next((word for word in words if quantity_of(word)), "")
 
 
 def stated_durations(header: Sequence[str]) -> list[Statement]:
-    """Return the lengths of the record [s] that a header states, but not lengths of parts of it."""
+    """Return the durations of the record [s] that a header states, but not those of its strong part."""
     found = []
     for number, line in enumerate(header, 1):
-        text = plain(line)
+        text = folded_text(line)
         matches = () if _PART.search(text) else _DURATIONS.finditer(text)
         found += [Statement(number, match["value"].replace(",", "."), _value(match)) for match in matches]
     return found
@@ -239,34 +239,34 @@ def stated_durations(header: Sequence[str]) -> list[Statement]:
 
 def stated_scales(header: Sequence[str]) -> list[Statement]:
     """Return the scale factors that a header states."""
-    matches = ((number, match) for number, line in enumerate(header, 1) for match in _SCALES.finditer(plain(line)))
+    matches = ((at, match) for at, line in enumerate(header, 1) for match in _SCALES.finditer(folded_text(line)))
     return [Statement(number, match[0], _value(match)) for number, match in matches]
 
 
 def positive_downwards(header: Sequence[str]) -> bool:
     """Return whether a header states that vertical motion is positive downwards."""
-    return any(_DOWNWARDS.search(plain(line)) for line in header)
+    return any(_DOWNWARDS.search(folded_text(line)) for line in header)
 
 
 def reversed_polarity(header: Sequence[str]) -> list[str]:
     """Return a warning if a header states that the polarity is reversed."""
-    lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(plain(line))]
+    lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(folded_text(line))]
     return [f"line {number} speaks of a reversed polarity; the sign is that of the file" for number in lines]
 
 
 def stated_direction(header: Sequence[str]) -> Direction:
-    """Return the direction that the prose of a file with one column states: "component: N-S", "vertical component"."""
+    """Return the direction that the prose states, as in "component: N-S"; unknown if it states several."""
     found = []
     for line in header:
-        for match in _ONE_COMPONENT.finditer(plain(line)):
+        for match in _ONE_COMPONENT.finditer(folded_text(line)):
             found.append(heading_direction((match[1] or match[2]).upper()))
     known = {(one.orientation, one.azimuth, one.sign): one for one in found if one.orientation != "unknown"}
     return next(iter(known.values())) if len(known) == 1 else Direction()
 
 
 def stated_start(header: Sequence[str]) -> datetime | None:
-    """Return the time of the first sample [UTC] that a header states; None if it or its zone is unknown."""
-    texts = (match[1].upper() for line in header if (match := _START.search(plain(line))))
+    """Return the UTC time of the first sample that a header states; None if time or zone is missing."""
+    texts = (match[1].upper() for line in header if (match := _START.search(folded_text(line))))
     return next((moment for text in texts if (moment := written(text))), None)
 
 
@@ -276,9 +276,9 @@ def stated_station(header: Sequence[str]) -> str:
 
 
 def stated_columns(header: Sequence[str], width: int) -> list[str]:
-    """Return the words on each of `width` columns, from "components: E N Z" or "Column 4: U/D component"; may be empty.
+    """Return the words for each column from a line such as "components: E N Z"; empty if there is none.
 
-    If a list has one item fewer than there are columns, the first column contains the times.
+    If the line has one word less than there are columns, the first column contains the times.
     """
     numbered: dict[int, str] = {}
     for line in header:
@@ -291,7 +291,7 @@ def stated_columns(header: Sequence[str], width: int) -> list[str]:
         words = re.split(r"[ ,;|/]+", text[listed.start(1) :].strip(" .*-#")) if listed else []
         if len(words) > 1 and len(words) in (width, width - 1):
             facing = [direction(word).orientation != "unknown" for word in words]
-            timed = facing[0] or plain(words[0]) in ("t", "time")
+            timed = facing[0] or folded_text(words[0]) in ("t", "time")
             if timed and all(facing[1:]):
                 return ["time"] * (width - len(words)) + words
     if numbered and set(numbered) == set(range(1, width + 1)):

@@ -84,6 +84,8 @@ def shortened(words: str, width: int) -> str:
 
 
 def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
-    """Wrap text to the width of the terminal, with an indent for all lines and another one for the first line."""
+    """Wrap text to the width of the terminal and keep its line breaks; `first` is the indent of the first line."""
     options: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
-    return textwrap.fill(words, WIDTH, initial_indent=indent if first is None else first, **options)
+    begin, *further = words.split("\n")
+    first_line = textwrap.fill(begin, WIDTH, initial_indent=indent if first is None else first, **options)
+    return "\n".join([first_line, *(textwrap.fill(one, WIDTH, initial_indent=indent, **options) for one in further)])
