@@ -73,10 +73,8 @@ def overturning_map(
     rows = list(product(records, blocks, range(1, summary.sizes.get("case", 1) + 1)))
     searched = not is_full(model) or bool(summary["safety_factor"].sel(model=model).notnull().any())
     name = "safety_factor" if searched else "factor_10"
-    variables = (name, "factor_resolved", "search_step", "applicable", "factor_50", "factor_10_low", "factor_10_high")
-    factors, resolved, steps, inside, half, *ends = (
-        _of_rows(summary, one, records, blocks, model) for one in variables
-    )
+    wanted = (name, "factor_resolved", "search_step", "applicable", "factor_50", "factor_10_low", "factor_10_high")
+    factors, resolved, steps, inside, half, *ends = (_of_rows(summary, one, records, blocks, model) for one in wanted)
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no scale factors in these results; {_SEARCH}")
     kept, merged, names, notes = factor_rows.drawn_rows(summary, rows, factors, most)

@@ -222,10 +222,8 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
     order = sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
     selected = columns(*(["restitution"] if len(own) > 1 else []), PGA)
-    cells_of_rows = cells.cells(selected, *zip(*order, strict=True)) if order else []
-    rows = tuple(
-        (_by_name(cells, at[0]), *values, *cells.of(*at)) for at, values in zip(order, cells_of_rows, strict=True)
-    )
+    further = cells.cells(selected, *zip(*order, strict=True)) if order else []
+    rows = tuple((_by_name(cells, at[0]), *values, *cells.of(*at)) for at, values in zip(order, further, strict=True))
     headings = (Heading(say("head.record")), *headed(selected), *cells.short)
     caption = say("caption.governing" if len(pairs) > GOVERNING else "caption.each_record")
     return Table(f"body-{place}-records", caption, headings, rows)

@@ -264,8 +264,7 @@ def through_stored_points(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Scale the factors of a probability curve so that the curve passes through the stored scale factors.
 
-    The shift is linear in the logarithm. Factors that are interpolated in a stored spectrum differ by some percent from
-    the stored factors of the body.
+    Scale factors from a stored spectrum differ by some percent from those of the body. Scaling is linear in logarithms.
     """
     pairs = [(float(factor_at(share, factors, probability)), factor) for share, factor in stored.items()]
     logs = np.log([pair for pair in pairs if all(map(math.isfinite, pair))]).reshape(-1, 2)

@@ -174,8 +174,7 @@ class Known(RecordFacts):
     def impact_friction(self, c: float) -> float:
         """Return the ratio of horizontal to vertical impulse at an impact, h (1 - C)/(b_1 + C b_2).
 
-        It is 0 if no friction is given or the body stands next to a wall. The formula is that of
-        :func:`rocking.impact_friction`, repeated here so that the solvers are not imported.
+        It is 0 without friction or next to a wall. The formula of :func:`rocking.impact_friction`, without its import.
         """
         friction = self.value("friction")
         if friction is None or math.isnan(float(friction)) or self.value("one_sided"):

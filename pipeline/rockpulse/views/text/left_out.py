@@ -35,11 +35,9 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     lines = []
     for kind, rows in found.items():
         entries = _entries(kind, rows)
-        title = (
-            f"vertical channels, acting on {several(acted, 'record')}"
-            if kind == "vertical" and acted
-            else _KINDS.get(kind, kind)
-        )
+        title = _KINDS.get(kind, kind)
+        if kind == "vertical" and acted:
+            title = f"vertical channels, acting on {several(acted, 'record')}"
         few, failed = (FEW, LISTED) if brief else (LISTED, len(entries))
         lines += [f"{title}: {len(rows)}", *_cut(entries, failed if kind == "failed" else few)]
     lines += _beside(beside)
