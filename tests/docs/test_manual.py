@@ -24,7 +24,7 @@ RUN = [
     if page not in OWN_FILES and any(block.kind in ("sh", "python") and not block.not_run for block in blocks(page))
 ]
 #: Pages that take half a minute or more; tests/pipeline/views/plots draws every kind of picture, of short records, and
-#: tests/pipeline/commands/test_selftest.py runs the self-test.
+#: tests/pipeline/studies/selftest runs the self-test.
 LONG = {DOCS / "gallery.md", DOCS / "accuracy.md"}
 
 #: All that the manual shows and no test runs, with the reason that stands above it on the page.
