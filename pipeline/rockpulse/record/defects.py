@@ -116,7 +116,8 @@ def defects(record: Record) -> list[WarningText]:
         key=lambda one: one[0] / one[1],
     )
     if slow > DRIFT * rest:
-        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=True))
+        # A pulse that is given as an array may leave a velocity on purpose.
+        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(record.source)))
     return found
 
 

@@ -119,9 +119,17 @@ def test_a_step_drifts_whatever_baseline_is_subtracted(baseline):
 
 
 def test_a_high_pass_takes_the_velocity_of_a_step_away_so_that_it_does_not_decide():
-    stepped = record(*step(shaking(), DT, 25.0))
+    stepped = record(*step(shaking(), DT, 25.0), source="made.csv")
     assert [one.code for one in deciding(condition(stepped, "mean"))] == ["velocity_drift"]
     assert deciding(condition(stepped, "mean", highpass_hz=0.3)) == []
+
+
+def test_a_velocity_that_an_array_without_a_file_leaves_does_not_decide():
+    pulse = np.where(abs(TIME - 4.0) < 0.5, 3.0 * np.cos(np.pi * (TIME - 4.0)), 0.0)
+    for source, codes in (("", []), ("made.csv", ["velocity_drift"])):
+        one = condition(record(pulse, source=source), "none")
+        assert drifts(one)
+        assert [found.code for found in deciding(one)] == codes
 
 
 def test_a_velocity_that_comes_back_to_zero_by_the_mean_is_still_seen_to_drift():

@@ -119,6 +119,16 @@ def test_components_of_one_instrument_far_apart_are_in_doubt(factor):
     assert seen(volume("a", north=5.0 * NORTH, late=1.0))[1] == []
 
 
+@pytest.mark.parametrize(("scale", "turned"), [(1.0, ""), (0.7, ""), (-1.0, " with the opposite sign")])
+def test_a_component_in_another_file_that_is_a_copy_is_told(scale, turned):
+    copied = np.round(scale * NORTH, 4)
+    pair = [replace(one, source=f"{one.id}.txt") for one in volume("a", east=copied)]
+    found, failed, _, warnings = seen(pair)
+    assert (found, failed) == (["a.E", "a.N"], [])
+    for other in "EN":
+        assert f"the samples are those of a.{other}{turned}: one of them is a copy" in warnings
+
+
 def test_beside_a_channel_of_noise_the_sound_one_counts():
     noise = np.round(2e-3 * np.random.default_rng(3).normal(size=NORTH.size), 6)
     found, (reason,), _, _ = seen(volume("a", north=noise))

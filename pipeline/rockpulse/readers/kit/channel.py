@@ -31,7 +31,7 @@ _DEEPEST_SENSOR = 10e3
 # From the first of the blanks on only, or a line of blanks would cost the square of its length.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 #: Number of samples that are compared first to find copies of a channel; signs of a copy, with the words for each.
-_FIRST, _SIGNS = 1000, ((1.0, ""), (-1.0, " with the opposite sign"))
+_FIRST, SIGNS = 1000, {1.0: "", -1.0: " with the opposite sign"}
 #: Number of equal consecutive samples at the extreme that indicate the end of a range.
 RUN = 5
 #: Smallest distance of the extreme from the middle of the trace, in smallest steps; below it, rounding makes equal
@@ -193,7 +193,7 @@ def copies_told(records: Sequence[Record]) -> list[Record]:
         if not np.array_equal(abs(one.acceleration[near]), abs(other.acceleration[near])):
             continue
         turned = next(
-            (words for sign, words in _SIGNS if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
+            (words for sign, words in SIGNS.items() if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
         )
         if turned != "-":
             notes.setdefault(at, []).append(
