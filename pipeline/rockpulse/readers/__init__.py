@@ -10,7 +10,7 @@ from rockpulse.readers.format import FileSettings, Format, ReadOptions
 from rockpulse.readers.formats import FORMATS
 from rockpulse.readers.kit.text import UNITS
 from rockpulse.readers.no_record import advice, is_table, may_be_record
-from rockpulse.readers.source import NoRecord, SourceFile, Table, Unrecognised, open_source, open_stream
+from rockpulse.readers.source import NoRecord, SourceFile, TableOfResults, Unrecognised, open_source, open_stream
 from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", "read_source"]
@@ -26,7 +26,7 @@ def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[
 
 def _read_text(file: SourceFile, options: ReadOptions) -> list[Record]:
     if is_table(file):
-        raise Table(f"{file.name}: a table of results or of parameters, no record")
+        raise TableOfResults(f"{file.name}: a table of results or of parameters, no record")
     for row in FORMATS:
         if row.detect(file.head, file.name):
             options = options.of_file(file.name)

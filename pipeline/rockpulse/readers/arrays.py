@@ -10,7 +10,7 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
 from rockpulse.readers.no_record import advice
-from rockpulse.readers.source import HEAD, SourceFile, Table, Unrecognised
+from rockpulse.readers.source import HEAD, SourceFile, TableOfResults, Unrecognised
 from rockpulse.record.record import Record
 
 _WORKBOOKS = (".xlsx", ".xlsm")
@@ -54,7 +54,7 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
     if not records:
         told = [fault for fault in faults if not isinstance(fault, Unrecognised)]
         beside = f"{file.name}: no columns of samples in the file; it is taken for a table beside the records"
-        raise (told or [Table(beside)])[0]
+        raise (told or [TableOfResults(beside)])[0]
     return [replace(record, source_sha256=file.sha256) for record in records]
 
 

@@ -21,7 +21,7 @@ from rockpulse.readers.source import (
     NotAcceleration,
     OtherKind,
     SourceFile,
-    Table,
+    TableOfResults,
     check_link,
     folder_station_files,
     open_source,
@@ -316,5 +316,5 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
     if isinstance(fault, NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
-    skipped = isinstance(fault, OtherKind | Table) or (isinstance(fault, NotAcceleration) and not named)
+    skipped = isinstance(fault, OtherKind | TableOfResults) or (isinstance(fault, NotAcceleration) and not named)
     return Failure(name, "read", reason, "skipped" if skipped else "failed")

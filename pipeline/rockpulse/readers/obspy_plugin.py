@@ -20,8 +20,8 @@ from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, Rock
 from rockpulse.readers import FORMATS, Format, ReadOptions
 from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.kit.direction import Direction
+from rockpulse.readers.kit.instrument_response import Removed, from_counts
 from rockpulse.readers.kit.obspy_bridge import codes_of, utc_time
-from rockpulse.readers.kit.response import Removed, from_counts
 from rockpulse.readers.kit.text import UNITS, canonical_unit, unexpected
 from rockpulse.readers.source import HEAD, SourceFile, open_source, open_stream
 from rockpulse.record.record import Orientation, Record, record_id

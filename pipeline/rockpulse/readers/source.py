@@ -60,7 +60,7 @@ class OtherKind(NotAcceleration):
     """Error: the file name means velocity or displacement; skipped also if named, as a shell may expand a pattern."""
 
 
-class Table(NoRecord):
+class TableOfResults(NoRecord):
     """Error: the file is a table of results or parameters; skipped also if the user named it."""
 
 

@@ -9,7 +9,7 @@ from record_writers import pulse
 from rockpulse.errors import RockpulseError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.source import Table
+from rockpulse.readers.source import TableOfResults
 
 VALUES = pulse(400, 3.0)
 TIME = 0.01 * np.arange(400)
@@ -90,7 +90,7 @@ def test_the_sheet_of_a_workbook_that_holds_samples_is_read(tmp_path):
 @pytest.mark.sweep
 def test_a_workbook_beside_the_records_is_skipped(tmp_path):
     path = sheet(tmp_path / "list.xlsx", list={"station": ["A", "B"], "PGA": [0.1, 0.2]})
-    with pytest.raises(Table):
+    with pytest.raises(TableOfResults):
         read(path)
     assert [row.kind for row in read_all(tmp_path)[1]] == ["skipped"]
 

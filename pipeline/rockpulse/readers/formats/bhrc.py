@@ -1,6 +1,6 @@
 """BHRC volume 1 files of Iran (Building and Housing Research Center), uncorrected.
 
-Channels are as in `kit.csmip`, with accelerations in g/10 in rows of 10 fields of 13 characters. The line of the
+Channels are as in `kit.csmip_layout`, with accelerations in g/10 in rows of 10 fields of 13 characters. The line of the
 station contains the azimuths of L and T. The time is the origin time of the earthquake.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, channels
+from rockpulse.readers.kit.csmip_layout import HEADER_LINES, TEXT_LINES, channels
 
 _TITLE = re.compile(r"\s*\*\s*vol1\w*\s+file\s*:", re.IGNORECASE)
 _WIDTH, _PER_ROW = 13, 10

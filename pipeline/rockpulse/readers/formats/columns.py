@@ -10,13 +10,11 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.integrals import of_unstated_kind
-from rockpulse.readers.kit.columns import column_directions, column_units, same_directions, stated_peak
+from rockpulse.readers.kit.column_statements import column_directions, column_units, same_directions, stated_peak
 from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
-from rockpulse.readers.kit.headings import Heading, column_headings
-from rockpulse.readers.kit.kinds import means_size
-from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
-from rockpulse.readers.kit.stamps import without_stamps
-from rockpulse.readers.kit.table import (
+from rockpulse.readers.kit.headings import ColumnHeading, column_headings
+from rockpulse.readers.kit.motion_kinds import means_size
+from rockpulse.readers.kit.number_table import (
     Layout,
     Numbered,
     check_decimals,
@@ -25,6 +23,8 @@ from rockpulse.readers.kit.table import (
     read_table,
     row_width,
 )
+from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
+from rockpulse.readers.kit.stamps import without_stamps
 from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # rows of the table that decide whether it is one
@@ -44,7 +44,7 @@ class _Columns:
     """The numbers of a table, with one column for each heading if there are headings."""
 
     table: np.ndarray
-    headings: tuple[Heading, ...]
+    headings: tuple[ColumnHeading, ...]
     warnings: tuple[str, ...] = ()
 
     @property
@@ -102,7 +102,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
         columns, prose = replace(columns, headings=()), lines[: layout.start]
     elif at:
         columns = columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
-    first = columns.headings[0] if columns.headings else Heading("")
+    first = columns.headings[0] if columns.headings else ColumnHeading("")
     climb = np.diff(columns.table[:, 0])
     if first.kind == "spectrum" and columns.width > 1 and (np.all(climb > 0.0) or np.all(climb < 0.0)):
         raise kit.no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
@@ -120,7 +120,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
     _check_apart(where, columns, step is not None, lacking)
     columns = _accelerations(file, columns, prose)
-    headings = columns.headings or (Heading(""),) * columns.width
+    headings = columns.headings or (ColumnHeading(""),) * columns.width
     units = column_units(file.name, headings, prose, options)
     facing = column_directions(file, headings, prose)
     sources = {"time column": step, "first line": numbered.step, **steps}
@@ -185,7 +185,7 @@ def _columns(
     name: str,
     lines: Sequence[str],
     layout: Layout,
-    headings: tuple[Heading, ...],
+    headings: tuple[ColumnHeading, ...],
     numbered: Numbered,
     prose: Sequence[str],
     lacking: Sequence[str],
@@ -314,7 +314,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
 def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
     """Return the columns of accelerations, according to their headings, or else to the prose or the file name."""
     name, sizes = file.name, _sizes(columns)
-    headings = columns.headings or (Heading(""),) * columns.width
+    headings = columns.headings or (ColumnHeading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
     fits = [one.kind == "acceleration" or (not one.kind and (one.known or not named)) for one in headings]
     fits = [fit and index not in sizes for index, fit in enumerate(fits)]

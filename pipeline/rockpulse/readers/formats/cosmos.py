@@ -15,7 +15,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.cosmos_header import TITLE, Header, fortran_layout, held_series, read_header
+from rockpulse.readers.kit.cosmos_header import TITLE, CosmosHeader, fortran_layout, held_series, read_cosmos_header
 
 _SERIES = re.compile(
     r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
@@ -71,7 +71,7 @@ def read_cosmos(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     notes = [note for first, at in zip(starts, last, strict=True) for note in kit.repeated_marker(first, at)]
     starts = sorted(set(last))
     spans, copies = kit.distinct_sections(lines, list(zip(starts, [*starts[1:], len(lines)], strict=True)))
-    headers = [read_header(file.name, lines, start, end) for start, end in spans]
+    headers = [read_cosmos_header(file.name, lines, start, end) for start, end in spans]
     closed = any(_END.match(line) for line in lines[-_CLOSING:])
     missing = kit.completeness(file.name, (header.counted() for header in headers), closed=closed)
     numbered = enumerate(zip(headers, spans, strict=True), start=1)
@@ -79,7 +79,7 @@ def read_cosmos(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     return kit.usable_channels(channels, (*missing, *notes, *copies))
 
 
-def _channel(file: kit.SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> kit.Record:
+def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, end: int, number: int) -> kit.Record:
     kind = header.kind.lower()
     code = header.integer(2)
     where = f"{file.name}:{header.start + 1}"
@@ -150,7 +150,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: Header, end: in
     )
 
 
-def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> _Series:
+def _acceleration(name: str, lines: Sequence[str], header: CosmosHeader, end: int) -> _Series:
     """Return the series of the channel that is an acceleration."""
     found: list[_Series] = []
     begins = header.end
@@ -193,7 +193,7 @@ def _unit(series: _Series, where: str) -> str:
     return named or coded
 
 
-def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]]:
+def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], list[str]]:
     """Return the stated peak [m/s2] (from the text if real 64 differs), half a unit of its last digit, and warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
@@ -209,7 +209,7 @@ def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]
     return (value, rounding), notes
 
 
-def _per_count(header: Header, where: str) -> float:
+def _per_count(header: CosmosHeader, where: str) -> float:
     """Return m/s2 per count: 1e-6 r22 / (r42 r47) g, from reals 22 [microvolts], 42 (sensitivity [V/g]) and 47 (gain).
 
     Full-scale output and range of the sensor, reals 43 [V] and 44 [g], must confirm r42 r47 if they are stated; if r47
@@ -232,7 +232,7 @@ def _per_count(header: Header, where: str) -> float:
     return 1e-6 * header.real(22) / sensitivity * kit.STANDARD_GRAVITY
 
 
-def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
+def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[str]]:
     """Return the sampling interval [s]: real 62, or 34 if it is missing; if they differ, the stated length governs."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]

@@ -1,10 +1,9 @@
 """CSMIP files of the California Geological Survey, and of networks that use the same layout.
 
-Volume 1, uncorrected: channels as in `kit.csmip`, then a heading and the accelerations; older files have no heading,
-but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: the acceleration of each channel
-is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings also name
-the Fortran format, those of USC have no unit. Volume 3, spectra, is recognised only to be rejected with a clear
-message.
+Volume 1, uncorrected: channels as in `kit.csmip_layout`, then a heading and the accelerations; older files have no
+heading, but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: the acceleration of each
+channel is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC. (UNITS: CM/SEC/SEC)``; newer headings
+also name the Fortran format, and headings of USC have no unit. Volume 3, spectra, is rejected with a clear message.
 """
 
 import re
@@ -16,7 +15,7 @@ from typing import NoReturn
 from rockpulse.errors import UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit import csmip
+from rockpulse.readers.kit import csmip_layout as layout
 
 UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _PEAK_1 = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
@@ -29,8 +28,9 @@ _RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
 _OPENING = 1500  # bytes that hold the 13 lines of text of the first channel
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
-#: Number of lines with the title and the text of volume 1, and with the lines about the correction too.
-_CORRECTION, _ALL_TEXT = 1 + csmip.TEXT_LINES, 1 + csmip.TEXT_LINES + 11
+_ReadHeader = Callable[[Sequence[str]], layout.CsmipHeader]
+#: Number of lines with the title and the text of volume 1, and number with the lines about the correction too.
+_CORRECTION, _ALL_TEXT = 1 + layout.TEXT_LINES, 1 + layout.TEXT_LINES + 11
 _FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
 _DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
 _INTERVAL = re.compile(r"\s*at equally-spaced intervals of\s+(\d*\.?\d+)\s*sec", re.IGNORECASE)
@@ -57,21 +57,22 @@ def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
 
 def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel of a volume 1 of any network."""
-    lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
+    lines, spans, copies = layout.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
     for number, (start, end) in enumerate(spans, 1):
-        kit.check_count(f"{file.name}:{end}", csmip.HEADER_LINES, end - start, f"header lines of channel {number}")
-        headers.append(csmip.read_header(lines[start : start + csmip.HEADER_LINES]))
-    notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
+        kit.check_count(f"{file.name}:{end}", layout.HEADER_LINES, end - start, f"header lines of channel {number}")
+        headers.append(layout.read_csmip_header(lines[start : start + layout.HEADER_LINES]))
+    notes = (*layout.missing_channels(file.name, lines, spans, headers), *copies)
     records = []
     for number, ((start, end), header) in enumerate(zip(spans, headers, strict=True), 1):
         match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
         block = _uncorrected_block(file.name, lines, start, end)
-        behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
+        behind = lines[start + layout.TEXT_LINES : start + layout.HEADER_LINES]
         length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
-        told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
-        told += csmip.held_peak_real(behind, 7, block, kit.STANDARD_GRAVITY)
-        times = [(match and match[2]) or "", csmip.real(behind, 8)]
+        lengths = (length[1] if length else "", layout.real_header_value(behind, 3))
+        told = _held(*lengths, round(block.duration / block.dt), block)
+        told += layout.held_peak_real(behind, 7, block, kit.STANDARD_GRAVITY)
+        times = [(match and match[2]) or "", layout.real_header_value(behind, 8)]
         told += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
         block, peak = block.noting(*dict.fromkeys(told)), kit.printed_number(match[1] if match else "")
         stated = {"header_peak": peak, "peak_factor": kit.STANDARD_GRAVITY, "processed": False}
@@ -79,23 +80,23 @@ def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Rec
     return records
 
 
-def _held(length: str, real_length: str, count: int, block: kit.Block) -> list[str]:
+def _held(length: str, real_length: str, count: int, block: kit.ChannelSamples) -> list[str]:
     """Return warnings if the length in the text or in a real differs from that of the samples or pairs in the file."""
     spare = _LENGTH_TOLERANCE * block.duration
     return kit.held_length(length, count, block.dt, spare) + kit.held_length(real_length, count, block.dt, spare)
 
 
-def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) -> kit.Block:
-    first = start + csmip.HEADER_LINES
-    heading = csmip.heading_at(lines, first) if first < end else None
+def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) -> kit.ChannelSamples:
+    first = start + layout.HEADER_LINES
+    heading = layout.heading_at(lines, first) if first < end else None
     if not heading:
         count = kit.declared_points(lines[start + 10], f"{name}:{start + 11}")
         unit = kit.pair_unit(lines[start + 11], f"{name}:{start + 12}")
         block = kit.pair_block(name, lines, first, end, count, unit)
-        return block.noting(*csmip.held_count(lines[start + csmip.TEXT_LINES : first], count))
+        return block.noting(*layout.held_count(lines[start + layout.TEXT_LINES : first], count))
     if heading.kind != "acceleration":
         raise kit.no_acceleration(f"{name}:{first + 1}", "points of acceleration", heading.kind)
-    block = csmip.equal_block(name, lines, heading, end, heading.unit)
+    block = layout.equal_block(name, lines, heading, end, heading.unit)
     named = _UNIT.match(lines[start + 11][: kit.LONGEST_LINE])
     stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
     text, where = lines[start + 10][: kit.LONGEST_LINE], f"{name}:{first + 1}"
@@ -105,25 +106,25 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
     if abs(1.0 / block.dt - number) > max(1.01 * rounding, _RATE_TOLERANCE * number):
         expected, found = f"{number:g} samples/sec (text of the channel)", f"a heading with {1.0 / block.dt:g}"
         raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
-    counted = csmip.held_count(lines[start + csmip.TEXT_LINES : first], block.samples.size)
+    counted = layout.held_count(lines[start + layout.TEXT_LINES : first], block.samples.size)
     return block.noting(*counted, *kit.held_units(stated))
 
 
-def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) -> None:
+def _check_points(points: re.Match[str] | None, block: kit.ChannelSamples, where: str) -> None:
     if points and int(points[1]) != block.samples.size:
         expected, found = f"{int(points[1])} points (text of the channel)", f"a heading with {block.samples.size}"
         raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
 
 
 def read_corrected(
-    file: kit.SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
+    file: kit.SourceFile, options: ReadOptions, read_header: _ReadHeader = layout.read_csmip_header
 ) -> list[kit.Record]:
     """Read a volume 2 of any network; `header` reads the 13 lines of text of volume 1."""
-    lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
+    lines, spans, copies = layout.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
         kit.check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
-        read = header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
+        read = read_header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
         repeated = (_COMPONENT.search(lines[at][: kit.LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
         headers.append(replace(read, repeated=tuple(match[1] for match in repeated if match)))
         heading, behind = _acceleration(file.name, lines, start, end)
@@ -132,7 +133,7 @@ def read_corrected(
             continue
         text = [line[: kit.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
         unit, peak, peak_factor = _unit_and_peak(text, heading, file.name, start + 1)
-        block = csmip.equal_block(file.name, lines, heading, behind, unit)
+        block = layout.equal_block(file.name, lines, heading, behind, unit)
         where, interval = f"{file.name}:{heading.at + 1}", _first(_INTERVAL, text)
         _check_points(_first(_DECLARED, text), block, where)
         step, rounding = kit.printed_number(interval[1] if interval else "")
@@ -158,7 +159,7 @@ def read_corrected(
         _, heading = left_out[0]
         where, advice = f"{file.name}:{heading.at + 1}", "read the file with the acceleration of the same record"
         raise kit.no_acceleration(where, "points of acceleration", heading.kind, advice)
-    notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
+    notes = (*layout.missing_channels(file.name, lines, spans, headers), *copies)
     notes += tuple(
         f"line {heading.at + 1}: channel {number} holds {heading.kind} but no acceleration; it was left out"
         for number, heading in left_out
@@ -166,11 +167,11 @@ def read_corrected(
     return kit.with_warnings(records, notes)
 
 
-def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[csmip.Heading, int]:
+def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[layout.SeriesHeading, int]:
     """Return the heading of the acceleration (or of the first series), and the index of the line after its block."""
-    found: list[csmip.Heading] = []
+    found: list[layout.SeriesHeading] = []
     for at in range(start + _ALL_TEXT, end):
-        heading = csmip.heading_at(lines, at)
+        heading = layout.heading_at(lines, at)
         if heading and not (found and found[-1].at >= at):
             found.append(heading)
     channel = f"the channel that begins at line {start + 1}"
@@ -199,7 +200,7 @@ def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | No
 
 
 def _unit_and_peak(
-    text: Sequence[str], heading: csmip.Heading, where: str, line: int
+    text: Sequence[str], heading: layout.SeriesHeading, where: str, line: int
 ) -> tuple[str, tuple[float, float], float]:
     """Return unit (from the heading, else from the peak), peak with half a unit of its last digit, and their factor."""
     for at, words in enumerate(text, line):
@@ -213,15 +214,15 @@ def _unit_and_peak(
     return heading.unit, kit.printed_number(""), 1.0
 
 
-def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block) -> list[str]:
+def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.ChannelSamples) -> list[str]:
     """Return warnings if length, peak, its time, interval or units (text, reals 60, 61, 65, 66) contradict the data."""
     length, peak = _first(_LENGTH_2, text), _first(_PEAK_2, text)
     others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
-    notes = _held(length[1] if length else "", csmip.real(behind, 60), block.values.size, block)
-    times = [(peak and peak[3]) or "", csmip.real(behind, 65)]
+    notes = _held(length[1] if length else "", layout.real_header_value(behind, 60), block.values.size, block)
+    times = [(peak and peak[3]) or "", layout.real_header_value(behind, 65)]
     notes += [note for one in times for note in kit.held_peak_time(one, block.times, block.values)]
-    notes += csmip.held_peak_real(behind, 66, block, kit.UNITS["cm/s2"])
-    step, rounding = kit.printed_number(csmip.real(behind, 61))
+    notes += layout.held_peak_real(behind, 66, block, kit.UNITS["cm/s2"])
+    step, rounding = kit.printed_number(layout.real_header_value(behind, 61))
     if abs(step - block.dt) > 1.01 * rounding:
         notes.append(f"real 61 of the header states an interval of {step:g} s, the heading {block.dt:g} s")
     return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])

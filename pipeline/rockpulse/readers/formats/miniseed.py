@@ -11,7 +11,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit import obspy_bridge as bridge
-from rockpulse.readers.kit.response import from_counts
+from rockpulse.readers.kit.instrument_response import from_counts
 from rockpulse.readers.source import NoRecord
 
 _DATA = re.compile(rb"(?<!\d)\d{6}[DRQM][ \0]")  # the beginning of a data record

@@ -12,7 +12,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.formats.csmip import UNCORRECTED, is_uncorrected, read_uncorrected
-from rockpulse.readers.kit.csmip import HEADER_LINES, channels, read_header
+from rockpulse.readers.kit.csmip_layout import HEADER_LINES, channels, read_csmip_header
 from rockpulse.readers.parts import PartRule
 
 _FIRST_TIME = re.compile(r"\s*(-?\d{0,6}\.\d{1,9})", re.ASCII)
@@ -37,7 +37,7 @@ def _first_times(file: kit.SourceFile) -> dict[str, float]:
     lines, spans, _ = channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     times: dict[str, float] = {}
     for start, _ in spans:
-        component = read_header(lines[start : start + HEADER_LINES]).full_component.strip()
+        component = read_csmip_header(lines[start : start + HEADER_LINES]).full_component.strip()
         times.setdefault(component, float(kit.matched(_FIRST_TIME, lines[start + HEADER_LINES]) or 0.0))
     return times
 

@@ -108,7 +108,7 @@ def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 def _block(
     name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
-) -> kit.Block:
+) -> kit.ChannelSamples:
     """Return the samples; a raw digitised trace with unequal steps is resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
@@ -118,17 +118,17 @@ def _block(
         raise kit.unexpected(f"{name}:{_REALS + 1}", expected, "none" if np.isnan(rate) else str(rate))
     values, warnings = kit.fixed_block(name, lines, (first, len(lines)), 10, 8, count, _TITLE)
     if not pairs:
-        return kit.Block(values, 1.0 / rate, _UNIT, np.arange(count) / rate, values, warnings)
+        return kit.ChannelSamples(values, 1.0 / rate, _UNIT, np.arange(count) / rate, values, warnings)
     if count % 2:
         raise RecordFormatError(
             f"{name}:{_TEXT_LINES + 3}: expected an even number of values for (time, acceleration) pairs, found {count}"
         )
     times, samples = values[::2], values[1::2]
     even, step, notes = kit.make_even(times, samples, name, first + 1, 4, kit.UNITS[_UNIT] / kit.STANDARD_GRAVITY)
-    return kit.Block(even, step, _UNIT, times, samples, (*warnings, *notes))
+    return kit.ChannelSamples(even, step, _UNIT, times, samples, (*warnings, *notes))
 
 
-def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
+def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
     """Return warnings if reals 29 to 32 (maximum and minimum with their times) contradict the samples."""
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # nobody has filled them in

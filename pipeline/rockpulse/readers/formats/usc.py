@@ -13,7 +13,8 @@ import numpy as np
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.formats.csmip import read_corrected
-from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, Header, channels, direction_code, held_count, real
+from rockpulse.readers.kit import csmip_layout
+from rockpulse.readers.kit.csmip_layout import HEADER_LINES, TEXT_LINES, channels, direction_code, held_count
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
@@ -51,11 +52,11 @@ def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     return records
 
 
-def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
+def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[str]:
     """Return warnings if count, duration, or the root mean square with its unit contradicts the pairs."""
     behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
-    for text in (kit.matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):
+    for text in (kit.matched(_DURATION, lines[10][:_WORDS]), csmip_layout.real_header_value(behind, 3)):
         notes += kit.held_length(text, round(block.duration / block.dt), block.dt)
     if not square:
         return notes
@@ -71,7 +72,7 @@ def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
     ]
 
 
-def _header(lines: Sequence[str]) -> Header:
+def _header(lines: Sequence[str]) -> csmip_layout.CsmipHeader:
     """Return the header from the 13 lines of text and the lines after them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
@@ -95,7 +96,7 @@ def _header(lines: Sequence[str]) -> Header:
         "station_place": kit.coordinates(text[4]),
     }
     component = _COMPONENT.match(text[6])
-    return Header(component[1] if component else text[6], about=about, code=direction_code(behind))
+    return csmip_layout.CsmipHeader(component[1] if component else text[6], about=about, code=direction_code(behind))
 
 
 USC_V1 = Format(
@@ -115,5 +116,5 @@ USC_V2 = Format(
     processed="yes",
     example="274o42pv.s0a",
     detect=begins_with(_CORRECTED, 1000),
-    parse=partial(read_corrected, header=_header),
+    parse=partial(read_corrected, read_header=_header),
 )

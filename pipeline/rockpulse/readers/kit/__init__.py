@@ -21,7 +21,8 @@ from rockpulse.readers.kit.checks import (
 )
 from rockpulse.readers.kit.direction import Direction, direction, heading_direction, name_direction, on_structure
 from rockpulse.readers.kit.facts import coordinates, instant, later, magnitudes, near_event, preferred, written
-from rockpulse.readers.kit.kinds import kind_of_name
+from rockpulse.readers.kit.motion_kinds import kind_of_name
+from rockpulse.readers.kit.number_table import end_of_numbers, runs_on, split_row
 from rockpulse.readers.kit.prose import (
     other_units,
     positive_downwards,
@@ -37,8 +38,7 @@ from rockpulse.readers.kit.prose import (
     stated_units,
     surely_counts,
 )
-from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
-from rockpulse.readers.kit.table import end_of_numbers, runs_on, split_row
+from rockpulse.readers.kit.spacing import ChannelSamples, declared_points, make_even, pair_block, pair_unit, printed_at
 from rockpulse.readers.kit.text import (
     ACCELERATION_FILE,
     FILE_DAMAGED,

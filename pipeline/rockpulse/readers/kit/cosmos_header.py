@@ -42,7 +42,7 @@ _STRUCTURES = {5, 10, 11, 12, 13, 15, 20}
 
 
 @dataclass(frozen=True)
-class Header:
+class CosmosHeader:
     """All lines before the samples of one channel."""
 
     kind: str  # first words of the title, "Uncorrected acceleration"
@@ -144,7 +144,7 @@ def fortran_layout(line: str, where: str) -> tuple[int, int]:
     return int(layout[1]), int(layout[2])
 
 
-def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header:
+def read_cosmos_header(name: str, lines: Sequence[str], start: int, end: int) -> CosmosHeader:
     """Read the header of the channel in ``lines[start:end]``, which begin with its title."""
     title = TITLE.match(lines[start])
     assert title is not None
@@ -162,7 +162,7 @@ def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header
         if not lines[index].lstrip().startswith("|"):
             expected = f"comment {index - at} of {comments}, a line that begins with '|'"
             raise unexpected(f"{name}:{index + 1}", expected, repr(lines[index][:40]))
-    return Header(
+    return CosmosHeader(
         kind=title[1].strip(),
         text=text,
         integers=np.where(integers == unknown_integer, np.nan, integers),
@@ -197,7 +197,7 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
     return fixed_width(block, at + 2, width, per_row, count, name), at + 1 + rows
 
 
-def held_series(header: Header, heading: str, step: float, samples: np.ndarray) -> list[str]:
+def held_series(header: CosmosHeader, heading: str, step: float, samples: np.ndarray) -> list[str]:
     """Return warnings if the heading of the series, the text or real 65 contradicts samples (n,) at a step [s]."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size

@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rockpulse.readers.kit.kinds import beside_kinds
+from rockpulse.readers.kit.motion_kinds import beside_kinds
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Orientation
 from rockpulse.warning_text import WarningText

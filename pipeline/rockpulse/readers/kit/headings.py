@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from rockpulse.readers.kit.direction import BRACKET, direction, heading_direction
-from rockpulse.readers.kit.kinds import kinds_of
+from rockpulse.readers.kit.motion_kinds import kinds_of
+from rockpulse.readers.kit.number_table import LINE_LIMIT, NUMBER, Layout, split_row
 from rockpulse.readers.kit.prose import stated_columns, stated_counts, stated_steps
-from rockpulse.readers.kit.table import LINE_LIMIT, NUMBER, Layout, split_row
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
 #: Number of characters of a heading that are analysed; largest number of words of a short heading, or of letters of a
@@ -32,7 +32,7 @@ _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement", "u": "dis
 
 
 @dataclass(frozen=True)
-class Heading:
+class ColumnHeading:
     """The heading of a column."""
 
     name: str  # as written
@@ -48,7 +48,7 @@ class Heading:
         return bool(self.kind or quantity_of(self.unit) or facing or _LABEL.fullmatch(self.name))
 
 
-def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Heading, ...], int]:
+def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[ColumnHeading, ...], int]:
     """Return the heading of each column (no headings if the words are prose), and the number of lines above them."""
     rows = [index for index, line in enumerate(header) if _is_heading(line)]
     units: Sequence[str] = [""] * layout.width
@@ -121,7 +121,7 @@ def _splits(line: str, layout: Layout) -> Iterator[tuple[list[str], bool]]:
     yield joined, False
 
 
-def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[Heading, ...]:
+def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[ColumnHeading, ...]:
     found = [_heading(name.strip(_COMMENT)[:_NAME], unit[:_NAME]) for name, unit in zip(names, units, strict=True)]
     letters = [BRACKET.sub("", heading.name).strip() for heading in found]
     small = {letter.lower() for letter in letters}
@@ -133,7 +133,7 @@ def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[Heading, ...]
     return tuple(replace(heading, kind=kind) for heading, kind in zip(found, kinds, strict=True))
 
 
-def _heading(name: str, unit: str) -> Heading:
+def _heading(name: str, unit: str) -> ColumnHeading:
     """Return the heading with the kind from its words, or from its unit; a unit in brackets may also be unknown."""
     kinds = kinds_of(BRACKET.sub(" ", name))
     kind = kinds[0] if kinds else ""
@@ -154,7 +154,7 @@ def _heading(name: str, unit: str) -> Heading:
         unit = match[1] if match else ""
     measured = quantity_of(unit)
     kind = kind or ("spectrum" if measured == "frequency" else measured)
-    return Heading(name, kind, unit, tuple(text for text in (*measures, *mentioned) if text != unit))
+    return ColumnHeading(name, kind, unit, tuple(text for text in (*measures, *mentioned) if text != unit))
 
 
 def _is_label(text: str) -> bool:
@@ -163,7 +163,7 @@ def _is_label(text: str) -> bool:
     return not quantity_of(text) and (words or direction(text).orientation != "unknown" or text.isdecimal())
 
 
-def _are_headings(headings: Sequence[Heading], own: bool) -> bool:
+def _are_headings(headings: Sequence[ColumnHeading], own: bool) -> bool:
     """Return whether the parts of a line are headings rather than prose; `own` if they are split as the rows are."""
     if any(heading.name.isdecimal() and int(heading.name) > _LARGEST_AZIMUTH for heading in headings):
         return False

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rockpulse.readers.kit.direction import Direction, direction, heading_direction
 from rockpulse.readers.kit.facts import written
-from rockpulse.readers.kit.kinds import plain, prose_kinds
+from rockpulse.readers.kit.motion_kinds import folded_text, prose_kinds
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
 _LINE = 1000  # characters of a header line that are looked at
@@ -119,7 +119,7 @@ def stated_kinds(header: Sequence[str]) -> dict[str, int]:
     """Return the kinds of motion that a header names, by word or unit, with the first line of each, from 1."""
     found: dict[str, int] = {}
     for number, line in enumerate(header, 1):
-        text = _SHEAR_WAVES.sub(" ", plain(line))
+        text = _SHEAR_WAVES.sub(" ", folded_text(line))
         kinds = prose_kinds(text)
         kinds += [quantity for quantity, _ in _units(line)]
         found = {**dict.fromkeys(kinds, number), **found}
@@ -129,7 +129,7 @@ def stated_kinds(header: Sequence[str]) -> dict[str, int]:
 def _units(line: str) -> list[tuple[str, str]]:
     """Return quantity and unit that a line of prose states for the samples, but not the unit of a value or peak."""
     line = line[:_LINE]
-    text = plain(line)
+    text = folded_text(line)
     if _PEAK.search(text) or _PAST.search(text):
         return []
     named = ((unit[:2], line[max(unit[2] - 2, 0) : unit[2]]) for unit in mentioned_units(line))
@@ -156,7 +156,7 @@ def stated_units(header: Sequence[str]) -> list[Statement]:
     """Return the units of acceleration that a header states, with value 1 if the word "unit" precedes them."""
     found = []
     for number, line in enumerate(header, 1):
-        named = {word for word, with_word in _unit_words(plain(line)) if with_word}
+        named = {word for word, with_word in _unit_words(folded_text(line)) if with_word}
         units = [wording for quantity, wording in _units(line) if quantity == "acceleration"]
         found += [Statement(number, wording, float(wording.lower() in named)) for wording in units]
     return found
@@ -166,7 +166,7 @@ def other_units(header: Sequence[str]) -> list[Statement]:
     """Return units of the samples other than of acceleration (V, counts, mm), if the word "unit" names them."""
     found = []
     for number, line in enumerate(header, 1):
-        text = plain(line)
+        text = folded_text(line)
         for match in _UNIT.finditer(text):
             word = _ONE_UNIT.match(text, match.end())
             before = text[: match.start()]
@@ -182,7 +182,7 @@ def stated_steps(header: Sequence[str]) -> list[Statement]:
     """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` is used only without any other."""
     named, bare = [], []
     for number, line in enumerate(header, 1):
-        text = plain(line)
+        text = folded_text(line)
         if _PAST.search(text):
             continue
         for match in _STEP.finditer(text):
@@ -205,7 +205,7 @@ def _step_of_rate(match: re.Match[str]) -> float:
 
 def stated_counts(header: Sequence[str]) -> list[Statement]:
     """Return the numbers of samples that a header states."""
-    counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(plain(line)))
+    counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(folded_text(line)))
     return [Statement(number, match[0], float(match[1] or match[2])) for number, match in counts]
 
 
@@ -216,7 +216,7 @@ def surely_counts(said: Statement) -> bool:
 
 def stated_peaks(header: Sequence[str]) -> list[Peak]:
     """Return the peaks of acceleration that a header states."""
-    matches = (match for line in header for match in _PEAKS.finditer(plain(line)))
+    matches = (match for line in header for match in _PEAKS.finditer(folded_text(line)))
     found = [(Peak(match["value"].replace(",", "."), _peak_unit(match)), match) for match in matches]
     return [peak for peak, match in found if match["power"] is None and (match["sign"] or peak.unit)]
 
@@ -231,7 +231,7 @@ def stated_durations(header: Sequence[str]) -> list[Statement]:
     """Return the lengths of the record [s] that a header states, but not lengths of parts of it."""
     found = []
     for number, line in enumerate(header, 1):
-        text = plain(line)
+        text = folded_text(line)
         matches = () if _PART.search(text) else _DURATIONS.finditer(text)
         found += [Statement(number, match["value"].replace(",", "."), _value(match)) for match in matches]
     return found
@@ -239,18 +239,18 @@ def stated_durations(header: Sequence[str]) -> list[Statement]:
 
 def stated_scales(header: Sequence[str]) -> list[Statement]:
     """Return the scale factors that a header states."""
-    matches = ((number, match) for number, line in enumerate(header, 1) for match in _SCALES.finditer(plain(line)))
+    matches = ((at, match) for at, line in enumerate(header, 1) for match in _SCALES.finditer(folded_text(line)))
     return [Statement(number, match[0], _value(match)) for number, match in matches]
 
 
 def positive_downwards(header: Sequence[str]) -> bool:
     """Return whether a header states that vertical motion is positive downwards."""
-    return any(_DOWNWARDS.search(plain(line)) for line in header)
+    return any(_DOWNWARDS.search(folded_text(line)) for line in header)
 
 
 def reversed_polarity(header: Sequence[str]) -> list[str]:
     """Return a warning if a header states that the polarity is reversed."""
-    lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(plain(line))]
+    lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(folded_text(line))]
     return [f"line {number} speaks of a reversed polarity; the sign is that of the file" for number in lines]
 
 
@@ -258,7 +258,7 @@ def stated_direction(header: Sequence[str]) -> Direction:
     """Return the direction that the prose of a file with one column states: "component: N-S", "vertical component"."""
     found = []
     for line in header:
-        for match in _ONE_COMPONENT.finditer(plain(line)):
+        for match in _ONE_COMPONENT.finditer(folded_text(line)):
             found.append(heading_direction((match[1] or match[2]).upper()))
     known = {(one.orientation, one.azimuth, one.sign): one for one in found if one.orientation != "unknown"}
     return next(iter(known.values())) if len(known) == 1 else Direction()
@@ -266,7 +266,7 @@ def stated_direction(header: Sequence[str]) -> Direction:
 
 def stated_start(header: Sequence[str]) -> datetime | None:
     """Return the time of the first sample [UTC] that a header states; None if it or its zone is unknown."""
-    texts = (match[1].upper() for line in header if (match := _START.search(plain(line))))
+    texts = (match[1].upper() for line in header if (match := _START.search(folded_text(line))))
     return next((moment for text in texts if (moment := written(text))), None)
 
 
@@ -291,7 +291,7 @@ def stated_columns(header: Sequence[str], width: int) -> list[str]:
         words = re.split(r"[ ,;|/]+", text[listed.start(1) :].strip(" .*-#")) if listed else []
         if len(words) > 1 and len(words) in (width, width - 1):
             facing = [direction(word).orientation != "unknown" for word in words]
-            timed = facing[0] or plain(words[0]) in ("t", "time")
+            timed = facing[0] or folded_text(words[0]) in ("t", "time")
             if timed and all(facing[1:]):
                 return ["time"] * (width - len(words)) + words
     if numbered and set(numbered) == set(range(1, width + 1)):

@@ -8,7 +8,7 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.kit.checks import surplus
-from rockpulse.readers.kit.headings import Heading
+from rockpulse.readers.kit.headings import ColumnHeading
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
     UNITS,
@@ -155,7 +155,7 @@ def make_even(
 
 
 @dataclass(frozen=True)
-class Block:
+class ChannelSamples:
     """The samples of one channel with their interval and warnings."""
 
     samples: np.ndarray  # (n,) equally spaced accelerations [unit]
@@ -175,7 +175,7 @@ class Block:
         """Return the duration of the values in the file, including the step after the last [s]."""
         return float(self.times[-1] - self.times[0]) + self.dt
 
-    def noting(self, *warnings: str) -> "Block":
+    def noting(self, *warnings: str) -> "ChannelSamples":
         """Return the same samples with further warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
 
@@ -194,7 +194,7 @@ def pair_unit(line: str, where: str) -> str:
     return canonical_unit((match[1] if match else line.strip())[:_LONGEST_LINE], where)
 
 
-def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
+def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> ChannelSamples:
     """Read the `count` pairs of one channel in ``lines[first:end]`` and make them equally spaced (see `make_even`)."""
     check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
     rows = -(-count // PAIRS_PER_ROW)
@@ -209,15 +209,16 @@ def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int
     gravity = UNITS[unit] / STANDARD_GRAVITY
     samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, PAIRS_PER_ROW, gravity)
     used = margin + 2 * width * (count - (rows - 1) * PAIRS_PER_ROW)
-    return Block(samples, dt, unit, pairs[:, 0], pairs[:, 1], (*surplus(lines, first + rows, end, used=used), *notes))
+    left = surplus(lines, first + rows, end, used=used)
+    return ChannelSamples(samples, dt, unit, pairs[:, 0], pairs[:, 1], (*left, *notes))
 
 
-def names_time(headings: Sequence[Heading]) -> bool:
+def names_time(headings: Sequence[ColumnHeading]) -> bool:
     """Return whether the heading of the first column means time."""
     return bool(headings and headings[0].kind == "time")
 
 
-def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
+def counts_rows(table: np.ndarray, headings: Sequence[ColumnHeading]) -> bool:
     """Return whether the first column numbers the rows (0 1 2 or 1 2 3), and is not headed as time."""
     first = table[:, 0]
     counts = first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
@@ -250,7 +251,7 @@ def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, War
 
 
 def time_column_step(
-    name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
+    name: str, table: np.ndarray, headings: Sequence[ColumnHeading], start: int, declared: float | None
 ) -> tuple[float | None, np.ndarray | None]:
     """Return the interval [s] of a first column that is time (equally spaced, or rounded at a `declared` interval).
 

@@ -22,7 +22,13 @@ from rockpulse.readers.kit.checks import (
     held_units,
     last_of_equal,
 )
-from rockpulse.readers.kit.csmip import direction_code, held_count, held_peak_real, one_direction, real
+from rockpulse.readers.kit.csmip_layout import (
+    direction_code,
+    held_count,
+    held_peak_real,
+    one_direction,
+    real_header_value,
+)
 from rockpulse.readers.kit.direction import Direction, direction
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
@@ -191,17 +197,17 @@ BEHIND = [
 
 
 def test_the_reals_of_a_channel():
-    assert [real(BEHIND, number).strip() for number in (3, 7, 8, 9)] == [
+    assert [real_header_value(BEHIND, number).strip() for number in (3, 7, 8, 9)] == [
         "354.30000",
         "-.5666587",
         "39.410000",
         "200.00000",
     ]
-    assert [real(BEHIND, number) for number in (12, 16, 17)] == ["", "", ""]  # unknown, zero, not there
-    assert real(["words", *BEHIND], 8) == " 39.410000"
+    assert [real_header_value(BEHIND, number) for number in (12, 16, 17)] == ["", "", ""]  # unknown, zero, not there
+    assert real_header_value(["words", *BEHIND], 8) == " 39.410000"
     for damaged in ("         .", "        -.", " 3x.410000", "   39 .410"):
-        assert real([row.replace(" 39.410000", damaged) for row in BEHIND], 8) == ""
-    assert real([], 3) == real(BEHIND[:7], 3) == ""
+        assert real_header_value([row.replace(" 39.410000", damaged) for row in BEHIND], 8) == ""
+    assert real_header_value([], 3) == real_header_value(BEHIND[:7], 3) == ""
 
 
 def test_the_count_in_the_integers():

@@ -9,7 +9,7 @@ from record_writers.cosmos import cosmos
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.kit.cosmos_header import Header, fortran_layout, held_series, read_header
+from rockpulse.readers.kit.cosmos_header import CosmosHeader, fortran_layout, held_series, read_cosmos_header
 
 TEXT = [f"line {number}" for number in range(1, 14)]
 
@@ -21,7 +21,7 @@ def header(kind="Raw acceleration", comments=(), integers=None, reals=None, **li
         for number, value in (given or {}).items():
             target[number - 1] = value
     text = [lines.get(f"line{number}", line) for number, line in enumerate(TEXT, 1)]
-    return Header(kind, text, whole, part, -999.0, comments, 0, 0)
+    return CosmosHeader(kind, text, whole, part, -999.0, comments, 0, 0)
 
 
 def lines_of(*replaced, **how):
@@ -186,7 +186,7 @@ def test_the_layout_of_a_table(line, layout):
 def test_a_header_may_begin_anywhere_in_a_file():
     lines = lines_of(comments=("one", " two"), integers={19: 12}, reals={64: 0.25})
     for before in (0, 5):
-        found = read_header("a", [*["before"] * before, *lines, "behind"], before, before + len(lines))
+        found = read_cosmos_header("a", [*["before"] * before, *lines, "behind"], before, before + len(lines))
         assert (found.start, found.end) == (before, before + 45)
         assert (found.kind, found.unknown) == ("Uncorrected acceleration", -999.0)
         assert [line.rstrip() for line in found.text] == [line.rstrip() for line in lines[:13]]
@@ -198,7 +198,7 @@ def test_a_header_may_begin_anywhere_in_a_file():
 def test_a_line_that_does_not_tell_what_is_unknown():
     lines = lines_of(integers={20: -9}, reals={66: -9.0})
     lines[12] = "Values"
-    found = read_header("a", lines, 0, len(lines))
+    found = read_cosmos_header("a", lines, 0, len(lines))
     assert (found.unknown, found.integer(19), found.integer(21), found.integer(20)) == (-999.0, 4, None, -9)
     assert (np.isnan(found.real(67)), found.real(66)) == (True, -9.0)
 
@@ -215,25 +215,25 @@ def test_a_line_that_does_not_tell_what_is_unknown():
 )
 def test_a_header_that_ends_too_early(end, message):
     with pytest.raises(RecordFormatError, match=message):
-        read_header("a", [*["before"] * 5, *lines_of()], 5, 5 + end)
+        read_cosmos_header("a", [*["before"] * 5, *lines_of()], 5, 5 + end)
 
 
 def test_comments_begin_with_a_bar():
     lines = lines_of(comments=("one", "two", "three"))
-    assert read_header("a", lines, 0, 45).end == 45  # where the channel ends before its comments
+    assert read_cosmos_header("a", lines, 0, 45).end == 45  # where the channel ends before its comments
     lines[44] = "  " + lines[44]
-    found = read_header("a", lines, 0, len(lines))
+    found = read_cosmos_header("a", lines, 0, len(lines))
     assert (found.end, len(found.comments)) == (46, 3)
     lines[45] = "three"
     with pytest.raises(RecordFormatError, match=r"a:46: expected comment 3 of 3, .*, found 't"):
-        read_header("a", lines, 0, len(lines))
+        read_cosmos_header("a", lines, 0, len(lines))
     lines = lines_of(comments=())
-    assert read_header("a", lines, 0, len(lines)).end == 43
+    assert read_cosmos_header("a", lines, 0, len(lines)).end == 43
 
 
 def test_numbers_that_touch_are_read_by_their_columns():
     lines = lines_of(integers={1: 12345678, 2: 23456789}, reals={1: -12345.678901, 2: -23456.789012})
-    found = read_header("a", lines, 0, len(lines))
+    found = read_cosmos_header("a", lines, 0, len(lines))
     assert [found.integer(number) for number in (1, 2, 3)] == [12345678, 23456789, 2]
     assert [found.real(number) for number in (1, 2)] == [-12345.678901, -23456.789012]
 
@@ -244,7 +244,7 @@ def test_a_damaged_number_of_a_header_is_named_with_its_line(row):
     lines[row] = lines[row].replace("-999", "-9x9", 1)
     assert lines != lines_of()
     with pytest.raises(RecordFormatError, match=rf"a:{row + 4}: expected a finite number, found '-9x9"):
-        read_header("a", [*["before"] * 3, *lines], 3, 3 + len(lines))
+        read_cosmos_header("a", [*["before"] * 3, *lines], 3, 3 + len(lines))
 
 
 @pytest.mark.parametrize(
@@ -286,7 +286,7 @@ def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
 
 
 def test_the_last_number_of_a_header_is_read_and_none_beyond_it():
-    header = Header("", [], np.array([7.0, 8.0]), np.array([0.5, 1.5]), -999.0, [], 0, 0)
+    header = CosmosHeader("", [], np.array([7.0, 8.0]), np.array([0.5, 1.5]), -999.0, [], 0, 0)
     assert [header.integer(number) for number in (1, 2, 3)] == [7, 8, None]
     assert [header.real(number) for number in (1, 2)] == [0.5, 1.5]
     assert np.isnan(header.real(3))
@@ -319,7 +319,7 @@ def test_length_and_peak_of_a_series(about, length, uncorrected, peak, real, raw
     reals = np.full(100, np.nan)
     reals[64] = real
     for kind, count in (("Raw acceleration", raw), ("Uncorrected", raw), ("CORRECTED acceleration", corrected)):
-        header = Header(kind, text, np.full(100, np.nan), reals, -999.0, [], 0, 0)
+        header = CosmosHeader(kind, text, np.full(100, np.nan), reals, -999.0, [], 0, 0)
         heading = f"1000 acceleration pts, approx {about} secs, units=g"
         for words in (heading, heading.upper()):
             assert len(held_series(header, words, 0.01, STRONGEST)) == count

@@ -13,10 +13,10 @@ from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.columns import is_columns, read_columns
-from rockpulse.readers.kit.headings import Heading, column_headings
-from rockpulse.readers.kit.kinds import kinds_of
+from rockpulse.readers.kit.headings import ColumnHeading, column_headings
+from rockpulse.readers.kit.motion_kinds import kinds_of
+from rockpulse.readers.kit.number_table import Layout
 from rockpulse.readers.kit.prose import stated_counts, stated_kinds, stated_steps, stated_units
-from rockpulse.readers.kit.table import Layout
 from rockpulse.readers.source import NotAcceleration, SourceFile
 
 
@@ -412,11 +412,11 @@ def test_the_headings_of_columns(header, delimiter, width, found, above):
 @pytest.mark.parametrize(
     ("heading", "known"),
     [
-        *[(Heading(name), True) for name in ("one two N", "ch 3", "x1234", "station_2", "h")],
-        *[(Heading(name), False) for name in ("one two three N", "one", "x12345", "")],
-        (Heading("one", "time"), True),
-        (Heading("one", unit="g"), True),
-        (Heading("one", unit="furlong"), False),
+        *[(ColumnHeading(name), True) for name in ("one two N", "ch 3", "x1234", "station_2", "h")],
+        *[(ColumnHeading(name), False) for name in ("one two three N", "one", "x12345", "")],
+        (ColumnHeading("one", "time"), True),
+        (ColumnHeading("one", unit="g"), True),
+        (ColumnHeading("one", unit="furlong"), False),
     ],
 )
 def test_what_is_known_of_a_heading(heading, known):

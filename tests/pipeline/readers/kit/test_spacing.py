@@ -10,7 +10,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.kit.headings import Heading
+from rockpulse.readers.kit.headings import ColumnHeading
 from rockpulse.readers.kit.spacing import (
     agreed_step,
     climbs,
@@ -371,11 +371,11 @@ def step_of(times, *others, headings=(), declared=None):
     ],
 )
 def test_times_are_in_the_unit_of_their_heading(unit, seconds):
-    found = step_of(2.0 * np.arange(30), headings=[Heading("t", "time", unit)])
+    found = step_of(2.0 * np.arange(30), headings=[ColumnHeading("t", "time", unit)])
     assert found == pytest.approx(2.0 * seconds, rel=1e-12)
     with pytest.raises(RecordFormatError, match="expected a column of times in s, ms or min, found 't' in 's2'"):
-        step_of(2.0 * np.arange(30), headings=[Heading("t", "time", "s2")])
-    assert step_of(2.0 * np.arange(30), headings=[Heading("a", "acceleration", "s2")]) == 2.0
+        step_of(2.0 * np.arange(30), headings=[ColumnHeading("t", "time", "s2")])
+    assert step_of(2.0 * np.arange(30), headings=[ColumnHeading("a", "acceleration", "s2")]) == 2.0
 
 
 @pytest.mark.parametrize("still", [0, 3])
@@ -389,12 +389,12 @@ def test_a_column_that_falls_at_a_twentieth_of_its_changes_is_no_time(still):
         with pytest.raises(RecordFormatError, match=r"^x.txt:15: expected increasing times in the first .* 8.5"):
             step_of(times)
     with pytest.raises(RecordFormatError, match="in the column 't'"):
-        step_of(times[:15], headings=[Heading("t", "time")])
+        step_of(times[:15], headings=[ColumnHeading("t", "time")])
     assert step_of(0.0 * times) is None
 
 
 def test_a_table_of_one_column_or_one_row_has_no_times():
-    headings = [Heading("t", "time")]
+    headings = [ColumnHeading("t", "time")]
     assert time_column_step("x.txt", TIMES_TIME_COLUMN[:, None], headings, 4, None) == (None, None)
     assert step_of(TIMES_TIME_COLUMN[:1], headings=headings) is None
     assert step_of(TIMES_TIME_COLUMN[:2], headings=headings) == 0.01
@@ -418,8 +418,8 @@ def test_the_step_that_differs_most_is_named_though_it_is_short():
 def test_a_column_counts_the_rows_from_zero_or_one():
     for begin, counts in ((-1.0, False), (0.0, True), (1.0, True), (2.0, False)):
         rows = np.column_stack([begin + np.arange(5.0), VALUES_TIME_COLUMN[:5]])
-        assert counts_rows(rows, []) is counts_rows(rows, [Heading("No")]) is counts
-        assert not counts_rows(rows, [Heading("t", "time")])
+        assert counts_rows(rows, []) is counts_rows(rows, [ColumnHeading("No")]) is counts
+        assert not counts_rows(rows, [ColumnHeading("t", "time")])
     assert not counts_rows(np.column_stack([[0.0, 1.0, 3.0], VALUES_TIME_COLUMN[:3]]), [])
 
 

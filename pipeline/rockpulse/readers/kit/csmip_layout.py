@@ -26,7 +26,7 @@ from rockpulse.readers.kit.checks import (
 )
 from rockpulse.readers.kit.direction import Direction, direction, on_structure
 from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, written
-from rockpulse.readers.kit.spacing import Block
+from rockpulse.readers.kit.spacing import ChannelSamples
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
     LONGEST_LINE,
@@ -73,7 +73,7 @@ _REAL = re.compile(r" *-?\d{0,8}\.\d{0,8}", re.ASCII)
 
 
 @dataclass(frozen=True)
-class Header:
+class CsmipHeader:
     """The text of one channel, without its samples."""
 
     component: str  # direction of the sensor
@@ -92,7 +92,7 @@ class Header:
         return f"{self.component} ({self.place})" if self.place else self.component
 
     def record(
-        self, file: SourceFile, number: int, block: Block, warnings: Sequence[str] = (), **further: Any
+        self, file: SourceFile, number: int, block: ChannelSamples, warnings: Sequence[str] = (), **further: Any
     ) -> Record:
         """Return the record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
         return build_record(
@@ -111,7 +111,7 @@ class Header:
 
 
 @dataclass(frozen=True)
-class Heading:
+class SeriesHeading:
     """The line before a block of equally spaced values."""
 
     at: int  # index of the line
@@ -156,16 +156,16 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
     return lines, spans, (*notes, *copies)
 
 
-def heading_at(lines: Sequence[str], at: int) -> Heading | None:
+def heading_at(lines: Sequence[str], at: int) -> SeriesHeading | None:
     """Return the heading at index `at` of the lines, the last one if it is repeated; None if it is not a heading."""
     match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
-    last = last_of_equal(lines, at)
-    return Heading(last, _KINDS[(match[2] or match[3])[0].lower()], int(match[1]), match[4], repeated_marker(at, last))
+    last, kind = last_of_equal(lines, at), _KINDS[(match[2] or match[3])[0].lower()]
+    return SeriesHeading(last, kind, int(match[1]), match[4], repeated_marker(at, last))
 
 
-def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
+def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: int, unit: str) -> ChannelSamples:
     """Read the accelerations below a heading, before the line with index `end`; `unit` is as worded in the file."""
     where = f"{name}:{heading.at + 1}"
     rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
@@ -183,10 +183,10 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
     if per_row < 1 or width < 1:
         raise RecordFormatError(f"{where}: expected a format such as (8f9.6), found ({per_row}f{width})")
     samples, left = fixed_block(name, lines, (first, end), width, per_row, count)
-    return Block(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
+    return ChannelSamples(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
 
 
-def read_header(lines: Sequence[str]) -> Header:
+def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
     """Read the header of a channel: 13 lines of text from 'Uncorrected Accelerogram Data', and the lines after them."""
     text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
@@ -215,7 +215,7 @@ def read_header(lines: Sequence[str]) -> Header:
         "depth_km": depth[1] if depth else "",
         "station_place": coordinates(text[4]),
     }
-    return Header(
+    return CsmipHeader(
         component,
         place,
         about,
@@ -228,7 +228,7 @@ def read_header(lines: Sequence[str]) -> Header:
 
 
 def missing_channels(
-    name: str, lines: Sequence[str], spans: Sequence[Span], headers: Sequence[Header]
+    name: str, lines: Sequence[str], spans: Sequence[Span], headers: Sequence[CsmipHeader]
 ) -> tuple[str, ...]:
     """Return warnings on missing channels (see `completeness`), from the span and the header of each channel."""
     pairs = zip(spans, headers, strict=True)
@@ -275,7 +275,7 @@ def held_count(behind: Sequence[str], points: int) -> list[str]:
     return [f"integer 28 of the header states {int(text)} points, the text {points}"]
 
 
-def real(behind: Sequence[str], number: int) -> str:
+def real_header_value(behind: Sequence[str], number: int) -> str:
     """Return a real as printed, by its number from 1, from the lines after the text; empty if unknown."""
     row, column = divmod(number - 1, 8)
     text = _row(behind, _INTEGER_ROWS + row)[_REAL_WIDTH * column : _REAL_WIDTH * (column + 1)]
@@ -283,9 +283,9 @@ def real(behind: Sequence[str], number: int) -> str:
     return text if known else ""
 
 
-def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: float) -> list[str]:
+def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, per_unit: float) -> list[str]:
     """Return a warning if a real, a peak in units of `per_unit` m/s2, differs from the peak of the samples."""
-    peak, rounding = printed_number(real(behind, number))
+    peak, rounding = printed_number(real_header_value(behind, number))
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
         return [f"real {number} of the header states a peak of {stated:.4g} g, the samples have {found:.4g} g"]

@@ -10,7 +10,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.kit.direction import heading_direction, name_direction
-from rockpulse.readers.kit.kinds import kind_of_name, kinds_of
+from rockpulse.readers.kit.motion_kinds import kind_of_name, kinds_of
 from rockpulse.readers.source import OtherKind, SourceFile
 
 STEP = 0.005

@@ -65,7 +65,7 @@ _ORDINATE = re.compile(r"(?<![A-Za-z])(?:Sa|Sv|Sd|SA|SV|SD|sa|sv|sd)(?![A-Za-z])
 _LETTER = re.compile(r"(?<![A-Za-z])([avdAVD])(?![A-Za-z])|(?<=[a-z0-9])([AVD])(?![A-Za-z])")
 
 
-def plain(text: str) -> str:
+def folded_text(text: str) -> str:
     """Return the beginning of a line in lower case, without accents and repeated blanks."""
     text = text[:_LINE]
     if not text.isascii():
@@ -82,14 +82,14 @@ def _words(text: str) -> list[str]:
 
 def kinds_of(text: str) -> list[str]:
     """Return the kinds of motion, and time, in the words of a heading; kinds that exclude acceleration come first."""
-    told = plain(text)
+    told = folded_text(text)
     words = _words(told)
     kinds = [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]
     return [kind for kind in kinds if kind != "spectrum" or not _MATCHED.search(told)]
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
-    """Return the kinds of motion in a line of prose from `plain`; in the `name` of a file also short words."""
+    """Return the kinds of motion in a line of prose from `folded_text`; in the `name` of a file also short words."""
     words = [word for word in _words(text) if name or not _NO_PROSE.fullmatch(word)]
     kinds = [kind for kind in kinds_of(" ".join(words)) if kind not in ("spectrum", "time", "rotation")]
     spectrum = any(_PROSE_SPECTRUM.fullmatch(word) for word in words)
@@ -98,7 +98,7 @@ def prose_kinds(text: str, name: bool = False) -> list[str]:
 
 def means_size(heading: str) -> bool:
     """Return whether a heading names the magnitude of a vector, not a component: absolute, total, resultant, |a|."""
-    told = plain(heading)
+    told = folded_text(heading)
     return bool(re.search(r"\|[^|]+\|", told) or any(_SIZE.fullmatch(word) for word in re.findall(r"[a-z_]+", told)))
 
 
@@ -135,7 +135,7 @@ def kind_of_name(file: SourceFile) -> str:
 
 def _kinds_of_words(words: list[str]) -> list[str]:
     """Return the kinds of motion in the words of a name; a spectrum only from an unambiguous word."""
-    return list(dict.fromkeys(prose_kinds(plain(" ".join(words)), name=True)))
+    return list(dict.fromkeys(prose_kinds(folded_text(" ".join(words)), name=True)))
 
 
 def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:

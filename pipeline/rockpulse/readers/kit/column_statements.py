@@ -11,7 +11,7 @@ from rockpulse.errors import UnitError
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.kit.checks import held_direction
 from rockpulse.readers.kit.direction import Direction, heading_direction, name_direction
-from rockpulse.readers.kit.headings import Heading
+from rockpulse.readers.kit.headings import ColumnHeading
 from rockpulse.readers.kit.prose import other_units, positive_downwards, stated_direction, stated_peaks, stated_units
 from rockpulse.readers.kit.text import UNITS, canonical_unit, for_such_files, printed_number, spelled_unit
 from rockpulse.readers.source import SourceFile
@@ -20,7 +20,7 @@ from rockpulse.warning_text import WarningText
 _HALF_TURN = 180.0  # degrees between two opposite directions
 
 
-def column_directions(file: SourceFile, headings: Sequence[Heading], prose: Sequence[str]) -> list[Direction]:
+def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose: Sequence[str]) -> list[Direction]:
     """Return the direction of each column from its heading; of a single column also from the file name."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
@@ -35,7 +35,7 @@ def column_directions(file: SourceFile, headings: Sequence[Heading], prose: Sequ
     return found
 
 
-def same_directions(headings: Sequence[Heading], facing: Sequence[Direction]) -> list[str]:
+def same_directions(headings: Sequence[ColumnHeading], facing: Sequence[Direction]) -> list[str]:
     """Return a warning for two columns along one axis, such as N and S."""
     notes: list[str] = []
     named = [(heading.name, one) for heading, one in zip(headings, facing, strict=True) if one.orientation != "unknown"]
@@ -61,7 +61,7 @@ def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -
     return peaks
 
 
-def column_units(name: str, headings: Sequence[Heading], prose: Sequence[str], options: ReadOptions) -> list[str]:
+def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[str], options: ReadOptions) -> list[str]:
     """Return the unit of each column: that given by the caller, checked against the header, or that of the heading."""
     units = []
     for other in other_units(prose):

@@ -9,7 +9,7 @@ from scipy.signal import lsim
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
-from rockpulse.readers.kit.response import (
+from rockpulse.readers.kit.instrument_response import (
     _disagreement,
     _gain,
     first_stage,

@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.kit.csmip import Header, Heading, channels, equal_block, heading_at, read_header
-from rockpulse.readers.kit.spacing import Block
+from rockpulse.readers.kit.csmip_layout import (
+    CsmipHeader,
+    SeriesHeading,
+    channels,
+    equal_block,
+    heading_at,
+    read_csmip_header,
+)
+from rockpulse.readers.kit.spacing import ChannelSamples
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY as G
 
@@ -85,7 +92,7 @@ def test_a_heading(line, kind, count, layout, unit):
     [("at 200 pts/sec", 0.005), ("at 50 samples/sec", 0.02), ("spaced at .25 sec", 0.25), ("spaced at 2.0 sec", 2.0)],
 )
 def test_the_interval_of_a_heading(words, dt):
-    block = equal_block("a", ["x", "heading", "  1.  2. -3."], Heading(1, "acceleration", 3, words), 3, "cm/sec2")
+    block = equal_block("a", ["x", "heading", "  1.  2. -3."], SeriesHeading(1, "acceleration", 3, words), 3, "cm/sec2")
     assert (block.dt, block.unit, block.warnings) == (dt, "cm/s2", ())
     assert list(block.samples) == list(block.values) == [1.0, 2.0, -3.0]
     assert list(block.times) == [0.0, dt, 2.0 * dt]
@@ -94,7 +101,7 @@ def test_the_interval_of_a_heading(words, dt):
 @pytest.mark.parametrize("words", ["", "at 0 pts/sec", "at 1.2.3 pts/sec", "spaced at 0.0 sec", "spaced at . sec"])
 def test_a_heading_without_an_interval_is_refused(words):
     with pytest.raises(RecordFormatError, match=r"a:2: expected 'at N pts/sec' or 'equally spaced at N sec'"):
-        equal_block("a", ["x", "heading", "  1.  2."], Heading(1, "acceleration", 2, words), 3, "g")
+        equal_block("a", ["x", "heading", "  1.  2."], SeriesHeading(1, "acceleration", 2, words), 3, "g")
 
 
 @pytest.mark.parametrize(
@@ -109,7 +116,7 @@ def test_a_heading_without_an_interval_is_refused(words):
     ],
 )
 def test_the_rows_below_a_heading(count, words, rows, notes):
-    heading = Heading(1, "acceleration", count, f"at 100 pts/sec {words}", ("own",))
+    heading = SeriesHeading(1, "acceleration", count, f"at 100 pts/sec {words}", ("own",))
     block = equal_block("a", ["x", "heading", *rows, "behind"], heading, 2 + len(rows), "g")
     assert list(block.samples) == list(np.arange(1.0, count + 1.0))
     assert block.warnings[0] == "own"
@@ -128,7 +135,7 @@ def test_the_rows_below_a_heading(count, words, rows, notes):
     ],
 )
 def test_damaged_rows_below_a_heading_are_named(count, words, rows, message):
-    heading = Heading(1, "acceleration", count, f"at 100 pts/sec {words}")
+    heading = SeriesHeading(1, "acceleration", count, f"at 100 pts/sec {words}")
     with pytest.raises(RecordFormatError, match=message):
         equal_block("a", ["x", "heading", *rows, " 9"], heading, 2 + len(rows), "g")
 
@@ -154,7 +161,7 @@ def text_of(**lines):
     ],
 )
 def test_the_direction_and_place_of_a_channel(line, component, place, channel, number, structural):
-    header = read_header(text_of(line7=line))
+    header = read_csmip_header(text_of(line7=line))
     assert (header.component, header.place, header.about["channel"]) == (component, place, channel)
     assert (header.number, header.about["structural"]) == (number, structural)
     assert (header.counted, header.code, header.recorder) == (5, 90, "words 5")
@@ -169,7 +176,7 @@ def test_the_words_of_a_header():
         "line6": "  Pomona   Orange Grove",
         "line9": "Hypocenter: 34.25N, 118.5W, H=18.5KM. ML=6.5",
     }
-    header = read_header(text_of(**lines))
+    header = read_csmip_header(text_of(**lines))
     assert (header.about["network"], header.about["station"], header.about["location"]) == ("CE", "23837", "0")
     assert (header.about["event"], header.about["station_name"]) == ("Big Bear", "Pomona")
     assert header.about["start_time"] == datetime(2019, 7, 6, 11, 16, 8, 500000, tzinfo=UTC)
@@ -179,14 +186,14 @@ def test_the_words_of_a_header():
     assert (header.about["hypocentre"], header.about["depth_km"]) == ((34.25, -118.5), "18.5")
     assert header.about["station_place"] == (33.5, -118.25)
 
-    fewer = read_header(text_of(**lines | {"line4": "ci12.CE.23837.--.x", "line6": "Pomona S/N 12 S/N 13"}))
+    fewer = read_csmip_header(text_of(**lines | {"line4": "ci12.CE.23837.--.x", "line6": "Pomona S/N 12 S/N 13"}))
     assert (fewer.about["event_id"], fewer.about["location"], fewer.about["station_name"]) == ("", "", "Pomona")
     assert (fewer.about["start_time"], fewer.warnings) == (None, ())
-    assert read_header(text_of(line9="H= 18 km")).about["depth_km"] == "18"
-    fewer = read_header(text_of(**lines | {"line4": "", "line3": "", "line9": ""}))
+    assert read_csmip_header(text_of(line9="H= 18 km")).about["depth_km"] == "18"
+    fewer = read_csmip_header(text_of(**lines | {"line4": "", "line3": "", "line9": ""}))
     assert (fewer.about["network"], fewer.about["station"], fewer.about["location"]) == ("", "14403", "")
     assert (fewer.about["event_id"], fewer.about["origin_time"], fewer.about["depth_km"]) == ("", None, "")
-    assert read_header(text_of()).about["station"] == ""
+    assert read_csmip_header(text_of()).about["station"] == ""
 
 
 @pytest.mark.parametrize(
@@ -206,7 +213,7 @@ def test_the_words_of_a_header():
     ],
 )
 def test_the_start_of_a_channel(start, moment, note):
-    header = read_header(text_of(line4=f"x  {start}"))
+    header = read_csmip_header(text_of(line4=f"x  {start}"))
     assert header.about["start_time"] == (datetime(*moment, tzinfo=UTC) if moment else None)
     assert len(header.warnings) == bool(note)
     assert note in "".join(header.warnings)
@@ -214,8 +221,10 @@ def test_the_start_of_a_channel(start, moment, note):
 
 def test_the_record_of_a_channel():
     samples = np.array([0.0, 0.25, -0.5])
-    block = Block(samples, 0.02, "g", 0.02 * np.arange(4), np.array([0.0, 0.25, -0.75, 0.5]), ("of the block",))
-    header = Header("90 Deg", "Roof", {"station": "CLC"}, ("of the header",))
+    block = ChannelSamples(
+        samples, 0.02, "g", 0.02 * np.arange(4), np.array([0.0, 0.25, -0.75, 0.5]), ("of the block",)
+    )
+    header = CsmipHeader("90 Deg", "Roof", {"station": "CLC"}, ("of the header",))
     file = SourceFile("a.v1", b"x", lambda: b"x")
     how = {"format": "csmip_v1", "processed": True, "processing": ("step",)}
     record = header.record(file, 2, block, ("and another",), **how, header_peak=(0.75 * G, 0.1), peak_factor=1.0)
@@ -225,11 +234,12 @@ def test_the_record_of_a_channel():
     assert (record.processing, record.format, record.processed) == (("step",), "csmip_v1", True)
     assert len(header.record(file, 2, block, **how, header_peak=(0.85 * G, 0.11 * G), peak_factor=1.0).warnings) == 2
     assert len(header.record(file, 2, block, **how, header_peak=(0.85 * G, 0.09 * G), peak_factor=1.0).warnings) == 3
-    assert Header("Up").record(file, 2, block, **how).component == "Up"
+    assert CsmipHeader("Up").record(file, 2, block, **how).component == "Up"
     orientations = [
-        Header("Up", about={"structural": inside}).record(file, 2, block, **how).orientation for inside in (False, True)
+        CsmipHeader("Up", about={"structural": inside}).record(file, 2, block, **how).orientation
+        for inside in (False, True)
     ]
     assert [record.orientation, *orientations] == ["horizontal", "vertical", "structural"]
-    turned = Header("90 Deg", code=270, repeated=("45",)).record(file, 2, block, **how)
+    turned = CsmipHeader("90 Deg", code=270, repeated=("45",)).record(file, 2, block, **how)
     assert np.isnan(turned.azimuth)
-    assert np.isnan(Header("90 Deg", repeated=("45",)).record(file, 2, block, **how).azimuth)
+    assert np.isnan(CsmipHeader("90 Deg", repeated=("45",)).record(file, 2, block, **how).azimuth)

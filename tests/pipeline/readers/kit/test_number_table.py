@@ -7,7 +7,7 @@ from record_writers.columns import columns, wrapped
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.kit.table import (
+from rockpulse.readers.kit.number_table import (
     Layout,
     Numbered,
     as_float,
