@@ -15,7 +15,7 @@ _BLOCK = 64  # files that are compared with all others at once
 _ALIKE = 0.98  # correlation of the slope of one file with the values of another at which it is its integral
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class UnstatedKind(Record):
     """A record whose file does not state the kind of motion, with its values and slopes at some samples."""
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 
 import numpy as np
 
@@ -33,6 +34,9 @@ _COMPONENTS, _NO_STATION = 3, 4
 #: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
 _INTEGRAL = 0.95  # correlation at which a column is the integral of the one before it, and no other component
+#: Patterns of decimals that touch: the end of one before the sign of the next, and rows of others, without a sign.
+_TOUCHING = re.compile(rb"(\.\d*+(?:[eEdD][+-]?\d++)?+)(?=[+-]\d*+\.\d)")
+_INSEPARABLE = re.compile(r"[\s\d.,;eEdD+-]*\.\d{3,}\.\d")
 #: Words in messages for the properties that a series wrapped into rows needs.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
 #: Names of the columns of a station in an example.
@@ -62,7 +66,7 @@ def is_columns(head: bytes, name: str) -> bool:
     """Return whether a short header is followed by rows of numbers with the same number of columns."""
     if b"\x00" in head:
         return False
-    lines, _ = without_stamps(kit.text_lines(head))
+    lines, _ = _lines(head)
     layout = find_layout(lines)
     if layout is None:
         return False
@@ -78,11 +82,15 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     interval are known and the values continue smoothly from row to row. The prose of a header must not contradict the
     numbers.
     """
-    lines, start_time = without_stamps(kit.text_lines(file.content))
+    lines, start_time = _lines(file.content)
     layout = find_layout(lines)
     if layout is None:
         expected = "rows of numbers, all with the same number of columns"
         raise RecordFormatError(f"{file.name}: expected {expected}, found none")
+    for number, line in enumerate(lines[: layout.start], 1):
+        if _INSEPARABLE.match(line):
+            found = f"numbers that touch in {line.strip()[:_SHOWN]!r}"
+            raise kit.unexpected(f"{file.name}:{number}", "blanks between numbers", found, "separate them")
     headings, end = column_headings(lines[: layout.start], layout)
     stop = kit.end_of_numbers(lines, layout.start)
     numbered = number_lines(file.name, lines[:stop], layout, names_time(headings))
@@ -162,6 +170,11 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
     stated = worded or kit.kind_of_name(file)
     return records if stated else [of_unstated_kind(record) for record in records]
+
+
+def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
+    """Return the lines, with numbers apart from each other and seconds for stamps, and the UTC time of the first."""
+    return without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
 
 
 def _with_one_time(columns: _Columns) -> _Columns:
