@@ -237,5 +237,5 @@ def test_decimals_that_touch_without_a_sign_are_refused(write):
     apart, touching = rows(TIMES, VALUES, VALUES), "100.0000103.2500\n" * 9
     with pytest.raises(RecordFormatError, match="txt:1: expected blanks between numbers, found numbers that touch in"):
         read(write(touching + apart), units="cm/s2", dt=0.01)
-    with pytest.raises(RecordFormatError, match="txt:201: expected 3 finite numbers, found '100.0000103.2500'"):
+    with pytest.raises(RecordFormatError, match=r"txt:201: expected 3 finite numbers, found '100\.0000103\.2500'"):
         read(write(apart + touching), units="cm/s2", dt=0.01)
