@@ -21,7 +21,7 @@ from numba import njit
 
 from rocking.lanes import available_cores
 from rockpulse.models import Block, Outcome, recorded_response
-from rockpulse.studies.selftest.baseline import response as solve_ivp_response
+from rockpulse.studies.selftest.baseline import baseline_response as solve_ivp_response
 from synthetic import synthetic_lanes, synthetic_motion
 
 EQUATIONS = ("linear", "nonlinear")

@@ -58,10 +58,10 @@ def said(place, monkeypatch, capsys):
     The parser is built and the results are read once for all commands.
     """
     monkeypatch.chdir(place)
-    parser, load = cli.build_parser(), results_file.load
+    parser, load = cli.build_parser(), results_file.load_tree
     results = load("results.h5")
     monkeypatch.setattr(cli, "build_parser", lambda: parser)
-    monkeypatch.setattr(results_file, "load", lambda path: results if str(path) == "results.h5" else load(path))
+    monkeypatch.setattr(results_file, "load_tree", lambda path: results if str(path) == "results.h5" else load(path))
 
     def said(arguments):
         for left in place.glob("new*"):  # by a case that failed

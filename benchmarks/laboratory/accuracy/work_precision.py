@@ -19,7 +19,7 @@ from laboratory.accuracy.statistics import answer_errors, error_statistics, refe
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rockpulse.studies.selftest.baseline import response as by_solve_ivp
+from rockpulse.studies.selftest.baseline import baseline_response
 
 __all__ = [
     "BASELINE",
@@ -210,7 +210,7 @@ def _by_solve_ivp(method: Method, cases: pd.DataFrame, ground: Ground) -> tuple[
     for row in cases.itertuples():
         acceleration, dt = ground(row)
         start = time.perf_counter()
-        found = by_solve_ivp(
+        found = baseline_response(
             row.p,
             row.alpha,
             row.restitution,

@@ -208,7 +208,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     >>> rp.load("results.h5").rockpulse
     <Results 5 records, 2 bodies, model nonlinear, overturns 1, rocks 1>
     """
-    return registered(results_file.load(path))
+    return registered(results_file.load_tree(path))
 
 
 @contextmanager
@@ -237,5 +237,5 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
     ...     round(float(tree["summary"]["pga"].max()), 2)  # m/s2
     4.86
     """
-    with results_file.open_results(Path(path)) as file:
+    with results_file.open_results_file(Path(path)) as file:
         yield registered(file.tree())

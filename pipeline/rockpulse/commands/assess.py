@@ -38,20 +38,20 @@ def _run(args: argparse.Namespace) -> int:
         return print_overview(_under_sequence(args, config), args, overview)
 
     from rockpulse.run.batch import assess_files
-    from rockpulse.storage.hdf5.results_file import open_results
+    from rockpulse.storage.hdf5.results_file import open_results_file
 
     with recorded(args):
         report = assess_files(paths, config, args.output, batch_options(args))
     if report.path is None:
         return nothing_written(report.failures, "assessed", args.quiet)
-    with open_results(report.path) as file, file.reading():
+    with open_results_file(report.path) as file, file.reading():
         return print_overview(file.tree("summary", "directions", "failures"), args, overview)
 
 
 def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
     """Assess bodies under the design sequence of a site file and write the results."""
     from rockpulse.storage.hdf5.atomic import check_target
-    from rockpulse.storage.hdf5.results_file import load, save
+    from rockpulse.storage.hdf5.results_file import load_tree, save
     from rockpulse.studies.site.calibration import load_design
 
     check_target(args.output, args.overwrite)
@@ -59,7 +59,7 @@ def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
 
     from rockpulse.assessment.assessment import assess_sequence
 
-    quantile = float(load(args.sequence)["site"]["quantile"])
+    quantile = float(load_tree(args.sequence)["site"]["quantile"])
     tree = assess_sequence(sequence, config, name=f"design sequence {quantile:g}", source=str(args.sequence))
     save(tree, args.output, overwrite=args.overwrite)
     return tree

@@ -14,7 +14,7 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.errors import RecordRefused
     from rockpulse.run.batch import calibrate_files
-    from rockpulse.storage.hdf5.results_file import load
+    from rockpulse.storage.hdf5.results_file import load_tree
     from rockpulse.studies.site.calibration import NothingCalibrated
     from rockpulse.views.text.site import site_overview
 
@@ -28,7 +28,7 @@ def _run(args: argparse.Namespace) -> int:
         why = first if args.quiet else f"{error}\nrockpulse"
         tell(f"rockpulse: {why}: nothing was written", sys.stderr)
         return 1
-    return print_overview(load(args.output), args, lambda tree: f"{site_overview(tree)}\n\nsite: {args.output}")
+    return print_overview(load_tree(args.output), args, lambda tree: f"{site_overview(tree)}\n\nsite: {args.output}")
 
 
 VERB = Verb(

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.export.long_table import long_table
     from rockpulse.storage.export.table_file import check_table_target, write_table
-    from rockpulse.storage.hdf5.results_file import open_results
+    from rockpulse.storage.hdf5.results_file import open_results_file
 
     selection = read_selection(args)
     check_table_target(args.output, args.overwrite)
-    with open_results(args.results) as file, file.reading():
+    with open_results_file(args.results) as file, file.reading():
         table = long_table(file, args.group, _names(args.rows), selection, _names(args.columns))
         history = str(file.attrs.get("history", "")).splitlines()
         chosen = f" Selection: {'; '.join(selection.words)}." if selection.words else ""

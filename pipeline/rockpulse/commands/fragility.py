@@ -17,7 +17,7 @@ def _run(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
 
     from rockpulse.run.batch import fragility_files
-    from rockpulse.storage.hdf5.results_file import load
+    from rockpulse.storage.hdf5.results_file import load_tree
     from rockpulse.views.shared.files_used import failure_rows
     from rockpulse.views.text.fragility import fragility_overview
     from rockpulse.views.text.left_out import rows_not_used
@@ -31,7 +31,7 @@ def _run(args: argparse.Namespace) -> int:
         unused = rows_not_used(failure_rows(tree))
         return "\n\n".join(filter(None, (fragility_overview(tree), unused, f"results: {args.output}")))
 
-    return print_overview(load(report.path), args, overview)
+    return print_overview(load_tree(report.path), args, overview)
 
 
 VERB = Verb(

@@ -28,9 +28,9 @@ NOTHING = "nothing failed and nothing was skipped"
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.hdf5.results_file import open_results
+    from rockpulse.storage.hdf5.results_file import open_results_file
 
-    with open_results(args.results) as file, file.reading():
+    with open_results_file(args.results) as file, file.reading():
         whole = [group for group in SHOWN_WHOLE if group in file.groups]
         tell(_whole(file, whole[0], args) if whole else "\n\n".join(_parts(file, args)))
     return 0
@@ -92,7 +92,7 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
 
 
 def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
-    from rockpulse.storage.hdf5.results_file import load
+    from rockpulse.storage.hdf5.results_file import load_tree
     from rockpulse.views.text.left_out import failure_list
 
     said, name = SHOWN_WHOLE[group]
@@ -106,7 +106,7 @@ def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     if args.failures:
         return failure_list(file.tree("failures")) or NOTHING
     overview = getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")
-    return str(overview(load(args.results)))
+    return str(overview(load_tree(args.results)))
 
 
 VERB = Verb(

@@ -1,4 +1,4 @@
-"""Readers of strong-motion files; their import loads none of obspy, pandas, numba and xarray."""
+"""Reads strong-motion files; its import loads neither obspy, pandas, numba nor xarray."""
 
 import os
 from dataclasses import replace
@@ -44,7 +44,7 @@ def read(
     response: str = "sensitivity",
     stationxml: str | os.PathLike[str] | BinaryIO | None = None,
 ) -> list[Record]:
-    """Read every channel of a strong-motion file, as :func:`rockpulse.read` does, but no folders."""
+    """Read every channel of a strong-motion file as :func:`rockpulse.read` does; folders are not accepted."""
     options = ReadOptions(units, dt, response)
     file = _open(path)
     if stationxml is not None:

@@ -20,7 +20,7 @@ _NESTED = (".zip", ".gz", ".tgz", ".tar", ".bz2", ".xz", ".7z", ".rar", ".zst")
 
 
 def is_archive(path: Path) -> bool:
-    """Return whether a file is a zip archive, from its first bytes or its name; office documents are not."""
+    """Return whether a file is a zip archive, from its first bytes or its name; office documents do not count."""
     if path.suffix.lower() == ".zip":
         return True
     with path.open("rb") as stream:
@@ -28,11 +28,11 @@ def is_archive(path: Path) -> bool:
 
 
 class Archive:
-    """An open zip archive of records, to be closed or used in a ``with`` block; unsafe archives are rejected."""
+    """An open zip archive of records, to be used in a ``with`` block or closed; unsafe archives are rejected."""
 
     def __init__(self, path: Path) -> None:
         try:
-            # NotImplementedError is how zipfile names a feature or a compression that it does not know.
+            # zipfile raises NotImplementedError for a feature or a compression that it does not support.
             self._archive = zipfile.ZipFile(path)
         except (zipfile.BadZipFile, NotImplementedError, ValueError) as fault:
             raise RecordFormatError(f"{path}: damaged zip archive ({fault}); download it again") from fault
@@ -55,11 +55,11 @@ class Archive:
         self.close()
 
     def close(self) -> None:
-        """Close the file of the archive."""
+        """Close the archive."""
         self._archive.close()
 
     def member(self, number: int) -> SourceFile:
-        """Unpack in memory the member with index `number` in `names`."""
+        """Return the member with this index in `names`, unpacked in memory."""
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
         folder = PurePosixPath(entry.filename).parent
@@ -68,7 +68,7 @@ class Archive:
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
-    """Reject too many members or bytes, and members that share bytes (a small archive could unpack to a huge size)."""
+    """Raise an error for too many members or bytes, or if members overlap, as in a zip bomb."""
     if len(entries) > MEMBER_LIMIT:
         raise RecordRefused(f"{path}: {len(entries)} members, the most that is read is {MEMBER_LIMIT}; split it")
     total = sum(entry.file_size for entry in entries)
@@ -101,7 +101,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
         raise RecordRefused(f"{name}: compressed {times}; unpack it by hand if it is a record")
     try:
         with archive.open(entry) as stream:
-            # The declared size bounds the read, whatever the compressed data would expand to.
+            # The declared size limits the read, even if the compressed data would expand further.
             content = stream.read(entry.file_size + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, lzma.LZMAError) as fault:
         # RuntimeError includes NotImplementedError, raised for a compression that zipfile does not support.
@@ -118,7 +118,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
 def _station_files(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: PurePosixPath
 ) -> list[tuple[str, bytes]]:
-    """Return name and bytes of each XML member in one folder."""
+    """Return the name and the content of each XML member in a folder of the archive."""
     xml = (entry for entry in entries if entry.filename.lower().endswith(".xml"))
     beside = (entry for entry in xml if PurePosixPath(entry.filename).parent == folder)
     named = ((f"{archive.filename}!{entry.filename}", entry) for entry in beside)
@@ -128,6 +128,6 @@ def _station_files(
 def _beside(
     archive: zipfile.ZipFile, entries: dict[str, zipfile.ZipInfo], folder: PurePosixPath, name: str
 ) -> bytes | None:
-    """Return the bytes of a member, given its name in a folder; None if there is no such member."""
+    """Return the content of the file `name` in a folder of the archive; None if there is no such file."""
     wanted = str(folder / name)
     return _content(archive, entries[wanted], f"{archive.filename}!{wanted}") if wanted in entries else None

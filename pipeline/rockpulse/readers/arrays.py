@@ -15,8 +15,8 @@ from rockpulse.record.record import Record
 
 _WORKBOOKS = (".xlsx", ".xlsm")
 _SAVE = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
-_DELIMITER = ";"  # between the cells of the text; a cell may hold a comma
-#: Smallest number of rows of a series in a sheet, which may be a list of stations, and of numbers in an array.
+_DELIMITER = ";"  # between the cells of the text; not a comma, which a cell may contain
+#: Smallest number of rows of a sheet with samples (a shorter one may be a list), and of numbers in an array.
 _FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
 #: Words known to the reader of columns, for names of single numbers (in lower case).
 _NUMBERS = dict.fromkeys(("dt", "delta", "deltat", "step", "time_step", "timestep", "sampling_interval"), "dt")
@@ -43,7 +43,7 @@ def text_tables(file: SourceFile) -> list[SourceFile] | None:
 
 
 def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[SourceFile], list[Record]]) -> list[Record]:
-    """Return the records of all tables, with the digest of the file; raise the first error if no table has records."""
+    """Return the records of all tables of a file; raise the first error if no table contains records."""
     records: list[Record] = []
     faults: list[RockpulseError] = []
     for table in tables:
@@ -59,7 +59,7 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
 
 
 def _workbook(file: SourceFile) -> Iterable[str]:
-    """Return each sheet of a workbook as rows of text, without empty rows and columns around its cells."""
+    """Yield each sheet of a workbook as rows of text, without empty rows and columns."""
     import pandas
 
     try:
@@ -67,7 +67,7 @@ def _workbook(file: SourceFile) -> Iterable[str]:
     except ImportError as fault:
         found = "a workbook, which pandas reads with openpyxl: pip install openpyxl"
         raise RecordRefused(f"{file.name}: {found}; or save it as CSV, with headings and units") from fault
-    except Exception as fault:  # openpyxl raises whatever a damaged part leads to
+    except Exception as fault:  # openpyxl may raise any error for a damaged part
         found = f"cannot be read as a workbook ({fault}); {advice(file)}"
         raise RecordFormatError(f"{file.name}: {found}") from fault
     for sheet in sheets.values():
@@ -77,7 +77,7 @@ def _workbook(file: SourceFile) -> Iterable[str]:
 
 
 def _cell(value: Any) -> str:
-    """Return a cell as text without the delimiter, with times in ISO 8601."""
+    """Return the value of a cell as text without the delimiter; times are in ISO 8601."""
     if value is None or value != value:
         return ""
     text = value.isoformat() if hasattr(value, "isoformat") else str(value)
@@ -85,7 +85,7 @@ def _cell(value: Any) -> str:
 
 
 def _numpy(file: SourceFile) -> Iterable[str]:
-    """Return the arrays of an NPY or NPZ file as text; arrays whose reading would execute code are not read."""
+    """Return the arrays of an NPY or NPZ file as text; arrays of Python objects are rejected, as they can run code."""
     try:
         found = np.load(io.BytesIO(file.content), allow_pickle=False)
         arrays = {"": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
@@ -115,7 +115,7 @@ def _matlab(file: SourceFile) -> Iterable[str]:
 
 
 def _texts(arrays: Mapping[str, Any]) -> list[str]:
-    """Return a table for all columns of the same length, with single numbers and words as prose above it."""
+    """Return one table for all columns of the same length; single numbers and words are prose above it."""
     prose: list[str] = []
     columns: dict[int, list[tuple[str, np.ndarray]]] = {}
     for name, value in arrays.items():
@@ -138,10 +138,10 @@ def _texts(arrays: Mapping[str, Any]) -> list[str]:
 
 
 def _table(prose: list[str], named: list[tuple[str, np.ndarray]]) -> str:
-    """Return a table with headings, if its columns have names, and with all digits of its numbers."""
-    # A series without a name, and a matrix, whose columns have numbers only, are as a text of numbers without headings.
+    """Return the columns as a table of text below the prose; headings are written if the columns have names."""
+    # Columns without names (of a series without a name, or of a matrix) are written without headings.
     bare = all(not name.strip(" 0123456789") for name, _ in named)
     heading = [] if bare else [_DELIMITER.join(name.replace(_DELIMITER, ",") or "value" for name, _ in named)]
-    # As the reader of columns has it, a point tells numbers from counts, and one column has no delimiter.
+    # The reader of columns distinguishes samples from counts by their decimal point.
     rows = np.column_stack([values.astype(float) for _, values in named]).tolist()
     return "\n".join([*prose, *heading, *(_DELIMITER.join(map(repr, row)) for row in rows)])

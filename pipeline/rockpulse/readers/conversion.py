@@ -1,4 +1,4 @@
-"""Writes records to files for other programs, either all or none; files are replaced only if requested."""
+"""Writes records to files for other programs: all files or, after an error, none."""
 
 import logging
 import os
@@ -21,10 +21,10 @@ from rockpulse.readers.writers import at2_bytes, azimuth_of, csv_bytes, miniseed
 from rockpulse.record.record import Record
 
 logger = logging.getLogger("rockpulse")
-_UNDERFLOW = 1e-97  # largest value that a number of few digits may lose near zero [m/s2]
+_UNDERFLOW = 1e-97  # largest error of a number with few digits near zero [m/s2]
 #: Largest relative change of a sampling interval by writing and reading: miniSEED stores the rate in single precision.
 _STEP_TOLERANCE = 1e-7
-_AZIMUTH_TOLERANCE = 1e-4  # degrees by which an azimuth may come back otherwise
+_AZIMUTH_TOLERANCE = 1e-4  # largest change of an azimuth by writing and reading [degrees]
 
 
 @dataclass(frozen=True)
@@ -32,18 +32,18 @@ class Writer:
     """A format in which records can be written."""
 
     suffix: str  # of the files that it writes
-    lost: str  # words for the properties of a record that the files cannot hold
-    # from a record to the content of its own file; None where all records go into one file
+    lost: str  # a text on the properties of a record that the files cannot contain
+    # returns the content of the file of one record; None if all records go into one file
     one: Callable[[Record], bytes] | None = None
-    digits: float = 0.0  # half a unit of the last digit over the value, at most; 0 where samples come back bit by bit
-    # whether every azimuth and state of processing comes back; else they may be missing, never wrong
+    digits: float = 0.0  # largest relative rounding error of a sample; 0 if samples are stored exactly
+    # whether every azimuth and state of processing is stored; if not, reading may lose but never change them
     whole: bool = True
-    structure: bool = False  # whether a file says that its channel is on a structure
-    others: tuple[str, ...] = ()  # lower-case suffixes by which it is recognised too
+    structure: bool = False  # whether a file states that its channel is on a structure
+    others: tuple[str, ...] = ()  # further suffixes of the format, in lower case
 
     @property
     def suffixes(self) -> tuple[str, ...]:
-        """File suffixes of the format in lower case."""
+        """Return the file suffixes of the format in lower case."""
         return (self.suffix.lower(), *self.others)
 
 
@@ -63,7 +63,7 @@ WRITERS = {
 
 
 class Written(NamedTuple):
-    """A written file, the ids of its records, and their names in it (empty if a record has the name of the file)."""
+    """A written file, the ids of its records, and their names in the file (empty for a single record)."""
 
     path: Path
     records: tuple[tuple[str, str], ...]
@@ -136,10 +136,10 @@ def write(
 
 
 def _sources(records: Sequence[Record]) -> set[str]:
-    """Return the paths of all files from which the records may have been read, according to `Record.source`."""
+    """Return the paths of all files from which the records may have been read."""
     sources = set()
     for text in {record.source for record in records if record.source}:
-        # Joined records name several files, archives stand before a "!"; both marks may also be part of a name.
+        # "; " separates the files of a joined record, "!" follows an archive; file names may contain both marks, too.
         parts = text.split("; ")
         for first, last in combinations(range(len(parts) + 1), 2):
             name = "; ".join(parts[first:last])
@@ -149,7 +149,7 @@ def _sources(records: Sequence[Record]) -> set[str]:
 
 
 def check_output(out: str | os.PathLike[str], format: str | None = None) -> Writer:
-    """Return the writer for a path or a format name, before any work; raise ConfigError as `write` does."""
+    """Return the writer for a path or a format name; raise ConfigError as `write` does."""
     return _format(Path(out), format)[0]
 
 
@@ -179,7 +179,7 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
 
 
 def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool) -> dict[Path, list[Record]]:
-    """Return the files to write with the records of each."""
+    """Return the path of each file to write, with its records."""
     if writer.one is None or (len(records) == 1 and not folder):
         return {out: list(records)}
     ids = [record.id.lstrip(".") for record in records]  # a file that begins with a point is hidden
@@ -195,7 +195,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """Return the path of the StationXML of each file; raise an error if another miniSEED file would use it too."""
+    """Yield the path of the StationXML of each file; raise an error if it would serve another miniSEED file, too."""
     if writer.one is not None:
         return
     for path in targets:
@@ -209,19 +209,19 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
 
 
 def _shares_station_file(other: Path, path: Path) -> bool:
-    """Return whether `other` is a miniSEED file, compressed or not, with the same stem as `path`."""
+    """Return whether `other` is a miniSEED file whose StationXML has the same name as that of `path`."""
     if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
         return False
     if path.exists() and other.samefile(path):
         return False
     try:
         return is_miniseed(open_source(other).head, other.name)
-    except RockpulseError:  # empty, an archive, damaged: no miniSEED
+    except RockpulseError:  # an empty or damaged file or an archive is not miniSEED
         return False
 
 
 def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) -> None:
-    """Raise an error, before anything is written, if existing files or the source of a record would be replaced."""
+    """Raise an error if a file to write exists and may not be replaced, or is the source of a record."""
     for path in paths:
         check_link(path)
         if os.path.realpath(path) in sources:
@@ -241,7 +241,7 @@ def _remove_empty(folder: Path) -> None:
 
 
 def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[dict[Path, bytes], list[str]]:
-    """Return the content of a file and of its companions by path, and the names of the records in it."""
+    """Return the content of a file and of its StationXML by path, and the names of the records in the file."""
     if writer.one is not None:
         return {path: writer.one(records[0])}, [""]
     own = path.with_suffix(".xml")
@@ -254,7 +254,7 @@ def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[di
 
 
 def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str, Record], writer: Writer) -> None:
-    """Read a written file as a user would, with the StationXML of its folder; raise an error if a record differs."""
+    """Read a written file again, as a user would; raise an error if a record differs from the original."""
 
     def station_files() -> list[tuple[str, bytes]]:
         own = {str(name): content for name, content in contents.items() if name != path}
@@ -270,7 +270,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
     if len(back) != len(records):
         raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} come back; nothing was kept")
     for again in back:
-        # One record has the name of its file.
+        # A file of one record has no name for it.
         code = f"{again.network}.{again.station}.{again.location}.{again.channel}"
         record = records[code if writer.one is None else ""]
         tolerance = writer.digits * np.abs(record.acceleration) + (_UNDERFLOW if writer.digits else 0.0)
@@ -285,8 +285,8 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Return a property that differs after reading (direction or processing); with `whole`, also one that is lost."""
-    if orientation_of(record) == "unknown":  # the name of the file may tell more
+    """Return a text on a direction or processing that reading changed (with `whole`, also lost); empty if none."""
+    if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
         return f"the orientation comes back as {again.orientation!r} instead of {orientation_of(record)!r}"
@@ -300,7 +300,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Return the words for a state of processing that differs after reading."""
+    """Return a text if reading changed the state of processing; else an empty text."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed comes back as {again.processed} instead of {record.processed}"
     return ""

@@ -33,18 +33,18 @@ PathLike = str | os.PathLike[str]
 
 
 class Found(NamedTuple):
-    """A file or a zip archive to read; `named` is true if the user gave its own name."""
+    """A file or a zip archive to read; `named` is true if the user named the file itself."""
 
     path: Path
     named: bool
 
 
 class Opened(NamedTuple):
-    """A file, or a member of an archive, that was opened for the readers, or the error."""
+    """A file or a member of an archive that was opened, or the error if it could not be opened."""
 
     name: str  # as in `Record.source`
-    file: SourceFile | RockpulseError | OSError  # the file, or the reason why it cannot be opened
-    member: int | None = None  # its place in `Archive.names`; None for a file that is no member of an archive
+    file: SourceFile | RockpulseError | OSError  # the file, or the error that prevented its opening
+    member: int | None = None  # index in `Archive.names`; None for a file outside an archive
 
 
 def read(
@@ -163,7 +163,7 @@ def read_all(
     options = ReadOptions(units, dt, response, tuple(files))
     found, failures = find_files(paths)
     check_patterns(found, options.files)
-    # One look at a folder's station metadata serves all its records.
+    # The station metadata of a folder are read once for all its records.
     station_files = lru_cache(maxsize=16)(folder_station_files)
     records: list[Record] = []
     for item in found:
@@ -179,20 +179,20 @@ def read_all(
 
 
 def in_order(row: Failure) -> tuple[str, str]:
-    """Return the sort key of rows of failures: file, then reason."""
+    """Return the key by which failures are sorted: file, then reason."""
     return row.file, row.reason
 
 
 def find_files(
     paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
 ) -> tuple[list[Found], list[Failure]]:
-    """Return the sorted, distinct files of some paths except `passed_over`, and a row for each path without files."""
-    # The run writes the files that are passed over: to open and close one that this process has locked would give up
-    # the lock. Only XML is opened, to pass over metadata of stations and earthquakes.
+    """Return the sorted, distinct files of some paths except `passed_over`, and failures for paths without files."""
+    # The files in `passed_over` are written by the run. They are not opened, as closing a file that this process has
+    # locked would release the lock. Only XML files are opened, to skip metadata of stations and earthquakes.
     found: dict[str, Found] = {}
     failures: list[Failure] = []
     for given in [paths] if isinstance(paths, str | os.PathLike) else paths:
-        items, faults = _behind(os.fspath(given))
+        items, faults = _files_of_path(os.fspath(given))
         failures += faults
         for item in items:
             key = os.path.abspath(item.path)  # noqa: PTH100 - links stay what they are
@@ -203,8 +203,8 @@ def find_files(
     return sorted(kept, key=lambda item: str(item.path)), failures
 
 
-def _behind(text: str) -> tuple[list[Found], list[Failure]]:
-    """Return the files of one path, or a row of failures if it has no files."""
+def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
+    """Return the files that a path or a pattern of the user means, and failures if it means none."""
     path, lacking = Path(text), ""
     items: list[Found] = []
     faults: list[Failure] = []
@@ -229,7 +229,7 @@ def _behind(text: str) -> tuple[list[Found], list[Failure]]:
 
 
 def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> None:
-    """Raise ConfigError for a pattern that matches no file and no member of an archive."""
+    """Raise ConfigError if a pattern of `files` matches no file and no member of an archive."""
     names = [str(item.path) for item in found]
     missed = [row for row in files if not any(map(row.chooses, names))]
     if missed:
@@ -243,7 +243,7 @@ def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> Non
 
 
 def _member_names(path: Path) -> list[str]:
-    """Return the members of an archive; empty for other files, and if it cannot be opened (reported by its reading)."""
+    """Return the names of the members of an archive; empty for other files and unreadable archives."""
     try:
         if not path.is_file() or not is_archive(path):
             return []
@@ -254,16 +254,16 @@ def _member_names(path: Path) -> list[str]:
 
 
 def _identity(path: PathLike) -> tuple[int, int] | None:
-    """Return device and inode, which are equal for all names and links of a file; None if there is no file."""
+    """Return device and inode, which are the same for all links to a file; None if there is no file."""
     try:
         state = os.stat(path)  # noqa: PTH116 - takes any path
-    except (OSError, ValueError):  # whoever opens it says why
+    except (OSError, ValueError):  # the error is reported when the file is opened
         return None
     return state.st_dev, state.st_ino
 
 
 def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
-    """Return the files below a folder, and a row for each folder that cannot be listed."""
+    """Return the files in a folder and its subfolders, and a failure for each folder that cannot be listed."""
     faults: list[OSError] = []
     items = []
     for parent, folders, files in os.walk(folder, onerror=faults.append):
@@ -278,7 +278,7 @@ def _quiet_file(path: Path) -> bool:
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
-    """Open a file or each member of an archive, or yield the error; `station_files` returns the files of a folder."""
+    """Yield the opened file, or each opened member of an archive; an error is yielded instead of raised."""
     path = found.path
     try:
         check_link(path)
@@ -304,14 +304,14 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
 
 
 def read_opened(opened: Opened, options: ReadOptions) -> list[Record]:
-    """Return every channel of an opened file; raise the error that prevented opening or reading it."""
+    """Return the records of an opened file; raise the error that prevented opening or reading it."""
     if isinstance(opened.file, Exception):
         raise opened.file
     return read_source(opened.file, options)
 
 
 def read_failure(found: Found, name: str, fault: Exception) -> Failure:
-    """Return the row of failures for a file or member of an archive, `name`, that has no record because of `fault`."""
+    """Return the failure for a file or a member of an archive that has no record because of `fault`."""
     named = found.named and name == str(found.path)
     if isinstance(fault, NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")

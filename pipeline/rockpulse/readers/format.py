@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rockpulse.errors import ConfigError, RecordFormatError, UnitError
 from rockpulse.option import KeyType, Section, key, number, text
-from rockpulse.readers.kit.channel import copies_told
+from rockpulse.readers.kit.channel import with_copy_warnings
 from rockpulse.readers.kit.spacing import same_step
 from rockpulse.readers.kit.text import UNITS, canonical_unit, for_other_files
 from rockpulse.readers.parts import PartRule
@@ -56,7 +56,7 @@ class FileSettings(Section):
 
     @property
     def where(self) -> str:
-        """Name of this section in messages."""
+        """Return the name of this section in messages."""
         return f'[[records.file]] match = "{self.match}"' if isinstance(self.match, str) else self.heading
 
     def __post_init__(self) -> None:
@@ -81,13 +81,13 @@ class FileSettings(Section):
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Properties that the caller knows and the file may lack; see `rockpulse.read`."""
+    """Properties that a file may not state and the caller gives; see `rockpulse.read`."""
 
     units: str | None = None  # unit of the accelerations, for formats that do not state one
     dt: float | None = None  # sampling interval [s], for columns without a time column
     # "sensitivity": counts are divided by it; "remove": the full instrument response is removed
     response: str = "sensitivity"
-    # of some files only, in place of the above; each property is that of the last row that chooses a file and gives it
+    # for some files, in place of the above; for each property, the last row counts that matches the file and gives it
     files: tuple[FileSettings, ...] = ()
 
     def __post_init__(self) -> None:
@@ -99,7 +99,7 @@ class ReadOptions:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
     def of_file(self, name: str) -> "ReadOptions":
-        """Return the options for one file, named as in `Record.source`, with only the rows that apply to it."""
+        """Return the options for one file, named as in `Record.source`; only rows that match it remain."""
         if not self.files:
             return self
         units, dt = self._last("units", name), self._last("dt", name)
@@ -111,19 +111,19 @@ class ReadOptions:
         )
 
     def said_by(self, key: str) -> str:
-        """Return the origin of a property, for a message: "the option units", or a row of the configuration."""
+        """Return where a property was given, for a message: "the option units" or a row of the configuration."""
         row = self._last(key)
         return f"the option {key}" if row is None else row.where
 
     def advice(self, key: str) -> str:
-        """Return the advice for a file that contradicts a given property."""
+        """Return the advice, for a message, on a file that contradicts a given property."""
         value = getattr(self, key)
         if self._last(key) is not None:
             return "correct the wrong one, or the pattern"
         return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
 
     def check(self, records: Sequence[Record]) -> None:
-        """Raise an error if the records of a file state another unit or interval than the row that matches the file."""
+        """Raise an error if a record has another unit or interval than the row that matches its file."""
         units, dt = self._last("units"), self._last("dt")
         for record in records:
             if units is not None:
@@ -136,13 +136,13 @@ class ReadOptions:
                 raise RecordFormatError(f"{record.source}: {told}; {self.advice('dt')}")
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
-        """Return the last row that gives a property, among those that match the file or, without a name, among all."""
+        """Return the last row that gives a property and matches the file, or any file if `name` is None."""
         found = (row for row in reversed(self.files) if row[key] is not None)
         return next((row for row in found if name is None or row.chooses(name)), None)
 
 
 def begins_with(pattern: re.Pattern[str], count: int = 200) -> Callable[[bytes, str], bool]:
-    """Return a detector for `Format` that matches the first `count` bytes of a file, as Latin-1, with a pattern."""
+    """Return a function for `Format.detect` that looks for a pattern in the first `count` bytes of a file."""
     return lambda head, name: bool(pattern.match(head[:count].decode("latin-1")))
 
 
@@ -151,24 +151,24 @@ class Format:
     """A row of the table of formats: name, detector, reader and description of a format."""
 
     name: str  # short name, `Record.format`
-    what: str  # the files, in words
-    recognised: str  # by which signs the format is known
-    unit: str  # unit of the values and where it comes from; "-" where nothing is read
+    what: str  # description of the files
+    recognised: str  # how the format is recognised
+    unit: str  # unit of the values and where it comes from; "-" if nothing is read
     example: str  # a typical file name
     detect: Callable[[bytes, str], bool]  # (head, name): cheap, never raises; the head is the beginning of the file
     # channels in the order of the file; raises RockpulseError and nothing else
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
-    processed: str = "no"  # for raw volumes, "yes" for corrected ones, "by type", "unknown"; "-" where nothing is read
-    obspy_reads: bool = False  # whether obspy reads these files itself: then they are no plugin of it
-    parts: PartRule | None = None  # where the agency cuts long records into files: how these are called
+    processed: str = "no"  # for raw volumes, "yes" for corrected ones, "by type", "unknown"; "-" if nothing is read
+    obspy_reads: bool = False  # whether obspy reads these files itself, so that no plugin is made
+    parts: PartRule | None = None  # file names of the parts, if the agency splits long records into files
 
     def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
-        """Read the channels of a file, with distinct ids; a file that contains everything twice is read once."""
+        """Read the channels of a file; a file whose second half repeats the first is read once."""
         half = file.first_half()
         records = [replace(record, format=self.name) for record in self.parse(half or file, options)]
         if self.parts:
             records = self.parts.read(half or file, records)
-        records = copies_told(distinct_ids(records))
+        records = with_copy_warnings(distinct_ids(records))
         if half is None:
             return records
         note = "the second half of the file is a copy of the first: it was read once"

@@ -1,4 +1,4 @@
-"""Detects velocities and displacements among files of unstated kind, as one is the integral of another."""
+"""Detects velocities and displacements among files of unstated kind: one is the integral of another."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -10,21 +10,24 @@ import numpy as np
 from rockpulse.errors import Failure
 from rockpulse.record.record import Record
 
-_POINTS, _FEWEST = 128, 50  # samples at which two files are compared, and fewest samples of a file
-_BLOCK = 64  # files that are compared with all others at once
-_ALIKE = 0.98  # correlation of the slope of one file with the values of another at which it is its integral
+_POINTS, _FEWEST = (
+    128,
+    50,
+)  # number of samples that are compared, and smallest number of samples of a file
+_BLOCK = 64  # number of files that are compared with all others at once
+_ALIKE = 0.98  # correlation of slopes and values of two files above which one is the integral of the other
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UnstatedKind(Record):
-    """A record whose file does not state the kind of motion, with its values and slopes at some samples."""
+    """A record whose file does not state the kind of motion, with some of its values and slopes."""
 
     values: tuple[float, ...] = ()  # [m/s2]
     slopes: tuple[float, ...] = ()  # [m/s3]
 
 
 def of_unstated_kind(record: Record) -> Record:
-    """Return the record with its values and slopes; unchanged if it is too short."""
+    """Return the record with some of its values and slopes; unchanged if it is too short."""
     if record.npts < _FEWEST:
         return record
     at = np.linspace(1, record.npts - 2, _POINTS).astype(int)
@@ -35,7 +38,7 @@ def of_unstated_kind(record: Record) -> Record:
 
 
 def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
-    """Return the records whose slope is no other record of their folder, length and interval, and rows for the rest."""
+    """Return the records that are no integral of another one in their folder, and a failure for each integral."""
     groups: dict[tuple[object, ...], list[UnstatedKind]] = defaultdict(list)
     for record in records:
         if isinstance(record, UnstatedKind):
@@ -48,7 +51,7 @@ def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Fai
 
 
 def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
-    """Return a row for each record (by its identity) whose slopes are the values of another record."""
+    """Return a failure for each record, by its identity, that is the integral of another record."""
     values, slopes = (_unit_vectors(np.array([getattr(one, name) for one in group])) for name in ("values", "slopes"))
     rows = {}
     for place, record in enumerate(group):
@@ -65,7 +68,7 @@ def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
 
 
 def _unit_vectors(table: np.ndarray) -> np.ndarray:
-    """Return the rows (n, m) without their means and with unit length; zero for constant rows."""
+    """Return the rows (n, m) without their means, scaled to unit length; constant rows become zero."""
     centred = table - table.mean(axis=1, keepdims=True)
     size = np.linalg.norm(centred, axis=1, keepdims=True)
     return np.divide(centred, size, out=np.zeros_like(centred), where=size > 0.0)

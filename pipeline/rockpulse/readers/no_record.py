@@ -71,25 +71,25 @@ _DIGITS = re.compile(r"\d+")
 _LETTERS = re.compile(r"[^\W\d_]+")
 #: Pattern of letters that are part of a number, or replace one.
 _OF_NUMBERS = re.compile(r"(?<=[\d.])[ed](?=[+-]?\d)|(?<![^\W\d_])(?:nan|inf|null|none|na)(?![^\W\d_])", re.IGNORECASE)
-_FEWEST = 40  # no series has less groups of digits than 20 samples with a point have
+_FEWEST = 40  # smallest number of groups of digits in a series: 20 samples with decimal points
 #: Number of consecutive rows of numbers that may be the beginning of data, whatever precedes them.
 _RUN = 10
-_COMPONENTS = 4  # rows with the codes of so many channels in turn are still one series
+_COMPONENTS = 4  # largest number of channels whose rows may alternate in a series
 
 
 def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
-    """Return whether a file not named by the user is ignored without a row, from its name or the start of its XML."""
+    """Return whether a file is ignored without a message, according to its name or the start of its XML."""
     suffix = PurePath(name).suffix.lower()
     if suffix != ".xml":
         return suffix in _QUIET
     try:
         return _METADATA.search(opened().head) is not None
-    except (RockpulseError, OSError):  # whoever reads it says why
+    except (RockpulseError, OSError):  # the error is reported when the file is read
         return False
 
 
 def may_be_record(file: SourceFile) -> bool:
-    """Return whether a file that no reader recognised may be a record, from its suffix, binary data or numbers."""
+    """Return whether an unrecognised file may be a record, according to its suffix, binary data or numbers."""
     if _OTHER.match(file.head) or _METADATA.search(file.head):
         return False
     suffix = file.path.suffix.lower()
@@ -107,7 +107,7 @@ def may_be_record(file: SourceFile) -> bool:
 
 
 def _is_series(lines: Sequence[str]) -> bool:
-    """Return whether rows of numbers with the same words are half of the lines, ten in a row, or most of the text."""
+    """Return whether a text is mainly a series: rows of numbers that all contain the same words."""
     words = [_words(line) for line in lines]
     digits: dict[tuple[str, ...], int] = defaultdict(int)
     for line, key in zip(lines, words, strict=True):
@@ -124,14 +124,14 @@ def _is_series(lines: Sequence[str]) -> bool:
 
 
 def _words(line: str) -> tuple[str, ...] | None:
-    """Return the words in a row of numbers, except those in numbers; None for a line with more words than numbers."""
+    """Return the words of a row except those within numbers; None for a line of prose."""
     if not _DECIMAL.search(line) and len(_DIGITS.findall(line)) < len(_LETTERS.findall(line)):
         return None
     return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
 
 
 def is_table(file: SourceFile) -> bool:
-    """Return whether a file is a table of the program, or a flat file: headings of parameters, and a row per record."""
+    """Return whether a file is a table of results, or a flat file with parameters of one record in each row."""
     if _OWN_TABLE.match(file.head):
         return True
     end = file.head.find(b"\n", 0, _LONGEST_HEADING)

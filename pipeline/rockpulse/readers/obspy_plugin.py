@@ -20,7 +20,7 @@ from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, Rock
 from rockpulse.readers import FORMATS, Format, ReadOptions
 from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.kit.direction import Direction
-from rockpulse.readers.kit.instrument_response import Removed, from_counts
+from rockpulse.readers.kit.instrument_response import ConvertedCounts, from_counts
 from rockpulse.readers.kit.obspy_bridge import codes_of, utc_time
 from rockpulse.readers.kit.text import UNITS, canonical_unit, unexpected
 from rockpulse.readers.source import HEAD, SourceFile, open_source, open_stream
@@ -143,7 +143,7 @@ def from_trace(
         raise UnitError(f"{where}: the values are no longer what they were: {changed[0]}; {asked}")
     kept = stats.get("rockpulse")
     if kept is None:
-        ReadOptions(response=response)  # refuses a way that is none
+        ReadOptions(response=response)  # rejects an unknown value of `response`
         return _new(where, trace, units, factor, response, azimuth)
     known = units is None or (units != "counts" and UNITS[canonical_unit(units, "option units")] == 1.0)
     if not known or factor is not None:
@@ -156,7 +156,7 @@ def _steps(stats: Any) -> tuple[str, ...]:
 
 
 def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Record:
-    """Return the record from which a trace with ``stats.rockpulse`` was made, with its later processing."""
+    """Return the record that `to_trace` stored in a trace, with the later processing of the trace."""
     missing = [field.name for field in _KEPT if field.default is MISSING and field.name not in kept]
     if missing:
         expected, advice = f"{', '.join(missing)} in stats.rockpulse", "delete stats.rockpulse and give the units"
@@ -180,7 +180,7 @@ def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Recor
 
 
 def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) -> Record:
-    """Return the record without the facts of its former codes, and without a direction if `undirected`."""
+    """Return the record without the data of its former codes, and without a direction if `undirected`."""
     stem = SourceFile(record.source, b"", bytes).path.stem or record.station_name or "trace"
     codes = (record.network, record.station, record.location, record.channel)
     record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
@@ -196,7 +196,7 @@ def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) ->
 def _new(
     where: str, trace: Any, units: str | None, factor: float | None, response: str, azimuth: float | None
 ) -> Record:
-    """Return a record made from a trace without ``stats.rockpulse``."""
+    """Return a new record from a trace that was not made by `to_trace`."""
     stats = trace.stats
     if units is None:
         raise UnitError(
@@ -205,7 +205,7 @@ def _new(
         )
     file = SourceFile(where, b"", bytes)
     samples = np.asarray(np.ma.getdata(trace.data), dtype=float)
-    found = Removed(samples, factor, (), ())
+    found = ConvertedCounts(samples, factor, (), ())
     if units == "counts":
         if factor is None and stats.get("response") is None:
             raise RecordRefused(
@@ -238,7 +238,7 @@ def _new(
 
 @lru_cache(maxsize=1)
 def _recognised(head: bytes, name: str) -> str:
-    """Return the format in which `rockpulse.read` would read a file; cached, as obspy tries every plugin."""
+    """Return the name of the format that recognises a file; cached, as obspy tries every plugin."""
     return next((row.name for row in FORMATS if row.detect(head, name)), "")
 
 
@@ -256,17 +256,17 @@ def _head(file: str | BinaryIO) -> tuple[bytes, str]:
 
 @dataclass(frozen=True)
 class Plugin:
-    """The two functions that obspy requires of a format, for its row of the table of formats."""
+    """A format as a plugin of obspy, with the two functions that obspy requires."""
 
     row: Format
 
     def is_format(self, file: str | BinaryIO) -> bool:
-        """Return whether a path or an open binary file is in this format and in no other that rockpulse knows."""
+        """Return whether a path or an open binary file is in this format, as rockpulse recognises it."""
         if self.row.name in _BY_NAME_ONLY:
             return False
         try:
             head, name = _head(file)
-        except (RockpulseError, OSError):  # empty, damaged gzip, a folder: not ours to complain of
+        except (RockpulseError, OSError):  # an empty file, a damaged gzip file or a folder is left to obspy
             return False
         return _recognised(head, name) == self.row.name
 
@@ -303,7 +303,7 @@ PLUGINS = {row.name.upper(): Plugin(row) for row in FORMATS if row.unit != "-" a
 
 
 def __getattr__(name: str) -> Plugin:
-    """Return the plugin of a format by its name in upper case, ``obspy_plugin.AT2``, as in the entry points."""
+    """Return the plugin of a format by its upper-case name, such as ``obspy_plugin.AT2``."""
     if name not in PLUGINS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return PLUGINS[name]

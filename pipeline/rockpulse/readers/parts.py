@@ -23,7 +23,7 @@ _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printe
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Part(Record):
-    """A channel of a part of a record that was split into files."""
+    """A channel in one part of a record that is split into several files."""
 
     whole: str = ""  # name of the file without the number of the part
     part: int = 1  # number of the part, from 1
@@ -32,14 +32,14 @@ class Part(Record):
 
 @dataclass(frozen=True)
 class PartRule:
-    """How the agency of a format splits long records into files; defined in the row of the format."""
+    """How the agency of a format names the parts of a long record; see `Format.parts`."""
 
-    name: re.Pattern[str]  # of a part's file, without suffix; groups: name of the whole record, number of the part
+    name: re.Pattern[str]  # of a part's file without suffix; groups: file name of the whole record, number of the part
     # time of the first sample of each channel, by its component, in the file's own column of times [s]
     first_times: Callable[[SourceFile], dict[str, float]]
 
     def read(self, file: SourceFile, records: list[Record]) -> list[Record]:
-        """Return the channels of a file as parts, which start at their first times; unchanged in other files."""
+        """Return the channels of a file as parts with their start times; unchanged if the file is no part."""
         name = self.name.fullmatch(file.path.stem)
         if not name:
             return records
@@ -56,7 +56,7 @@ class PartRule:
 
 
 def sample_digest(record: Record) -> str:
-    """Return the SHA-256 of the samples and the interval of a record as read."""
+    """Return the SHA-256 of the samples and the sampling interval of a record."""
     digest = hashlib.sha256(record.acceleration.tobytes())
     digest.update(f"{record.dt:.9g}".encode())
     return digest.hexdigest()
@@ -65,9 +65,9 @@ def sample_digest(record: Record) -> str:
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """Return sorted records without duplicates (according to `digest`), split ones joined, each with its parts.
+    """Return the sorted records without duplicates, split records joined; each comes with its parts.
 
-    The second value contains rows for duplicates, and for files that are the integral of another.
+    The second value contains a failure for each duplicate (equal `digest`), and for each integral of another file.
     """
     kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
     kept, integrals = without_integrals(kept)
@@ -84,10 +84,10 @@ def _place(record: Record) -> tuple[str, str]:
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[Record], list[Failure], dict[int, WarningText]]:
-    """Return distinct records, and rows for duplicates; a record with direction, or with time and event, is preferred.
+    """Return the distinct records, a failure for each duplicate, and warnings.
 
-    The third value contains, by the identity of a record, warnings on records of several files that have equal samples
-    but are kept as different channels.
+    Of several duplicates, one with a direction, or with time and event, is kept. The warnings, by the identity of a
+    record, are on records of several files with equal samples that are kept as different channels.
     """
     alike: dict[str, list[Record]] = defaultdict(list)
     for record in records:
@@ -113,7 +113,7 @@ def _without_duplicates(
 
 
 def _same_motion(one: Record, other: Record) -> bool:
-    """Return whether two records of equal samples are one motion, unlike dead channels or channels of one file."""
+    """Return whether records with equal samples are one motion, not dead channels or channels of one file."""
     same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True) and one.orientation == other.orientation
     if not same and "unknown" not in (one.orientation, other.orientation):
         return False
@@ -127,10 +127,10 @@ def _same_motion(one: Record, other: Record) -> bool:
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
     """Join the parts of records that were split into files; return each record with its parts in order.
 
-    Parts 1, 2, ... of one file name and station, which come last, are joined if they contain the same channels and each
-    begins one step after the end of the previous part, according to the columns of times or the clocks; otherwise they
-    get a warning. Files of one channel that each begin one step after the end of the previous one according to their
-    clocks, such as files of single days, are joined too.
+    Parts 1, 2, ... with the same file name and station are joined, and come last, if they contain the same channels and
+    each begins one step after the end of the previous part, according to the columns of times or the clocks; otherwise
+    they get a warning. Files of one channel that each begin one step after the end of the previous one according to
+    their clocks, such as files of single days, are joined, too.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = []
     groups: dict[tuple[str, str], dict[str, list[Part]]] = {}
@@ -156,7 +156,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
 
 
 def _channel(record: Record) -> tuple[object, ...]:
-    """Return the properties that all parts of one channel have in common."""
+    """Return the properties that all parts of one channel share, such as its codes."""
     codes = (record.network, record.station, record.location, record.channel, record.station_name)
     facing = (record.component, record.orientation, f"{record.azimuth:g}", f"{record.sensor_depth:g}")
     return (
@@ -171,7 +171,7 @@ def _channel(record: Record) -> tuple[object, ...]:
 
 
 def _chains(records: Sequence[Record]) -> list[list[Record]]:
-    """Group records of one channel, in order of time, that each begin one step after the end of the previous one."""
+    """Group the records of a channel so that within a group each begins one step after the end of the previous."""
     chains: list[list[Record]] = []
     for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
         before = chains[-1][-1] if chains else None
@@ -184,7 +184,7 @@ def _chains(records: Sequence[Record]) -> list[list[Record]]:
 
 
 def _continued(pieces: Sequence[Record]) -> Record:
-    """Return a channel that continues over several files, with the metadata of its first part."""
+    """Join records of one channel that follow each other; the metadata are those of the first."""
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings)
     return replace(
         pieces[0],
@@ -219,7 +219,7 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
 
 
 def _joined(pieces: Sequence[Part]) -> Record:
-    """Return one channel of the whole record, with the metadata of its first part."""
+    """Join the parts of one channel; the metadata are those of the first part."""
     first = pieces[0]
     codes = (first.network, first.station, first.location, first.channel)
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings if code_of(note) != "part_of_record")

@@ -33,7 +33,7 @@ _ARCHIVES = {
     "a zstd file": (b"\x28\xb5\x2f\xfd",),
 }
 _TAR_MARK = 257
-#: Pattern of a word, and number of bytes at the start in which one indicates a header before the numbers.
+#: Pattern of a word, and number of bytes at the start of a file in which a word indicates a header.
 _WORD, _TOP = re.compile(rb"[A-Za-z]{3}"), 1000
 #: First members of zip files that are not archives of records: office documents and arrays of numpy (.npy).
 _DOCUMENTS = (b"[Content_Types].xml", b"mimetype", b"docProps/", b"_rels/", b"xl/")
@@ -57,23 +57,23 @@ class NotAcceleration(RecordRefused):
 
 
 class OtherKind(NotAcceleration):
-    """Error: the file name means velocity or displacement; skipped also if named, as a shell may expand a pattern."""
+    """Error: the file name means velocity or displacement; skipped even if named, as shells expand patterns."""
 
 
 class TableOfResults(NoRecord):
-    """Error: the file is a table of results or parameters; skipped also if the user named it."""
+    """Error: the file is a table of results or parameters; skipped even if the user named it."""
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A file to be read; text with a byte-order mark is converted to UTF-8, the digest is of the original bytes."""
+    """A file to be read, from a disk, an archive or a stream."""
 
     name: str  # path, or archive.zip!member, as messages and `Record.source` show it
     head: bytes  # the first `HEAD` bytes
     load: Callable[[], bytes]  # returns all bytes, decompressed; called once, after a reader has recognised `head`
     station_files: StationFiles = list  # returns name and bytes of the StationXML files in the same folder
     chosen: bool = False  # whether the caller named the StationXML files, so that their names do not matter
-    beside: Neighbour = lambda name: None  # returns the bytes of a file in the same folder; None where there is none
+    beside: Neighbour = lambda name: None  # returns the bytes of a file in the same folder; None if there is none
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "head", _plain_text(self.head, self._coding))
@@ -102,11 +102,11 @@ class SourceFile:
 
     @cached_property
     def sha256(self) -> str:
-        """Return the SHA-256 of the decompressed file."""
+        """Return the SHA-256 of the decompressed file as it is stored, before any change of encoding."""
         return hashlib.sha256(self._bytes).hexdigest()
 
     def first_half(self) -> "SourceFile | None":
-        """Return the first half of a file if the second half is a copy of it; None for other files and bare numbers."""
+        """Return the first half of a file whose second half repeats it; None for others and bare numbers."""
         half, odd = divmod(len(self.content), 2)
         begins = min(half, HEAD)
         if odd or not _WORD.search(self.content, 0, _TOP) or not self.content.startswith(self.content[:begins], half):
@@ -118,7 +118,7 @@ class SourceFile:
 
     @property
     def path(self) -> PurePosixPath:
-        """Return the last part of the name as a path, without ``.gz``."""
+        """Return the path of the file, or of the member within its archive, without ``.gz``."""
         path = PurePosixPath(self.name.replace("\\", "/").rpartition("!")[2])
         return path.with_suffix("") if path.suffix.lower() == ".gz" and path.stem else path
 
@@ -148,7 +148,7 @@ def _refuse_archive(name: str, head: bytes, inside: str = "") -> None:
 
 
 def _unpack(name: str, packed: BinaryIO, size: int, count: int) -> bytes:
-    """Return the first `count` bytes of the content of a gzip file of `size` bytes."""
+    """Return the first `count` bytes of a gzip file after decompression; `size` is its compressed size."""
     most = RATIO_LIMIT * max(size, 1)
     try:
         with gzip.open(packed, "rb") as stream:
@@ -169,13 +169,13 @@ def _check_size(name: str, content: bytes) -> bytes:
 
 
 def folder_station_files(folder: Path) -> list[tuple[str, bytes]]:
-    """Return name and bytes of each XML or dataless SEED file in a folder, sorted by name."""
+    """Return the name and the content of each XML or dataless SEED file in a folder, sorted by name."""
     paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _STATION_FILES and path.is_file())
     return [(str(path), path.read_bytes()) for path in paths if path.stat().st_size <= FILE_LIMIT]
 
 
 def _folder_file(folder: Path) -> Neighbour:
-    """Return the bytes of a file in a folder by its name; None if it is missing or larger than `FILE_LIMIT`."""
+    """Return a function that reads a file of a folder by name; it returns None for missing or too large files."""
 
     def content(name: str) -> bytes | None:
         path = folder / name
@@ -185,14 +185,14 @@ def _folder_file(folder: Path) -> Neighbour:
 
 
 def check_link(path: Path) -> None:
-    """Raise FileNotFoundError with the missing target of a symbolic link, as the system only names the link."""
+    """Raise FileNotFoundError, with the name of the target, if a symbolic link leads to a missing file."""
     if path.is_symlink() and not path.exists():
         found = f"the symbolic link points nowhere, {path.readlink()} does not exist"
         raise FileNotFoundError(f"{path}: {found}; mend the link or remove it")
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
-    """Open a file on disk, plain or compressed with gzip; by default `station_files` are those of its folder."""
+    """Open a file on disk, plain or compressed with gzip; by default, station files are those of its folder."""
     name = str(path)
     check_link(path)
     if path.is_dir():
@@ -221,7 +221,7 @@ def open_stream(stream: BinaryIO) -> SourceFile:
     name = getattr(stream, "name", None)
     name = name if isinstance(name, str) else "stream"
     content = b""
-    while len(content) <= FILE_LIMIT:  # a pipe gives what it has
+    while len(content) <= FILE_LIMIT:  # a pipe may return fewer bytes than requested
         part = stream.read(FILE_LIMIT + 1 - len(content))
         if not isinstance(part, bytes):
             found = f"found one that gives {type(part).__name__}"

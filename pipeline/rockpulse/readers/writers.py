@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.errors import RecordRefused
 from rockpulse.readers.kit.direction import BRACKET, direction
-from rockpulse.readers.kit.obspy_bridge import PROCESSED, told_otherwise
+from rockpulse.readers.kit.obspy_bridge import PROCESSED, contradicts_channel
 from rockpulse.record.record import STANDARD_GRAVITY, Orientation, Record
 from rockpulse.version import __version__
 
@@ -25,44 +25,44 @@ _STATE = {True: "CORRECTED", False: "UNCORRECTED", None: "ACCELERATION"}
 #: Smallest value written [g]; smaller ones have exponents of three digits, which exceed a field of 15 characters.
 _SMALLEST = 1e-99
 _SEED_CHANNEL = re.compile(r"[A-Z][HLGMN][A-Z0-9]", re.ASCII)
-_SEED_OFF = 5.0  # degrees by which a sensor called N or E may be off, by the rules of SEED
+_SEED_OFF = 5.0  # largest deviation of a sensor named N or E, by the rules of SEED [degrees]
 
 
 def _text(words: str) -> str:
-    """Return free text on one line; empty if a reader would interpret it as another statement."""
+    """Return free text on one line; empty if a reader would interpret it as a header statement."""
     return "" if _TELLING.search(words) else " ".join(_printable(words).split())
 
 
 def azimuth_of(record: Record) -> float:
-    """Return the azimuth in [0, 360) degrees, as readers do; NaN if it is unknown."""
-    return record.azimuth % 360.0 % 360.0  # the rest of a tiny negative one is 360
+    """Return the azimuth of a record in [0, 360) degrees; NaN if it is unknown."""
+    return record.azimuth % 360.0 % 360.0  # the remainder of a tiny negative azimuth is 360
 
 
 def orientation_of(record: Record) -> Orientation:
-    """Return the orientation that a format without a word for structures can state."""
+    """Return the orientation of a record in a format that cannot mark sensors on structures."""
     if record.orientation == "vertical":
         return "vertical"
     if np.isfinite(record.azimuth):
         return "horizontal"
     if record.orientation == "structural":
-        return direction(BRACKET.sub(" ", record.component)).orientation  # the place stands in brackets
+        return direction(BRACKET.sub(" ", record.component)).orientation  # the location is in brackets
     return record.orientation
 
 
-def _facing(record: Record) -> str:
-    """Return the direction as a word: ``UP``, ``005``, ``092.5``, or that of the file if it has the same meaning."""
+def _direction_word(record: Record) -> str:
+    """Return the direction as a word for a file: ``UP``, ``005``, ``092.5``, or the record's own word for it."""
     if orientation_of(record) == "vertical":
         return "UP"
     if np.isfinite(record.azimuth):
         return f"{azimuth_of(record):09.5f}".rstrip("0").rstrip(".")
     word = _text(record.component).replace(",", ";")
-    read_as = direction(word.zfill(3) if word.isdecimal() else word)  # as AT2 reads digits
+    read_as = direction(word.zfill(3) if word.isdecimal() else word)  # as the reader of AT2 interprets digits
     wrong = np.isfinite(read_as.azimuth) or read_as.orientation not in ("unknown", orientation_of(record))
     return "" if wrong else word
 
 
 def at2_bytes(record: Record) -> bytes:
-    """Return a record as PEER AT2 in g, with five numbers per row below ``event, date, station, component``."""
+    """Return a record as a PEER AT2 file in g, with event, date, station and component in the header."""
     # The date is that of the event, by its name or its origin time, or else of the first sample.
     event = _text(record.event)
     if not _DATED.fullmatch(event):
@@ -76,7 +76,7 @@ def at2_bytes(record: Record) -> bytes:
     place = " ON A STRUCTURE" if record.orientation == "structural" else ""
     lines = [
         f"{_STATE[record.processed]} RECORD{place}, WRITTEN BY ROCKPULSE {__version__}: {_text(record.id)}",
-        ", ".join((event, station, _facing(record))),
+        ", ".join((event, station, _direction_word(record))),
         "ACCELERATION TIME SERIES IN UNITS OF G",
         f"NPTS= {record.npts:6d}, DT= {record.dt!r} SEC,",
         *("".join(fields[first : first + 5]) for first in range(0, record.npts, 5)),
@@ -85,14 +85,14 @@ def at2_bytes(record: Record) -> bytes:
 
 
 def csv_bytes(record: Record) -> bytes:
-    """Return a record as columns of time [s] and acceleration [m/s2] with all digits, below a line of headings."""
+    """Return a record as a CSV file with headings, time [s] and acceleration [m/s2], with all digits."""
     facing = ""
     if orientation_of(record) == "vertical":
         facing = "up"
     elif azimuth_of(record).is_integer():
-        facing = f"{_facing(record)} deg"
+        facing = f"{_direction_word(record)} deg"
     heading = " ".join(filter(None, ("time [s],acceleration", facing, "[m/s2]")))
-    step = Decimal(repr(record.dt))  # multiples without the noise of binary fractions
+    step = Decimal(repr(record.dt))  # multiples of the interval without binary rounding errors
     rows = (f"{step * index:f},{value!r}" for index, value in enumerate(record.acceleration.tolist()))
     return ("\n".join((heading, *rows)) + "\n").encode()
 
@@ -100,7 +100,7 @@ def csv_bytes(record: Record) -> bytes:
 def miniseed_bytes(
     records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()
 ) -> tuple[bytes, bytes, list[str]]:
-    """Return records as miniSEED of float64 in m/s2, their StationXML with a sensitivity of 1, and their ids."""
+    """Return records as miniSEED in m/s2 (float64), their StationXML with a sensitivity of 1, and their codes."""
     import obspy
 
     codes = seed_codes(records, beside)
@@ -116,7 +116,7 @@ def miniseed_bytes(
 
 
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
-    """Return distinct SEED codes (network, station, location, channel); equal ones get increasing locations."""
+    """Return distinct SEED codes (network, station, location, channel); equal ones get other location codes."""
     taken: set[tuple[str, str, str, str]] = set()
     result = []
     for record in records:
@@ -126,7 +126,7 @@ def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = 
         tries = [(network, station, location, channel) for channel in _channel_codes(record)]
         tries += [(network, station, f"{number:02d}", tries[0][3]) for number in range(100)]
         for free in (code for code in tries if code not in taken):
-            if not told_otherwise(beside, *free[:2], _station_channel(record, *free[2:])):
+            if not contradicts_channel(beside, *free[:2], _station_channel(record, *free[2:])):
                 break
         else:
             found = f"more than 100 records share the codes {network}.{station}..{tries[0][3]} of miniSEED"
@@ -141,11 +141,11 @@ def _code(text: str) -> str:
 
 
 def _channel_codes(record: Record) -> list[str]:
-    """Return possible SEED codes of the channel, the best first."""
+    """Return the possible SEED codes of the channel, the best code first."""
     lies, azimuth = orientation_of(record), azimuth_of(record)
     if _SEED_CHANNEL.fullmatch(record.channel):
         named = direction(record.channel)
-        # Without an azimuth beside it, N or E would be read as one.
+        # Without an azimuth in the file, N or E would be read as one.
         told = np.isfinite(azimuth) or not np.isfinite(named.azimuth)
         if named.orientation == "unknown" or (named.orientation == lies and told):
             return [record.channel]
@@ -157,12 +157,12 @@ def _channel_codes(record: Record) -> list[str]:
     for letter, axis in (("N", 0.0), ("E", 90.0)):
         if abs((azimuth - axis + 180.0) % 360.0 - 180.0) <= _SEED_OFF:
             return [f"{band}N{letter}"]
-    # Three stands for a direction that is not known to be horizontal.
+    # The code 3 means a direction that is not known to be horizontal.
     return [f"{band}N3"] if lies == "unknown" else [f"{band}N1", f"{band}N2"]
 
 
 def _station_channel(record: Record, location: str, channel: str) -> Any:
-    """Return the station metadata of a channel: sensitivity 1, direction, and whether it is raw or corrected."""
+    """Return the StationXML channel of a record, with a sensitivity of 1 and its state of processing."""
     from obspy import UTCDateTime
     from obspy.core.inventory import Channel
     from obspy.core.inventory.response import InstrumentSensitivity, Response

@@ -30,10 +30,10 @@ def one_parser():
 @pytest.fixture(scope="module")
 def loaded_once():
     """A file that commands of a module load whole is read by the first of them; none changes what it is given."""
-    read = results_file.load
+    read = results_file.load_tree
     kept = cache(lambda path, changed: read(path))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(results_file, "load", lambda path: kept(path, Path(path).stat().st_mtime_ns))
+        patch.setattr(results_file, "load_tree", lambda path: kept(path, Path(path).stat().st_mtime_ns))
         yield
 
 

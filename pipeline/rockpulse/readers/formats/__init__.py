@@ -1,4 +1,4 @@
-"""The formats: each module, found automatically, reads a family of files and defines a row `Format` for each."""
+"""The formats. Each module, found automatically, reads a family of files and defines a row `Format` for each."""
 
 from dataclasses import replace
 from importlib import import_module

@@ -1,7 +1,7 @@
 """Standard acceleration files of Mexico (ASA: Instituto de Ingeniería UNAM, CIRES, other members of the SMIS).
 
 A file has 109 lines ``KEY : value`` in any encoding, with values per channel as a list such as ``/V/N90E/N00E``, then
-numbers and directions of the channels, and rows of accelerations [gal] in fields of 10 characters, without the offset.
+numbers and directions of the channels, and rows of accelerations [gal] in fields of 10 characters without offset.
 """
 
 import re
@@ -15,7 +15,7 @@ import numpy as np
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 
-# The accents come in one byte, in two, or not at all.
+# Accented letters have one byte, two bytes, or no accent.
 _TITLE = re.compile(r"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.ASCII | re.IGNORECASE)
 _VALUES = re.compile(r"\s*DATOS DE ACELERACI", re.IGNORECASE)
 _CHANNELS = re.compile(r"CANAL-?\s*(\d{1,2})", re.ASCII | re.IGNORECASE)
@@ -31,21 +31,21 @@ _TIME = re.compile(r"(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:[.,]\d{0,9})?)", re.AS
 _UTC = re.compile(r"GMT|UTC|TMG", re.IGNORECASE)
 _ON_STRUCTURE = re.compile(r"\b(?:azotea|s.{1,2}tano|entrepiso|cortina|corona|piso\s+\d+|nivel\s+\d+)\b", re.IGNORECASE)
 _DOUBTFUL = re.compile(r"incomplet|incorrect|sin tiempo|falla|no\s", re.IGNORECASE)
-_FIELD, _LOOK_AT = 10, 3  # characters of a field, and rows that show it
-_LONGEST_HEADER = 300  # lines of the header
+_FIELD, _LOOK_AT = 10, 3  # number of characters of a field, and number of rows in which this is checked
+_LONGEST_HEADER = 300  # largest number of lines of the header
 
 
 class _Header:
-    """The lines before the values."""
+    """The header lines above the values."""
 
     def __init__(self, name: str, lines: Sequence[str]) -> None:
         self.name, self.lines = name, lines
         parts = ((line.partition(":"), at) for at, line in enumerate(lines, 1))
-        self.ruler = 0  # channels that the line above the values numbers, whether they exist or not
+        self.ruler = 0  # number of channels in the line above the values, whether they exist or not
         self.entries = [(key.strip(), value.strip(), at) for (key, colon, value), at in parts if colon]
 
     def entry(self, key: str) -> tuple[str, str, int]:
-        """Return key, value and line of the first key that begins with `key`, ignoring accents; empty if none does."""
+        """Return key, value and line of the first entry whose key begins with `key`, ignoring accents; else empty."""
         wanted = _consonants(key)
         return next((entry for entry in self.entries if _consonants(entry[0]).startswith(wanted)), ("", "", 1))
 
@@ -54,11 +54,11 @@ class _Header:
         return self.entry(key)[1]
 
     def where(self, key: str) -> str:
-        """Return ``file:line`` of a key."""
+        """Return the place ``file:line`` of a key, for messages."""
         return f"{self.name}:{self.entry(key)[2]}"
 
     def per_channel(self, key: str) -> list[str]:
-        """Return the values of a list such as ``/V/N90E/N00E`` for channels 1 to 6, followed by 7 to 12."""
+        """Return the values for channels 1 to 12 from two lists such as ``/V/N90E/N00E``."""
         found = []
         for value in (self.text(f"{key} C1-C6"), self.text(f"{key} C7-C12")):
             items = [part.strip() for part in value.split("/")]
@@ -66,7 +66,7 @@ class _Header:
         return found
 
     def each(self, key: str, numbers: Sequence[int], required: bool = False) -> list[str]:
-        """Return the number of each channel in a list; blank for a channel without a number."""
+        """Return the number that a list states for each of the channels `numbers`; blank if it states none."""
         listed = [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key)]
         found = _chosen(listed, numbers)
         if required and not all(text and float(text) > 0.0 for text in found):
@@ -75,13 +75,13 @@ class _Header:
         return found
 
     def continued(self, key: str, more: int) -> str:
-        """Return the value of a line and of up to `more` continuation lines without a key, in one line."""
+        """Return the value of a key, together with up to `more` lines that continue it."""
         _, value, first = self.entry(key)
         further = (text for blank, text, at in self.entries if first < at <= first + more and not blank)
         return " ".join([value, *further])
 
     def below(self, title: str) -> str:
-        """Return the text below a heading, up to the next ruled line, in one line."""
+        """Return the text between a heading and the next ruled line, as one line."""
         wanted = _consonants(title)
         at = next((i for i, line in enumerate(self.lines) if _consonants(line).startswith(wanted)), len(self.lines))
         found = takewhile(lambda line: not line.startswith("==="), self.lines[at + 1 : at + 8])
@@ -89,12 +89,12 @@ class _Header:
 
 
 def _chosen(listed: Sequence[str], numbers: Sequence[int]) -> list[str]:
-    """Return the items of some channels from a list for channels 1, 2, ...; blank if the list is too short."""
+    """Return the items for the channels `numbers` from a list for channels 1, 2, ...; blank for missing items."""
     return [listed[number - 1] if 1 <= number <= len(listed) else "" for number in numbers]
 
 
 def _consonants(text: str) -> str:
-    """Return the consonants and digits of a text, which do not depend on accents and encoding."""
+    """Return the consonants and digits of a text, as accents and encodings change only its vowels."""
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 
@@ -161,7 +161,7 @@ def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[str], int]:
-    """Return the header, numbers and directions of the channels, and the index of the first row of values."""
+    """Return the header, the numbers and directions of the channels, and the index of the first row of values."""
     head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     title = next((i for i, line in enumerate(head) if _VALUES.match(line)), len(head))
     at = next((i for i in range(title + 1, min(title + 4, len(head))) if _CHANNELS.search(head[i])), 0)
@@ -173,7 +173,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
     numbers = [int(number) for number in _CHANNELS.findall(head[at])]
     words, (_, listed, line) = lines[at + 1][: kit.LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
     header.ruler = len(numbers)
-    # The line may be a ruler of eight channels, whatever their number is.
+    # The line may always number eight channels, even if fewer exist.
     if header.text("NUMERO DE CANALES").strip() == str(len(words)):
         numbers = numbers[: len(words)]
     stated = _chosen(header.per_channel("ORIENTACION"), numbers)
@@ -188,7 +188,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
 def _columns(
     name: str, lines: Sequence[str], first: int, width: int, counts: Sequence[int]
 ) -> tuple[list[np.ndarray], list[str]]:
-    """Return the samples of each channel, and warnings; rows after the end of a shorter channel are padding."""
+    """Return the samples of each channel, and warnings; the padding of shorter channels is left out."""
     rows = len(lines) - first
     kit.check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
     if len(set(counts)) == 1:
@@ -208,7 +208,7 @@ def _columns(
 
 
 def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
-    """Return the sampling interval of each channel [s], with which the stated sampling rates must agree."""
+    """Return the sampling interval of each channel [s]; raise an error if the stated rates contradict it."""
     steps = [float(text or "nan") for text in header.each("INTERVALO DE MUESTREO,", numbers)]
     rates = [float(text or "nan") for text in header.each("VEL. DE MUESTREO,", numbers)]
     found = [step if step > 0.0 else 1.0 / rate if rate > 0.0 else 0.0 for step, rate in zip(steps, rates, strict=True)]
@@ -221,12 +221,12 @@ def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
 
 
 def _base(word: str) -> str:
-    """Return a direction without its sense, which follows a semicolon."""
+    """Return a direction such as ``N00E;-`` without the sign after the semicolon."""
     return word.partition(";")[0].strip().upper()
 
 
 def _facing(word: str) -> kit.Direction:
-    """Return the direction of a channel; ``N00E;-`` and ``V;-`` are positive in the opposite sense."""
+    """Return the direction of a channel from a word such as ``N00E``; ``N00E;-`` is the opposite direction."""
     base, sense = _base(word), word.partition(";")[2].strip()
     facing = kit.direction(base)
     if sense in ("", "+"):
@@ -250,7 +250,7 @@ def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime 
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample: the stated time of day, on the day nearest to the earthquake."""
+    """Return the UTC time of the first sample, on the day nearest to the earthquake, and warnings."""
     (key, text, _), date = header.entry("HORA DE LA PRIMERA MUESTRA"), _DATE.match(header.text("FECHA DEL SISMO"))
     if not text:
         return None, []

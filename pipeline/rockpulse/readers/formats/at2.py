@@ -1,7 +1,7 @@
 """PEER AT2 files: a few header lines, then equally spaced accelerations in g.
 
-The database adds to the files a list, ``_SearchResults.csv``, with the file names of each record; its Rjb and Rrup are
-distances to the rupture, not to the epicentre, and are not used.
+The database delivers the files with a list, ``_SearchResults.csv``, that names the files of each record. Its Rjb and
+Rrup are distances to the rupture, not to the epicentre, and are not used.
 """
 
 import csv
@@ -18,7 +18,7 @@ from rockpulse.readers.kit.prose import stated_direction
 from rockpulse.warning_text import WarningText
 
 _HEADER_LIMIT = 10
-# 5,000 is five thousand; 1/200 is no number.
+# 5,000 means five thousand; 1/200 is not accepted.
 _COUNT = r"(?P<count>\d{1,3}(?:,\d{3})+(?![\d.])|\d+)"
 _STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED]|\s*/\s*\d)"
 _NPTS, _DT = r"(?:NPTS|(?:NUMBER|NO\.?) OF POINTS)", r"(?:\bDT|TIME STEP)"
@@ -32,7 +32,7 @@ _COUNT_AND_STEP = [
     re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+(?:SEC\w*[\s,]+)?{_BOTH}", re.IGNORECASE | re.ASCII),
     re.compile(rf"{_BOTH}\s*[=:]?\s*{_COUNT}[\s,]+{_STEP}", re.IGNORECASE | re.ASCII),
 ]
-#: Pattern of a line, below that with the unit, with number of points and interval but without words.
+#: Pattern of a line without words, below the line of the unit, with number of points and interval.
 _BARE = re.compile(rf"\s*(?P<count>[1-9]\d{{1,8}})[\s,]+{_STEP}\s*(?:SEC\w*)?\s*", re.IGNORECASE | re.ASCII)
 _NAMES_BOTH = [re.compile(words, re.IGNORECASE) for words in (_NPTS, rf"{_DT}\b")]
 _MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
@@ -50,15 +50,14 @@ _DATE = re.compile(r"\d+[/-]\d+[/-]\d+.*")
 _ROTATED = re.compile(r"\s*H\d FOR ROTATION\s*:\s*", re.IGNORECASE)
 _TURNED = re.compile(r"\b(\w{1,12}) COMPONENT\s*,?\s*AZIMUTH\s*[=:]?\s*(\d{1,3}(?:\.\d*)?)", re.IGNORECASE | re.ASCII)
 _SCALE = re.compile(r"\b(?:SCALE FACTOR|SCALED BY)\s*[=:]?\s*(\d*\.?\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII)
-#: Patterns of interval and peak [g] in a line other than that of the count (SHAKE2000, NRC).
+#: Patterns of an interval and a peak [g] in further header lines (SHAKE2000, NRC).
 _OTHER_STEP = re.compile(rf"\bDT\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII)
 _PEAK = re.compile(
     r"\b(?:AMAX\s*[=:]|PEAK ACCELERATION\s*\(G\)\s*[=:])[\s\",]*(-?\d*\.\d+(?:E[+-]?\d+)?)", re.IGNORECASE | re.ASCII
 )
 #: Pattern of text in brackets after a component; the line may end before the closing bracket.
 _BEHIND = re.compile(r"\s*\([^()]*\)?\s*$")
-#: Pattern of the boundary of two numbers that only the sign of the second separates (unlike an exponent, which has a
-#: letter).
+#: Pattern of the boundary of two numbers that only the sign of the second separates (an exponent has a letter).
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[+-])")
 #: Patterns of the first line of files from rockpulse, and of files from PEER, which are always corrected.
 _WRITTEN = re.compile(r"(\w+) RECORD( ON A STRUCTURE)?, WRITTEN BY ROCKPULSE")
@@ -69,7 +68,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the line with the number of points and the interval."""
+    """Return the index of the line with the number of points and the interval; None if there is none."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -79,7 +78,7 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def _names_both(lines: Sequence[str]) -> int | None:
-    """Return the index of the line with NPTS and DT, or with both numbers without these names; None if missing."""
+    """Return the index of the line that states number of points and interval; None if no line states both."""
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
@@ -100,7 +99,7 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     end = _names_both(lines)
     if end is None:
         raise kit.unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
-    # A few words, such as the Fortran format, may stand before the first row of numbers.
+    # A few words, such as the Fortran format, may precede the first row of numbers.
     rows = range(end + 1, min(len(lines), end + 1 + _HEADER_LIMIT))
     first = next((index for index in rows if _VALUE.match(lines[index])), end + 1)
     header = [line[: kit.LONGEST_LINE] for line in lines[:first]]
@@ -119,11 +118,11 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     facing, direction_notes = _facing(file, header, facing)
     peak = next((match[1] for line in header if (match := _PEAK.search(line))), "")
     written = _WRITTEN.match(header[0])
-    # PEER records are corrected, rockpulse writes it into the title, others do not tell.
+    # PEER records are corrected; files of rockpulse state it in the title, other files do not.
     processed = True if _PEER.search(header[0]) else None
     if written:
         processed = {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
-    (listed_event, listed_station, magnitude, vs30), notes = _listed(file)
+    (listed_event, listed_station, magnitude, vs30), notes = _list_entry(file)
     return [
         kit.build_record(
             file,
@@ -141,13 +140,13 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
             peak_factor=kit.UNITS["g"] if peak else None,
             magnitude=(magnitude, ""),
             vs30=vs30,
-            warnings=[*warnings, *behind, *notes, *direction_notes, *_told_otherwise(header, end, step)],
+            warnings=[*warnings, *behind, *notes, *direction_notes, *_header_warnings(header, end, step)],
         )
     ]
 
 
 def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
-    """Return event, station name, component and its direction, from the lines before that of the count.
+    """Return event, station name, component and its direction from the lines of the title.
 
     The component is the last part of the second line that is a direction; a network in brackets, perhaps truncated, may
     follow.
@@ -179,13 +178,13 @@ def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
 
 
 def _component_direction(words: str) -> kit.Direction:
-    """Return the direction of a component; PEER omits leading zeros, so that 9 is an azimuth, not a channel number."""
+    """Return the direction of a component; a number is an azimuth also without leading zeros (9 for 009)."""
     facing = kit.direction(words.zfill(3) if words.isdecimal() else words)
     return facing if facing.orientation != "unknown" else kit.heading_direction(words)
 
 
 def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
-    """Return the direction from the title or the file name; vertical, with a note, if only one of them states it."""
+    """Return the direction from title or file name; vertical, with a warning, if only one of them says so."""
     if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
         return titled, []
     named = kit.name_direction(file)
@@ -199,8 +198,8 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
     return upright, ["the title and the name of the file differ on whether this is a vertical channel; taken as one"]
 
 
-def _told_otherwise(header: Sequence[str], end: int, step: float) -> list[str]:
-    """Return warnings about a scale factor, and about an interval in another line than that of the count."""
+def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
+    """Return warnings about a scale factor, and about another interval elsewhere in the header."""
     notes: list[str] = []
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
@@ -212,7 +211,7 @@ def _told_otherwise(header: Sequence[str], end: int, step: float) -> list[str]:
 
 
 def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
-    """Return the index of the line after the numbers, and a warning if numbers follow words; reject a second header."""
+    """Return the index of the line after the numbers, and a warning if words and further numbers follow."""
     stop = kit.end_of_numbers(lines, first)
     if stop == len(lines) or sum(len(line.split()) for line in lines[first:stop]) < count:
         return len(lines), []
@@ -252,7 +251,7 @@ def _unit(file: kit.SourceFile, header: Sequence[str], station: str, given: str 
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Return samples and warnings; numbers are split at blanks or, if fields touch, by their width."""
+    """Return samples and warnings; numbers are separated by blanks or, if they touch, by their width."""
     block = lines[first:]
     try:
         values = kit.free_numbers(block, first + 1, name)
@@ -283,7 +282,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.ndarray | None:
-    """Return samples split by the first width that divides the first row and makes every field a number, or None."""
+    """Return the samples of rows with fields of equal width; None if no usual width fits."""
     length = len(block[0].rstrip())
     for width in _WIDTHS:
         if length < width or length % width or -(-count // (length // width)) != len(block):
@@ -295,8 +294,8 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
     return None
 
 
-def _listed(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]:
-    """Return the row of a file in the list of its folder (see `_rows`), and a warning if the list cannot be read."""
+def _list_entry(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]:
+    """Return event, station, magnitude and Vs30 from the list in the folder, and a warning if it cannot be read."""
     try:
         content = file.beside(_LIST)
         rows = {} if content is None else _rows(content)
@@ -307,7 +306,7 @@ def _listed(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]
 
 @lru_cache(maxsize=4)
 def _rows(content: bytes) -> dict[str, tuple[str, str, str, str]]:
-    """Return event, station name, magnitude and Vs30 for every file name, in lower case, of the list of a folder."""
+    """Return event, station, magnitude and Vs30 for each file name (in lower case) in the list of a folder."""
     found: dict[str, tuple[str, str, str, str]] = {}
     heads: list[str] = []
     try:

@@ -22,9 +22,9 @@ _AZIMUTH = r"azimuth\b.*\b{}\s+(\d{{1,3}}(?:\.\d*)?)(?!\S)"
 _ORIGIN = re.compile(r"\s*origin time\s*:\s*(.*)", re.IGNORECASE)
 _DEPTH = re.compile(r".*?\bFD\s*(\d{1,3}(?:\.\d{0,3})?)\s*km", re.ASCII | re.IGNORECASE)
 _DURATION = re.compile(r".*?duration\s*=\s*(\d{1,6}(?:\.\d{0,9})?)", re.IGNORECASE)
-#: Tolerance of the stated duration in steps; it may be that of the samples or of the steps between them.
+#: Tolerance of the stated duration [steps]: it may be that of the samples or of the steps between them.
 _DURATION_STEPS = 2.0
-_SQUARE = 3.0  # L and T are at right angles, within so many degrees
+_SQUARE = 3.0  # largest deviation of L and T from a right angle [degrees]
 
 
 def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
@@ -37,7 +37,7 @@ def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     missing = kit.completeness(file.name, counts, "files of this format hold")
     azimuths = {record.component: record.azimuth for record in records}
     turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
-    if abs(turn - 90.0) > _SQUARE:  # NaN, of an unknown one, is not
+    if abs(turn - 90.0) > _SQUARE:  # false for NaN, an unknown azimuth
         which = f"{azimuths['L']:g} and {azimuths['T']:g} degrees"
         units.append(f"the azimuths of L and T, {which}, are not at right angles")
     return kit.with_warnings(records, (*missing, *copies, *units))
@@ -49,7 +49,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
     header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
-    # Real 9, the rate: the rows of eight reals are cut short on paper's width; the ninth begins the second row.
+    # Real 9 is the sampling rate. It begins the second row, as a row contains eight reals.
     rate = float(kit.fixed_width([lines[start + 21][:_WIDTH]], start + 22, _WIDTH, 1, 1, file.name)[0])
     duration = kit.matched(_DURATION, header[10])
     if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):

@@ -1,4 +1,4 @@
-"""Plain columns of numbers (CSV, TXT), with or without times; statements on them must agree, and nothing is guessed."""
+"""Plain columns of numbers (CSV, TXT), with or without times; nothing is guessed, and statements must not conflict."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -28,12 +28,12 @@ from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, co
 from rockpulse.readers.kit.stamps import without_stamps
 from rockpulse.warning_text import WarningText
 
-_LOOK_AT = 500  # rows of the table that decide whether it is one
+_LOOK_AT = 500  # number of rows that are checked to recognise a table
 #: Largest number of columns besides the time that are read as components of a station without headings, and one more.
 _COMPONENTS, _NO_STATION = 3, 4
 #: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
-_INTEGRAL = 0.95  # correlation at which a column is the integral of the one before it, and no other component
+_INTEGRAL = 0.95  # correlation above which a column is the integral of the one before it
 #: Patterns of decimals that touch: the end of one before the sign of the next, and rows of others, without a sign.
 _TOUCHING = re.compile(rb"(\.\d*+(?:[eEdD][+-]?\d++)?+)(?=[+-]\d*+\.\d)")
 _INSEPARABLE = re.compile(r"[\s\d.,;eEdD+-]*\.\d{3,}\.\d")
@@ -45,7 +45,7 @@ _NAMES = ("acc_NS", "acc_EW", "acc_UD")
 
 @dataclass(frozen=True)
 class _Columns:
-    """The numbers of a table, with one column for each heading if there are headings."""
+    """The numbers of a table, the headings of its columns (empty if it has none), and warnings."""
 
     table: np.ndarray
     headings: tuple[ColumnHeading, ...]
@@ -53,11 +53,11 @@ class _Columns:
 
     @property
     def width(self) -> int:
-        """The number of columns."""
+        """Return the number of columns."""
         return self.table.shape[1]
 
     def picked(self, order: Sequence[int], *warnings: str) -> "_Columns":
-        """Return the columns at these indices, in this order, with further warnings."""
+        """Return the columns with these indices, in this order, with further warnings."""
         headings = tuple(self.headings[index] for index in order) if self.headings else ()
         return _Columns(self.table[:, order], headings, (*self.warnings, *warnings))
 
@@ -76,7 +76,7 @@ def is_columns(head: bytes, name: str) -> bool:
 
 
 def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every column of accelerations; without headings one column, or up to three after a column of times.
+    """Read all columns of accelerations; without headings a single column, or up to three after the times.
 
     A series that is wrapped into rows is read if the header states its number of values or, with a warning, if unit and
     interval are known and the values continue smoothly from row to row. The prose of a header must not contradict the
@@ -178,7 +178,7 @@ def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
 
 
 def _with_one_time(columns: _Columns) -> _Columns:
-    """Return the columns with only one of several rising columns headed as time, the one in seconds if there is one."""
+    """Return the columns with only one of several columns of times; one in seconds has priority."""
     headed = [at for at, heading in enumerate(columns.headings) if heading.kind == "time"]
     times = [at for at in headed if len(headed) > 1 and np.all(np.diff(columns.table[:, at]) > 0.0)]
     if len(times) < 2:
@@ -190,7 +190,7 @@ def _with_one_time(columns: _Columns) -> _Columns:
 
 
 def _direction_in(bracket: re.Match[str]) -> str:
-    """Return the text in brackets if it is a direction and not a unit."""
+    """Return the text in brackets if it is a direction; empty if it is a unit."""
     return bracket[1] if is_direction(bracket[1].strip()) else ""
 
 
@@ -204,7 +204,7 @@ def _columns(
     lacking: Sequence[str],
     behind: Sequence[str],
 ) -> _Columns:
-    """Return the table of the file, or the single series in its rows; `lacking` names unit and interval not given."""
+    """Return the table of the file; if one series is wrapped into its rows, return it as a single column."""
     first = numbered.start + 1
     rows = lines[numbered.start :]
     check_decimals(name, rows, layout, first, bool(headings))
@@ -246,7 +246,7 @@ def _columns(
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
-    """Return a warning about lines after the numbers, except words after a `complete` series; reject further data."""
+    """Return a warning about lines after the numbers; raise an error if they contain data that may belong to them."""
     rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
         return ()
@@ -268,7 +268,7 @@ def _other_count(said: Collection[int], found: int, what: str) -> str:
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
-    """Return the single series in all rows, `end` being the last; `guessed` if only the values indicate it."""
+    """Return the values of all rows as one series; `end` is the last row, and `guessed` adds a warning."""
     series = np.concatenate([columns.table.ravel(), end.ravel()])
     note = (
         f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "
@@ -278,7 +278,7 @@ def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False)
 
 
 def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
-    """Return the advice to name the columns, with a name for each column, first for times if there are any."""
+    """Return the advice to name the columns, with an example; `timed` if the first column contains times."""
     named = [*names, *(f"acc_{number}" for number in range(len(names) + 1, width + 1))][: width - timed]
     line = " ".join(["time"] * timed + named)
     return f"name the columns in the line above the numbers, such as '{line}'"
@@ -325,7 +325,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
 
 
 def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
-    """Return the columns of accelerations, according to their headings, or else to the prose or the file name."""
+    """Return the columns of accelerations, according to headings, prose or file name; raise an error without any."""
     name, sizes = file.name, _sizes(columns)
     headings = columns.headings or (ColumnHeading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
@@ -357,7 +357,7 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
 
 
 def _sizes(columns: _Columns) -> list[int]:
-    """Return the columns that are the magnitude of the vector of the others, according to headings or numbers."""
+    """Return the indices of columns that contain the magnitude of a vector, according to heading or numbers."""
     if columns.width < _COMPONENTS:
         headed = [means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
         return [index for index, size in enumerate(headed) if size and np.all(columns.table[:, index] >= 0.0)]

@@ -22,8 +22,7 @@ _SERIES = re.compile(
     re.ASCII | re.IGNORECASE,
 )
 _GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
-#: Pattern of network and number of the earthquake, followed by the codes of the channel: RcrdId:
-#: US.1000hyfh.NP.8040.HNE.01
+#: Pattern of network and number of the earthquake before the channel codes: RcrdId: US.1000hyfh.NP.8040.HNE.01
 _EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
 #: Units that only this format has [m/s2].
@@ -40,10 +39,9 @@ _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration
 #: Values of integer 19 for stations whose sensors may be at depth.
 _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 _CLOSING = 3  # the closing line may have lines of blanks behind it
-#: Relative tolerance of sensitivities: nominal and calibrated values differ by some percent, wrong factors by 2 or
-#: more.
+#: Relative tolerance of sensitivities: calibrated values deviate by some percent, wrong factors are 2 or more.
 _SENSITIVITY_TOLERANCE = 0.1
-_LEAST_FACTOR = 1e-9  # no factor of a gain is smaller, in any of its units
+_LEAST_FACTOR = 1e-9  # smallest possible factor of a gain, in any unit
 _VELOCITY_SENSORS = range(1001, 2000)
 
 
@@ -180,7 +178,7 @@ def _acceleration(name: str, lines: Sequence[str], header: CosmosHeader, end: in
 
 
 def _unit(series: _Series, where: str) -> str:
-    """Return the unit of the series, on which the words and the code of its heading must agree."""
+    """Return the unit of a series; raise an error if the words and the code in its heading contradict each other."""
     word = series.unit.lower().rstrip(".").replace("sec", "s")
     named = "" if not word else word if word in _UNITS else kit.canonical_unit(series.unit, where)
     if series.code is None and named:
@@ -194,7 +192,7 @@ def _unit(series: _Series, where: str) -> str:
 
 
 def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], list[str]]:
-    """Return the stated peak [m/s2] (from the text if real 64 differs), half a unit of its last digit, and warnings."""
+    """Return the stated peak [m/s2], half a unit of its last digit, and warnings; the text precedes real 64."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
@@ -212,8 +210,8 @@ def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], lis
 def _per_count(header: CosmosHeader, where: str) -> float:
     """Return m/s2 per count: 1e-6 r22 / (r42 r47) g, from reals 22 [microvolts], 42 (sensitivity [V/g]) and 47 (gain).
 
-    Full-scale output and range of the sensor, reals 43 [V] and 44 [g], must confirm r42 r47 if they are stated; if r47
-    is not 1 they are required, because programs differ in whether the gain is part of r42.
+    Full-scale output and range of the sensor, reals 43 [V] and 44 [g], must agree with r42 r47 if they are stated; if
+    r47 is not 1 they are required, because programs differ in whether the gain is part of r42.
     """
     if header.integer(52) in _VELOCITY_SENSORS:
         raise kit.NotAcceleration(f"{where}: counts of a velocity sensor (integer header 52 is {header.integer(52)})")
@@ -233,13 +231,13 @@ def _per_count(header: CosmosHeader, where: str) -> float:
 
 
 def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[str]]:
-    """Return the sampling interval [s]: real 62, or 34 if it is missing; if they differ, the stated length governs."""
+    """Return the sampling interval [s] from real 62 or 34, and warnings; if they differ, the length decides."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
     where = f"{name}:{header.start + 1}"
     if not stated:
         raise kit.unexpected(where, "a sampling interval above 0 (real 34 [s] or 62 [ms])", "none")
-    # Some agencies count the steps between the samples, some the samples.
+    # Some agencies count the steps between the samples, others the samples.
     fitting = [step for step in stated if abs(count * step - length) <= 0.005 * length + 1.5 * step]
     if max(stated) - min(stated) <= 1e-3 * max(stated):
         if np.isnan(length) or fitting:

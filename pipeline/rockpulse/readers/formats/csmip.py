@@ -25,7 +25,7 @@ _RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECAS
 _LENGTH_1 = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
 #: Relative tolerances of sampling rate and stated length: a correction may shorten or extend a trace a little.
 _RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
-_OPENING = 1500  # bytes that hold the 13 lines of text of the first channel
+_OPENING = 1500  # number of bytes that contain the 13 lines of text of the first channel
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
 _ReadHeader = Callable[[Sequence[str]], layout.CsmipHeader]
@@ -46,17 +46,17 @@ _SPECTRA = r"\s?response and fourier|\s?(?:response|fourier)\b[^\r\n]*\bspectr[^
 _SPECTRA_WORDS = "response and Fourier spectra (volume 3 of CSMIP or USC)"
 #: Pattern of the line with the station number, and of the line below it with the name.
 _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(?:\s\s|[\r\n])", re.I | re.M)
-_SPECTRA_OPENING = 4000  # bytes from the start of a file of spectra that are looked at
+_SPECTRA_OPENING = 4000  # number of bytes at the start of a file in which spectra are recognised
 
 
 def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
-    """Return whether the first line is the title of an uncorrected volume of RENADIC or, without `renadic`, another."""
+    """Return whether a file is an uncorrected volume of RENADIC or, without `renadic`, of another network."""
     opening = head[:_OPENING].decode("latin-1")
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
 def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read every channel of a volume 1 of any network."""
+    """Read every channel of an uncorrected file (volume 1) of any network."""
     lines, spans, copies = layout.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
     for number, (start, end) in enumerate(spans, 1):
@@ -81,7 +81,7 @@ def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Rec
 
 
 def _held(length: str, real_length: str, count: int, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the length in the text or in a real differs from that of the samples or pairs in the file."""
+    """Return warnings if the length stated in the text or in a real contradicts the samples."""
     spare = _LENGTH_TOLERANCE * block.duration
     return kit.held_length(length, count, block.dt, spare) + kit.held_length(real_length, count, block.dt, spare)
 
@@ -119,7 +119,7 @@ def _check_points(points: re.Match[str] | None, block: kit.ChannelSamples, where
 def read_corrected(
     file: kit.SourceFile, options: ReadOptions, read_header: _ReadHeader = layout.read_csmip_header
 ) -> list[kit.Record]:
-    """Read a volume 2 of any network; `header` reads the 13 lines of text of volume 1."""
+    """Read every channel of a corrected file (volume 2) of any network."""
     lines, spans, copies = layout.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
@@ -168,7 +168,7 @@ def read_corrected(
 
 
 def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[layout.SeriesHeading, int]:
-    """Return the heading of the acceleration (or of the first series), and the index of the line after its block."""
+    """Return the heading of the acceleration (or else of the first series), and the index of the line after it."""
     found: list[layout.SeriesHeading] = []
     for at in range(start + _ALL_TEXT, end):
         heading = layout.heading_at(lines, at)
@@ -202,7 +202,7 @@ def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | No
 def _unit_and_peak(
     text: Sequence[str], heading: layout.SeriesHeading, where: str, line: int
 ) -> tuple[str, tuple[float, float], float]:
-    """Return unit (from the heading, else from the peak), peak with half a unit of its last digit, and their factor."""
+    """Return the unit, the stated peak with half a unit of its last digit, and m/s2 per unit of the peak."""
     for at, words in enumerate(text, line):
         if match := _PEAK_2.match(words):
             # USC writes CMS/SEC/SEC.
@@ -215,7 +215,7 @@ def _unit_and_peak(
 
 
 def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if length, peak, its time, interval or units (text, reals 60, 61, 65, 66) contradict the data."""
+    """Return warnings if the stated length, peak, interval or units contradict the samples."""
     length, peak = _first(_LENGTH_2, text), _first(_PEAK_2, text)
     others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
     notes = _held(length[1] if length else "", layout.real_header_value(behind, 60), block.values.size, block)
@@ -229,7 +229,7 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Chann
 
 
 def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
-    """Reject a volume 3 with the reason."""
+    """Raise the error for a volume 3, which contains spectra."""
     station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
     of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
     advice = "read the volume 1 or 2 (.V1, .V2) of the same record"

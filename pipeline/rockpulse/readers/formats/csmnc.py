@@ -1,4 +1,4 @@
-"""Files of the China Strong Motion Network Centre (CSMNC): one component.
+"""Files of the China Strong Motion Network Centre (CSMNC), each with one component.
 
 A file has 16 header lines, of which the last is blank, then 8 accelerations per row; some copies end every line with
 ``$``. The second line contains the time of the earthquake in Beijing (UTC+8); the time of the first sample is unknown.
@@ -33,8 +33,7 @@ _ORIGIN = re.compile(
 )
 _NAMED = re.compile(r"(?:^|[._\-\d])(EW|NS|UD)(?=[._\-]|$)", re.IGNORECASE)
 _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
-#: Largest number of lines searched for the header (16 lines, sometimes with blank lines between), and for the origin
-#: time.
+#: Largest number of lines that are searched for the header (16 lines and blank lines), and for the origin time.
 _LONGEST_HEADER, _ORIGIN_LINES = 30, 6
 _BEIJING_HOURS = 8.0
 _CUT_OFF = 0.5  # durations are printed in whole seconds, which may be cut off rather than rounded [s]
@@ -88,7 +87,7 @@ def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str) -> tuple[int, re.Match[str]]:
-    """Return the index of the first line with the pattern, and the match."""
+    """Return the index of the first header line that contains a pattern, and the match; raise an error if none does."""
     for index, line in enumerate(head):
         if match := pattern.search(line[: kit.LONGEST_LINE]):
             return index, match
@@ -96,12 +95,12 @@ def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str)
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
-    """Return the first group of the first line that matches; empty if no line matches."""
+    """Return the first group of a pattern in the first header line that matches it; empty if none does."""
     return next((match[1].strip() for line in head if (match := pattern.match(line[: kit.LONGEST_LINE]))), "")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:
-    """Return the samples, in rows of equal length except the last, and the index of the line after them."""
+    """Return the samples, and the index of the line after them; only the last row may be shorter."""
     per_row = len(lines[first].split()) if first < len(lines) else 1
     kit.check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
     end, rest = first + count // per_row, count % per_row
@@ -111,7 +110,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, list[str]]:
-    """Return component, direction and warnings from the header or, if it has no component, from the file name."""
+    """Return component, direction and warnings from the header or, if it names none, from the file name."""
     named = _NAMED.search(file.path.name)
     if not word:
         word = named[1].upper() if named else ""
@@ -124,7 +123,7 @@ def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, lis
 
 
 def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
-    """Return the index of the line with the earthquake's name, which follows that of its time, and the time in UTC."""
+    """Return the index of the line with the earthquake's name, and its UTC time; 0 and None if missing."""
     for index, line in enumerate(head[:_ORIGIN_LINES]):
         if match := _ORIGIN.match(line[: kit.LONGEST_LINE]):
             numbers = [float(text) for text in match.groups()[:6]]

@@ -85,7 +85,7 @@ def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
-    """Return a positive number that the header must state, and half a unit of its last digit."""
+    """Return a positive number from the header, and half a unit of its last digit; raise an error if missing."""
     text = header.text(key)
     if not _NUMBER.fullmatch(text) or not float(text) > 0.0:
         raise kit.unexpected(header.where(key), f"{what} above 0", repr(text or "none"))
@@ -93,7 +93,7 @@ def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
 
 
 def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample, whose time in the column is `first` [s], and warnings about it."""
+    """Return the UTC time of the first sample, and warnings; `first` is the sample's time in the column [s]."""
     entry = header["starttime"]
     if not entry.text:
         return None, []
@@ -107,7 +107,7 @@ def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, lis
 
 
 def _moment(entry: kit.Entry) -> datetime | None:
-    """Return the UTC time from 2018/02/06-23:50:29.000 and the zone next to the key; None for other text."""
+    """Return the UTC time of an entry such as 2018/02/06-23:50:29.000 with a zone; None for other text."""
     moment, zone = _MOMENT.fullmatch(entry.text), _ZONE.search(entry.aside)
     if not moment or not zone:
         return None
@@ -116,19 +116,19 @@ def _moment(entry: kit.Entry) -> datetime | None:
 
 
 def _peak(text: str) -> tuple[float, float]:
-    """Return the larger absolute value of minimum and maximum of a channel, and half a unit of its last digit."""
+    """Return the larger absolute value of a range such as ``-12.3~10.5``, and half a unit of its last digit."""
     stated = _PEAK.fullmatch(text)
     return max(kit.printed_number(text.lstrip("-")) for text in stated.groups()) if stated else kit.printed_number("")
 
 
 def _facing(letter: str, sign: str) -> kit.Direction:
-    """Return the direction of a channel from its letter (U, N, E, ...), in the opposite sense if `sign` is a minus."""
+    """Return the direction of a channel with a letter such as U, N or E; a minus reverses it."""
     facing = kit.direction(letter)
     if sign == "+":
         return facing
     if facing.orientation == "vertical":
         return replace(facing, sign=-1.0)
-    return replace(facing, azimuth=facing.azimuth + 180.0)  # of N or E
+    return replace(facing, azimuth=facing.azimuth + 180.0)  # a horizontal direction, N or E
 
 
 CWB = Format(

@@ -16,10 +16,10 @@ from rockpulse.readers.format import Format, ReadOptions
 
 _FIRST = "EVENT_NAME"
 _TITLE = re.compile(rf"\ufeff?{_FIRST}:")
-#: Keys of which a file with other lines before the title must contain some; largest number of these lines.
+#: Keys, some of which a file must contain if other lines precede the title; largest number of such lines.
 _TELLING = ("EVENT_DATE_YYYYMMDD", "STATION_CODE", "SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE", "STREAM")
 _FEWEST_KEYS, _LINES_BEFORE = 3, 200
-#: Keys on which the reading of samples depends: two values of one are an error, for other keys a warning.
+#: Keys on which the reading of samples depends: two values of one key are an error, of other keys a warning.
 _DECISIVE = frozenset({"SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE"})
 #: Keys that are compared with the samples; a value that is not a number gives a warning.
 _HELD = ("DURATION_S", "PGA_CM/S^2", "TIME_PGA_S", "LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ")
@@ -42,15 +42,15 @@ _NAMED = re.compile(r"^\w{1,2}\.\w{1,6}\.\w{0,2}\.(\w{3})\.|_(?:Raw)?Acc_([ENUZ]
 
 
 class _Header(kit.Entries):
-    """The statements of the header by key; `end` is the number of lines above the values."""
+    """The entries of the header by key; `end` is the number of lines above the values."""
 
     def number(self, key: str) -> float:
-        """Return the value of a key, which may be blank; NaN if it is not a number."""
+        """Return the value of a key as a number; NaN if it is blank or not a number."""
         return float(self.text(key)) if _DECIMAL.fullmatch(self.text(key)) else float("nan")
 
 
 def is_dyna(head: bytes, name: str) -> bool:
-    """Return whether ``EVENT_NAME:`` is the first line, or is followed by other keys and numbers after some lines."""
+    """Return whether a file has the line ``EVENT_NAME:`` and other keys of the format near its start."""
     if b"EVENT_NAME:" not in head:
         return False
     lines = kit.text_lines(head)
@@ -71,7 +71,7 @@ def _title(lines: Sequence[str]) -> int | None:
 
 
 def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]], int]:
-    """Return key, value and number (from 1) of the lines from index `start`, and the index of the first other line."""
+    """Return key, value and line number of the entries from index `start`, and the index of the line after them."""
     found: list[tuple[str, str, int]] = []
     for at in range(start, len(lines)):
         match = _KEY.match(lines[at].lstrip("\ufeff"))
@@ -111,7 +111,7 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     peak = header.text("PGA_CM/S^2")
     location = header.text("LOCATION").strip("-")
     is_code = bool(re.fullmatch(r"\w{0,2}", location))
-    # AFAD writes a place where ESM has a code: once that of the station, in the files with AAD lines the earthquake's.
+    # AFAD writes a place name instead of a code: of the earthquake in files with AAD lines, else of the station.
     place = "" if is_code else location
     of_event = any(key.startswith(_AAD) for key in header)
     return [
@@ -154,7 +154,7 @@ def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
-    """Return the header and warnings; RecordFormatError for a missing title or a decisive key with two values."""
+    """Return the header and warnings; raise an error if the title is missing or an essential key has two values."""
     start = _title(lines)
     if start is None:
         expected = f"a line '{_FIRST}:' among the first {_LINES_BEFORE}"
@@ -175,7 +175,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
 
 
 def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tuple[int, str]]]:
-    """Return key, value and number of the known lines before the title, and number and text of the others."""
+    """Return the known entries above the title (key, value, line number), and the unknown lines with numbers."""
     known, unknown = [], []
     for line, text in enumerate((text.lstrip("\ufeff").strip() for text in lines), 1):
         key, _, value = (part.strip() for part in text.partition(":"))
@@ -190,7 +190,7 @@ def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tupl
 
 
 def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
-    """Return whether the record is corrected, as shown by corner frequencies, the file's words for it, and warnings."""
+    """Return whether the record is corrected, the words of the header on its processing, and warnings."""
     done, notes = {}, []
     for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
         low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
@@ -230,7 +230,7 @@ def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
 
 
 def _facing(stream: str, stem: str) -> kit.Direction:
-    """Return the direction of the stream; unknown, with a note, if the file name (ESM, AFAD) contradicts it."""
+    """Return the direction of the channel; unknown, with a note, if header and file name contradict each other."""
     named = _NAMED.search(stem)
     word = (named[1] or named[2]) if named else ""
     note = f"the header says {stream}, the file name {word}: the direction is unknown"
@@ -251,7 +251,7 @@ def _start_time(header: _Header, origin: datetime | None) -> tuple[datetime | No
 
 
 def _moment(text: str) -> datetime | None:
-    """Return the UTC time from 20190728_160919.870, 2010/11/14 23:09:19.300 or 14/11/2010 23:09:19.300, or None."""
+    """Return the UTC time from one of three styles, such as 20190728_160919.870; None for other text."""
     date, _, time = re.sub(r"[\s_T]+", " ", text.strip()).partition(" ")
     clock, forward, backward = _TIME.fullmatch(time), _YEAR_FIRST.fullmatch(date), _YEAR_LAST.fullmatch(date)
     day = forward.group(1, 3, 4) if forward else backward.group(4, 3, 1) if backward else None

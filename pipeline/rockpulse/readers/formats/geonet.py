@@ -55,14 +55,14 @@ def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[kit.Record, int]:
-    """Return the component that begins at index `start`, and the index of the line after its values."""
+    """Read the component that begins at index `start`; return it and the index of the line after its values."""
     end = f"{file.name}:{len(lines)}"
     kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
     text, integer_line, first = lines[start : start + _TEXT_LINES], start + _TEXT_LINES, start + _HEADER_LINES
     title = _TITLE.match(text[0])
     assert title is not None
     integers = kit.fixed_width(lines[integer_line:], integer_line + 1, _WIDTH, _PER_ROW, 40, file.name)
-    # The third row of reals; nothing in the others is needed.
+    # Only the third row of reals is needed.
     at = integer_line + _INTEGER_LINES + 2
     reals = kit.fixed_width(lines[at:], at + 1, _WIDTH, _PER_ROW, _PER_ROW, file.name)
     count, rows = _counts(file.name, text[9], start, integers)
@@ -117,7 +117,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
 
 
 def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int, int]:
-    """Return the number of accelerations and of rows in all blocks; text and integers 34 to 36 must agree on them."""
+    """Return the number of accelerations, and of rows in all blocks; raise an error if text and integers differ."""
     points, where = _POINTS.match(line), f"{name}:{start + 10}"
     blocks = [int(value) for value in integers[33:36]]
     if not points or int(points[1]) != blocks[0]:
@@ -130,7 +130,7 @@ def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int
 
 
 def _times(integers: np.ndarray) -> tuple[datetime | None, datetime | None]:
-    """Return UTC times of the first sample (integers 9, 10, 19, 20, 39, 40) and of the earthquake (integers 1 to 6)."""
+    """Return the UTC times of the first sample and of the earthquake from the header's integers."""
     year, month, day, hour, minute, tenths = (float(value) for value in integers[:6])
     begins = [float(integers[number - 1]) for number in (9, 10, 19, 20, 39, 40)]
     start = kit.instant(begins[:3], (begins[3], begins[4], 0.001 * begins[5]))

@@ -62,7 +62,7 @@ def read_jma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: list[str]) -> tuple[kit.Entries, int]:
-    """Return the statements of the header, and the index of the first row of samples, after the component names."""
+    """Return the entries of the header, and the index of the first row of samples."""
     entries = kit.Entries(name, len(lines))
     for at, line in enumerate(lines[:_HEADER_LIMIT], 1):
         text = line[: kit.LONGEST_LINE]

@@ -26,9 +26,9 @@ def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     scale = _SCALE.match(header[13])
     if not scale or float(scale[1]) == 0.0 or float(scale[2]) == 0.0:
         raise kit.unexpected(f"{file.name}:14", "'Scale Factor' as 2000(gal)/8388608", repr(header[13].strip()))
-    # Names the line of a damaged number, which obspy does not.
+    # The error states the line of a damaged number, which obspy does not.
     kit.free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
-    # obspy takes ASCII and LF only.
+    # obspy accepts only ASCII and LF.
     content = "\n".join([*header, *lines[_HEADER_LINES:], ""]).encode("ascii", errors="replace")
     (trace,), notes = obspy_stream(file, "KNET", content)
     stats = trace.stats
@@ -74,7 +74,7 @@ def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _component(file: kit.SourceFile, channel: str) -> tuple[str, list[str]]:
-    """Return channel code and warnings; the extension of the file is more reliable than the header's direction."""
+    """Return channel code and warnings; the file extension precedes the direction in the header."""
     named = _DIRECTIONS.search(file.path.name)
     component = named[1].upper() + named[2] if named else channel
     told = f"the header says {channel}, the file name {component}: the name counts"

@@ -15,7 +15,7 @@ from rockpulse.readers.kit.instrument_response import from_counts
 from rockpulse.readers.source import NoRecord
 
 _DATA = re.compile(rb"(?<!\d)\d{6}[DRQM][ \0]")  # the beginning of a data record
-_RATE_TOLERANCE = 1e-3  # two statements of the sampling rate may differ by this share
+_RATE_TOLERANCE = 1e-3  # largest relative difference of two statements of the sampling rate
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
@@ -32,7 +32,7 @@ def read_miniseed(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record
         stations = [(file.name, file.content)]
         file = replace(file, station_files=lambda: stations, chosen=True)
     stream, notes = bridge.obspy_stream(file, "MSEED")
-    # Lengths are powers of two, so the shortest divides them all.
+    # Record lengths are powers of two, so that the shortest divides all others.
     length = min(int(trace.stats.mseed.record_length) for trace in stream)
     if len(file.content) % length:
         found = f"{len(file.content) % length} bytes after the last"
@@ -75,7 +75,7 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
 
 
 def _held_rate(rate: float, channel: Any) -> list[str]:
-    """Return a warning if the StationXML states another sampling rate than the data [1/s]."""
+    """Return a warning if the StationXML states another sampling rate [1/s] than the data."""
     told = rate if channel.sample_rate is None else float(channel.sample_rate)
     if abs(told - rate) <= _RATE_TOLERANCE * rate:
         return []

@@ -19,7 +19,7 @@ _DECIMAL = re.compile(r"\d{0,6}\.?\d{1,9}", re.ASCII)
 _CLOCK = r"\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,9})?)\s*(?:\((\w+)\))?"
 _DAY_FIRST = re.compile(r"(\d{1,2})[/.](\d{1,2})[/.](\d{4})" + _CLOCK, re.ASCII)
 _YEAR_FIRST = re.compile(r"(\d{4})[/.](\d{1,2})[/.](\d{1,2})" + _CLOCK, re.ASCII)
-_LONGEST_HEADER = 60  # lines of the header
+_LONGEST_HEADER = 60  # largest number of lines of the header
 
 
 def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
@@ -83,7 +83,7 @@ def _number(header: kit.Entries, key: str) -> float:
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:
-    """Return the UTC time and an empty string, or None and the name of a zone that is not UTC."""
+    """Return the UTC time and an empty text, or None and the name of another time zone."""
     match = _YEAR_FIRST.match(text) or _DAY_FIRST.match(text)
     if not match:
         return None, ""

@@ -18,11 +18,11 @@ _UNDEFINED = -12345.0
 _COORDINATES = {"STLA": 31, "STLO": 32, "EVLA": 35, "EVLO": 36}
 _ACCELERATION = 8  # value of IDEP
 _SERIES = {6: "displacement", 7: "velocity"}  # values of IDEP that exclude acceleration
-_LAST_STEPS = 2.0  # E may be off by so many steps
+_LAST_STEPS = 2.0  # largest error of E [steps]
 
 
 def _byte_order(head: bytes) -> str | None:
-    """Return the byte order in which the header has a valid version."""
+    """Return the byte order with which the header has a valid version; None if none has."""
     if len(head) < _HEADER:
         return None
     orders = (order for order in "<>" if struct.unpack_from(order + "i", head, _NVHDR)[0] in (6, 7))
@@ -40,7 +40,7 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         advice = "the file may be truncated: download it again"
         raise kit.unexpected(file.name, f"{declared} samples (header NPTS)", f"room for {available}", advice)
     for name, word in _COORDINATES.items():
-        # obspy brings longitudes into range by turns of 360 degrees, one by one: of absurd ones it never ends.
+        # obspy shifts longitudes by 360 degrees until they are in range, which never ends for absurd values.
         value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
         if value != _UNDEFINED and not abs(value) <= 360.0:
             advice = "correct the header, or write the file again"
@@ -65,10 +65,10 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     unit = kit.canonical_unit(options.units, "option units")
     inclination, azimuth = header.get("cmpinc"), header.get("cmpaz")
     dip = None if inclination is None else float(inclination) - 90.0
-    with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
+    with np.errstate(invalid="ignore"):  # a signalling NaN; Record reports it
         values = np.asarray(trace.data, dtype=float)
     start = utc_time(file, stats.starttime) if "nzyear" in header else None
-    # As the file has them, which obspy works out anew; NaN where undefined.
+    # The values in the file, which obspy recalculates; NaN if undefined.
     raw = {key: struct.unpack_from(f"{order}f", file.content, at)[0] for key, at in _STATED.items()}
     words = {key: math.nan if value == _UNDEFINED else value for key, value in raw.items()}
     extremes = (words["depmin"], words["depmax"])
@@ -82,7 +82,7 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     def stated(name: str) -> float:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
 
-    # Where the origin time O is that of the first sample B nobody has set it: no record begins with its earthquake.
+    # An origin time O equal to B, the time of the first sample, was never set: no record begins at the origin time.
     to_origin = stated("o") - stated("b")
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:

@@ -13,13 +13,13 @@ import numpy as np
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 
-_HEADER_LIMIT = 40  # lines in which the header ends; a header has ten
+_HEADER_LIMIT = 40  # largest number of header lines; usual headers have ten
 _LONGEST_LINE = 400
 _KEYS = (
     *("event date & time", "station code / name", "network", "orientation", "processing info"),
     *("filter cut-off frequency", "time increment", "number of data", "pga"),
 )
-_FEWEST_KEYS = 4  # a text with fewer of the keys is another one
+_FEWEST_KEYS = 4  # smallest number of keys by which the format is recognised
 _LINE = re.compile(r"\s*([A-Za-z][^:(]{0,40}?)\s*(?:\(([^()]{0,20})\)\s*)?:\s*(.*)")
 _SERIES = re.compile(r"\s*(acc\w*|vel\w*|disp\w*)\s+time\s+(?:series|history)\s+in\s+(\S+)\s*", re.IGNORECASE)
 _OTHERS = {"v": "velocity", "d": "displacement"}
@@ -27,7 +27,7 @@ _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _DECIMAL = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?", re.ASCII)
 _CORNERS = re.compile(r"(\d{1,6}\.?\d{0,6})\s*-\s*(\d{1,6}\.?\d{0,6})", re.ASCII)
 _WIDTH = 14
-_LOOK_AT = 50  # rows that show how the fields are written
+_LOOK_AT = 50  # number of rows from which the field width is found
 #: Usual names of the components whose letters are in the reverse order.
 _OTHER_WAY_ROUND = {"WE": "EW", "W-E": "EW", "SN": "NS", "S-N": "NS"}
 
@@ -86,7 +86,7 @@ def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tuple[str, ...]]:
-    """Return the header up to the line that names the series, the letter and the unit of the series, and warnings."""
+    """Return the header entries, letter and unit of the series, and warnings."""
     header = kit.Entries(name)
     for at, line in enumerate(lines[:_HEADER_LIMIT]):
         if series := _SERIES.fullmatch(line[:_LONGEST_LINE]):
@@ -107,7 +107,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tup
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Return the declared samples, split by field width or else at blanks, and warnings about the remainder."""
+    """Return the declared samples, split by field width or else at blanks, and warnings about the rest."""
     rows = [line.rstrip() for line in lines[first : first + _LOOK_AT]]
     kit.check_count(f"{name}:{len(lines)}", count, count if rows else 0)
     lengths = Counter(map(len, rows))
@@ -130,7 +130,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _processing(header: kit.Entries) -> tuple[bool | None, list[str]]:
-    """Return whether the record is corrected, and the words of the file for its processing."""
+    """Return whether the record is corrected, and the words of the file on its processing."""
     words, said = header.text("processing info"), header.text("filter cut-off frequency")
     corners = _CORNERS.fullmatch(said)
     notes = [f"file: {' '.join(words.split())}"] if words else []

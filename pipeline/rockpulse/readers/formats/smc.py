@@ -23,7 +23,7 @@ _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECA
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
 _EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECASE)
 _EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
-_RATE_LIMIT = 10_000.0  # some files carry a nonsense rate; no accelerograph reaches this one [1/s]
+_RATE_LIMIT = 10_000.0  # limit of the sampling rate [1/s]; some files state an impossible rate
 _UNIT = "cm/s2"
 #: Values of integer 19 for a building, bridge, dam or other structure; integers 27 and 28 are 0 in the free field of a
 #: bridge or dam.
@@ -32,7 +32,7 @@ _FREE_FIELD_AT = {2: 27, 3: 28}
 
 
 def is_smc(head: bytes, name: str) -> bool:
-    """Return whether the first line is a digit and the kind of series that it denotes, and the integers follow."""
+    """Return whether the first line is the number and title of a series, and rows of integers follow."""
     lines = kit.text_lines(head[:4000])
     return bool(lines and _TITLE.match(lines[0])) and (
         len(lines) <= _TEXT_LINES or bool(re.fullmatch(r"[\s\d-]+", lines[_TEXT_LINES]))
@@ -109,7 +109,7 @@ def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 def _block(
     name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
 ) -> kit.ChannelSamples:
-    """Return the samples; a raw digitised trace with unequal steps is resampled."""
+    """Return the samples; unequally spaced samples of a digitised trace are resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
     pairs = raw and np.isnan(rate)
@@ -129,13 +129,13 @@ def _block(
 
 
 def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if reals 29 to 32 (maximum and minimum with their times) contradict the samples."""
+    """Return warnings if the stated maximum or minimum, or its time (reals 29 to 32), contradicts the samples."""
     notes: list[str] = []
-    if reals[29] == reals[31] == 0.0:  # nobody has filled them in
+    if reals[29] == reals[31] == 0.0:  # the fields were not filled in
         return notes
     for number, sign, what in ((29, 1.0, "largest"), (31, -1.0, "least")):
         stated, found = reals[number], sign * float(np.max(sign * block.values))
-        if abs(stated - found) > kit.PEAK_TOLERANCE * block.peak:  # NaN, a value that is not stated, is not
+        if abs(stated - found) > kit.PEAK_TOLERANCE * block.peak:  # false for NaN, a value that is not stated
             value = f"{stated:g} cm/s2 as the {what} value"
             notes.append(f"real {number + 1} of the header states {value}, the samples have {found:g}")
         notes += kit.held_peak_time(f"{reals[number - 1]:.6g}", block.times, np.maximum(sign * block.values, 0.0))
@@ -143,7 +143,7 @@ def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """Return the direction from the words and from integers 13 (angle from the upward vertical) and 14 (azimuth)."""
+    """Return the direction from its words, integer 13 (angle from the vertical) and integer 14 (azimuth)."""
     upright, azimuth = integers[12], integers[13]
     told = kit.Direction()
     if upright in (0.0, 180.0):
@@ -156,7 +156,7 @@ def _facing(component: str, integers: np.ndarray) -> kit.Direction:
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample (integers 2 to 7), checked against that of the earthquake (line 4)."""
+    """Return the UTC time of the first sample and warnings; None if it is too far from the earthquake."""
     moment = integers[1:7]
     if np.any(np.isnan(moment)):
         return None, []
@@ -169,7 +169,7 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
 
 
 def _origin(event: re.Match[str]) -> datetime | None:
-    """Return the minute of the earthquake [UTC]."""
+    """Return the UTC time of the earthquake, to the minute; None if it is invalid."""
     year, month, day, time = (int(event[group]) for group in range(1, 5))
     return kit.instant((year, month, day), (time // 100, time % 100, 0))
 

@@ -53,7 +53,7 @@ def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if count, duration, or the root mean square with its unit contradicts the pairs."""
+    """Return warnings if the stated count, duration or root mean square contradicts the pairs."""
     behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
     for text in (kit.matched(_DURATION, lines[10][:_WORDS]), csmip_layout.real_header_value(behind, 3)):
@@ -61,7 +61,7 @@ def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[
     if not square:
         return notes
     stated, half = (value * kit.UNITS[square[2].lower()] for value in kit.printed_number(square[1]))
-    peak = float(np.max(np.abs(block.samples))) or 1.0  # the square of a damaged sample may be no number
+    peak = float(np.max(np.abs(block.samples))) or 1.0  # the square of a damaged sample may overflow
     found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * kit.UNITS[block.unit]
     if stated <= _MEAN_SQUARE_FACTOR * found + half and found <= _MEAN_SQUARE_FACTOR * (stated + half):
         return notes
@@ -73,7 +73,7 @@ def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[
 
 
 def _header(lines: Sequence[str]) -> csmip_layout.CsmipHeader:
-    """Return the header from the 13 lines of text and the lines after them."""
+    """Return the header of a channel from its 13 lines of text and the lines after them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
     row = lines[_REALS + 1] if len(lines) >= HEADER_LINES else ""

@@ -1,4 +1,4 @@
-"""Makes a `Record` from the numbers of one channel: unit, sign, time, and the checks that all formats share."""
+"""Makes the `Record` of a channel from its samples, with the checks that all formats share."""
 
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -18,9 +18,9 @@ from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
 from rockpulse.warning_text import WarningText
 
-#: Relative tolerance of a stated peak; a larger difference from the data, that rounding does not explain, is reported.
+#: Relative tolerance of a stated peak; a difference from the samples larger than this and rounding gives a warning.
 PEAK_TOLERANCE = 0.02
-#: Ratio of stated and actual peak above which one has another unit, or part of the file is missing.
+#: Ratio of the stated and the actual peak above which their units differ, or part of the file is missing.
 OTHER_PEAK = 1.5
 #: Limits of a credible peak [g]; a peak outside is reported with its meaning in other units.
 CREDIBLE_PEAK_G = (1e-6, 5.0)
@@ -28,25 +28,24 @@ CREDIBLE_PEAK_G = (1e-6, 5.0)
 CREDIBLE_INTERVAL = 0.1
 #: Largest credible depth of a sensor [m], about that of the deepest boreholes; headers have -9999 for unknown depths.
 _DEEPEST_SENSOR = 10e3
-# From the first of the blanks on only, or a line of blanks would cost the square of its length.
+# Starts at the first blank only; otherwise the run time for a line of blanks would grow with its length squared.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 #: Number of samples that are compared first to find copies of a channel; signs of a copy, with the words for each.
 _FIRST, SIGNS = 1000, {1.0: "", -1.0: " with the opposite sign"}
-#: Number of equal consecutive samples at the extreme that indicate the end of a range.
+#: Number of equal consecutive samples at an extreme value that indicate clipping.
 RUN = 5
-#: Smallest distance of the extreme from the middle of the trace, in smallest steps; below it, rounding makes equal
-#: samples.
+#: Smallest distance of a clipped value from the mid-range [resolution steps]; nearer values may be equal by rounding.
 STEPS_TO_EXTREME = 100
-#: Distance of the trace from the extreme, in smallest steps, half a run after the run. A smooth crest that rounding has
-#: flattened is a parabola, which has fallen by about 4 steps there.
+#: Smallest fall of the trace beside a run of equal samples, over half the length of the run [resolution steps]. A
+#: smooth crest that is flattened by rounding is a parabola, which falls by about 4 steps there.
 STEPS_BESIDE = 10
-#: Full scale of a 24-bit recorder [counts], and the share of it above which a peak is reported: a recorder beyond its
-#: range need not stay at one value, and some wrap around.
+#: Full scale of a 24-bit recorder [counts], and the share of it above which a peak is reported: an overdriven
+#: recorder need not stay at one value, and some wrap around.
 FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
 
 
 def odd_peak(peak: float, unit: str, factor: float) -> WarningText:
-    """Return the warning on an incredible peak [m/s2]; `factor` is the unit in m/s2, empty for m/s2."""
+    """Return the warning about a peak [m/s2] that is not credible; an empty `unit` means m/s2."""
     unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
     readings = other_readings(peak / factor, unit)
@@ -99,11 +98,12 @@ def build_record(
     processing: Sequence[str] = (),
     **facts: Unpack[Facts],
 ) -> Record:
-    """Return the checked record [m/s2] of a channel, numbered from 1 in the file; vertical motion is positive up.
+    """Return the checked record of a channel in m/s2; vertical motion is positive upwards.
 
-    `unit` is a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `header_peak` is the stated peak with half
-    a unit of its last digit (`printed_number`), in units of `peak_factor` m/s2, by default in those of the samples; it
-    is compared with `original_peak`, the largest absolute value before resampling [unit], if this is given.
+    `number` is the channel's number in the file, from 1. `unit` is a key of `UNITS`, or "counts" with a `factor` [m/s2
+    per count]. `header_peak` is the peak stated in the header, with half a unit of its last digit; its unit is
+    `peak_factor` m/s2, by default the unit of the samples. It is compared with `original_peak`, the peak before
+    resampling [unit], if that is given.
     """
     code = channel or _DEGREES.sub("", component.strip())
     facing = vertical_if_so(facing or direction(component), code)
@@ -116,7 +116,7 @@ def build_record(
     per_peak = UNITS[unit] if peak_factor is None and unit in UNITS else peak_factor or 1.0
     stated_peak, rounding = (value * per_peak for value in header_peak)
     samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
-    # A reader that filters the samples has looked at them before; the words are the same.
+    # A reader that filters the samples has already given this warning, in the same words.
     clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
     notes = [*warnings, *clipped]
     dead = not np.ptp(samples)
@@ -134,7 +134,7 @@ def build_record(
     if facing.sign < 0.0:
         notes.append(WarningText("positive_downwards"))
     factor *= facing.sign
-    with np.errstate(over="ignore"):  # Record refuses what is not finite
+    with np.errstate(over="ignore"):  # Record rejects samples that are not finite
         acceleration = samples * factor
     return Record(
         acceleration=acceleration,
@@ -165,7 +165,7 @@ def build_record(
 
 
 def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
-    """Return the usable channels of a file, each read by its callable, with `notes` and a warning on unusable ones."""
+    """Return the records of the usable channels, with `notes` and a warning about each unusable channel."""
     records: list[Record] = []
     refusals: list[RecordRefused] = []
     for read_channel in channels:
@@ -179,12 +179,12 @@ def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[st
 
 
 def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Record]:
-    """Return the records of a file, each with further warnings."""
+    """Return the records with `notes` added to the warnings of each record."""
     return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]
 
 
-def copies_told(records: Sequence[Record]) -> list[Record]:
-    """Return the records of a file, with a warning on each whose samples equal those of another, or their negatives."""
+def with_copy_warnings(records: Sequence[Record]) -> list[Record]:
+    """Return the records; records whose samples are equal, or equal with the opposite sign, get a warning."""
     notes: dict[int, list[WarningText]] = {}
     for (at, one), (behind, other) in combinations(enumerate(records), 2):
         if one.component == other.component or one.npts != other.npts or not one.acceleration.any():
@@ -206,7 +206,7 @@ def copies_told(records: Sequence[Record]) -> list[Record]:
 
 
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:
-    """Return a warning if a raw record, before any filter, remains at an extreme or reaches the range of 24 bits."""
+    """Return warnings if a raw record seems clipped: it stays at an extreme or reaches the range of 24 bits."""
     warnings: list[WarningText] = []
     step = None
     for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
@@ -220,7 +220,7 @@ def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningT
         if length < RUN:
             continue
         step = float(np.min(np.diff(np.unique(samples)))) if step is None else step
-        # Where the recorder begins or ends within the run, the other side has to tell.
+        # If the record begins or ends within the run, only the other side shows whether the trace falls.
         beside = samples[[max(first - 1 - length // 2, 0), min(first + length + length // 2, samples.size - 1)]]
         away = 0.5 * float(np.ptp(samples))
         fall = float(np.max(np.abs(edge - beside.astype(float))))

@@ -1,4 +1,4 @@
-"""Checks the statements of a file against its data; without a contradiction or a statement there is no warning."""
+"""Compares the statements of a header with the data, and returns warnings about contradictions."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -9,21 +9,20 @@ import numpy as np
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.kit.text import FILE_DAMAGED, OWN_FILE, UNITS, fixed_width, printed_number, unexpected
 
-#: Tolerance of a stated length in steps; it may be that of the samples or of the steps between them.
+#: Tolerance of a stated length [steps]: it may be that of the samples or of the steps between them.
 LENGTH_STEPS = 2.0
-#: Number of samples on either side of the stated time of the peak in which the motion must reach this share of the
-#: peak.
+#: Number of samples on either side of the stated time of the peak, and share of the peak that one of them must reach.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
-_TURN = 1.0  # two statements of one azimuth may differ by so much [degrees]
+_TURN = 1.0  # largest difference of two statements of one azimuth [degrees]
 _NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
 _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
-_LONGEST_LINE = 400  # characters of a line that may hold a title
-#: Index of the first line of a part of a file, and of the line after its last.
+_LONGEST_LINE = 400  # number of characters of a line that are searched for a title
+#: Index of the first line of a part of a file, and index of the line after its last line.
 Span = tuple[int, int]
 
 
 def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[str]:
-    """Return a warning if `count` samples at `dt` differ from the stated length [s] by more than `spare`."""
+    """Return a warning if `count` samples at `dt` contradict the stated length `text` [s]; `spare` is a tolerance."""
     if not _NUMBER.fullmatch(text):
         return []
     stated, rounding = printed_number(text)
@@ -33,7 +32,7 @@ def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[st
 
 
 def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str]:
-    """Return a warning if the values (n,) at times (n,) [s] of the file are small at the stated time of the peak."""
+    """Return a warning if the samples are small at the time `text` [s] that the header states for the peak."""
     if not _NUMBER.fullmatch(text) or times.size < 2:
         return []
     stated, rounding = printed_number(text)
@@ -46,7 +45,7 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
 
 
 def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
-    """Return a warning if channels or parts of a header, each given as (name, key of `UNITS`), differ in the unit."""
+    """Return a warning if the stated units differ; `stated` contains pairs of a name and a key of `UNITS`."""
     stated = list(stated)
     if len({UNITS[unit] for _, unit in stated}) < 2:
         return []
@@ -55,14 +54,14 @@ def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def held_lengths_of_units(units: Sequence[str]) -> list[str]:
-    """Return a warning if the stated units of acceleration, velocity and displacement differ in the unit of length."""
+    """Return a warning if the units of acceleration, velocity and displacement have different units of length."""
     if len({match[1].lower() for unit in units if (match := _LENGTH.match(unit))}) < 2:
         return []
     return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
 
 
 def contradictory(said: Direction, told: Direction) -> bool:
-    """Return whether two known statements of a direction contradict each other."""
+    """Return whether two directions contradict each other; an unknown direction contradicts no other."""
     if "unknown" in (said.orientation, told.orientation):
         return False
     turn = abs((said.azimuth - told.azimuth + 180.0) % 360.0 - 180.0)
@@ -70,7 +69,7 @@ def contradictory(said: Direction, told: Direction) -> bool:
 
 
 def held_direction(said: Direction, told: Direction, note: str) -> Direction:
-    """Combine two statements of a direction, of which one may be unknown; add a note if they contradict each other."""
+    """Return the more precise of two directions; if they contradict each other, an unknown one with `note`."""
     if contradictory(said, told):
         return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
     return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said
@@ -79,7 +78,7 @@ def held_direction(said: Direction, told: Direction, note: str) -> Direction:
 def surplus(
     lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None, used: int = 0
 ) -> tuple[str, ...]:
-    """Return warnings on numbers after `used`, and on rows ``lines[first:end]`` after them; reject a second `title`."""
+    """Return warnings about numbers beyond the declared count; raise an error if a second `title` follows."""
     notes = []
     if used and lines[first - 1][used:].strip():
         notes.append(f"line {first}: numbers beyond the declared count were left out")
@@ -100,14 +99,14 @@ def fixed_block(
     count: int,
     title: re.Pattern[str] | None = None,
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return the first `count` numbers of a span (see `fixed_width`), and warnings on the rest (see `surplus`)."""
+    """Return the first `count` numbers of fixed width in a span of lines, and warnings about further numbers."""
     first, end = span
     samples, rows = fixed_width(lines[first:end], first + 1, width, per_row, count, name), -(-count // per_row)
     return samples, surplus(lines, first + rows, end, name, title, width * (count - (rows - 1) * per_row))
 
 
 def last_of_equal(lines: Sequence[str], at: int) -> int:
-    """Return the index of the last line that repeats the line at index `at`; blank lines may separate them."""
+    """Return the index of the last line that repeats the line at index `at`; blank lines may lie between."""
     last = at
     for index in range(at + 1, len(lines)):
         if lines[index].strip():
@@ -118,14 +117,14 @@ def last_of_equal(lines: Sequence[str], at: int) -> int:
 
 
 def repeated_marker(first: int, last: int) -> tuple[str, ...]:
-    """Return a warning if a marker is repeated, at the indices `first` and `last`."""
+    """Return a warning if a line is repeated; `first` and `last` are the indices of its first and last copy."""
     return (f"line {first + 1}: the line is repeated up to line {last + 1}; it was read once",) if last > first else ()
 
 
 def distinct_sections(
     lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
 ) -> tuple[list[Span], tuple[str, ...]]:
-    """Return the sections of a file without copies of earlier ones, and a warning, naming `what`, for each copy."""
+    """Return the sections of a file that do not repeat an earlier one, and a warning about each copy left out."""
     first: dict[tuple[str, ...], Span] = {}
     notes = []
     for span in spans:
@@ -138,19 +137,19 @@ def distinct_sections(
 
 
 class Counted(NamedTuple):
-    """First line of a channel (from 1), its recorder, its number, and the number of channels of the recorder, or 0."""
+    """A channel, its recorder, and the number of channels that the header states for this recorder."""
 
-    line: int
+    line: int  # number of its first line, from 1
     recorder: str
     number: str
-    counted: int
-    kind: str = ""  # acceleration, velocity, ... where a file may hold each of them as a channel of its own
+    counted: int  # number of channels of the recorder; 0 if it is not stated
+    kind: str = ""  # such as "acceleration", if a file contains acceleration and velocity as separate channels
 
 
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """Return a warning for each recorder with missing channels, unless it is `closed`; reject duplicate channels."""
+    """Return a warning for each recorder with missing channels; raise an error if a channel occurs twice."""
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}
     counted: dict[str, int] = {}

@@ -1,4 +1,4 @@
-"""Compares statements about the columns of a table: directions, units, and the peak."""
+"""Finds the direction, the unit and the stated peak of the columns of a table."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,7 +21,7 @@ _HALF_TURN = 180.0  # degrees between two opposite directions
 
 
 def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose: Sequence[str]) -> list[Direction]:
-    """Return the direction of each column from its heading; of a single column also from the file name."""
+    """Return the direction of each column from its heading; for a single column also from prose and file name."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
         for told, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
@@ -36,7 +36,7 @@ def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose
 
 
 def same_directions(headings: Sequence[ColumnHeading], facing: Sequence[Direction]) -> list[str]:
-    """Return a warning for two columns along one axis, such as N and S."""
+    """Return a warning for each pair of columns along the same axis, such as N and S."""
     notes: list[str] = []
     named = [(heading.name, one) for heading, one in zip(headings, facing, strict=True) if one.orientation != "unknown"]
     for (first, one), (second, other) in combinations(named, 2):
@@ -47,7 +47,7 @@ def same_directions(headings: Sequence[ColumnHeading], facing: Sequence[Directio
 
 
 def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -> dict[int, dict[str, Any]]:
-    """Return the stated peak in the form of `build_record`, by the number of the column with the nearest peak."""
+    """Return the peak that the prose states, as arguments of `build_record` for the column with the nearest peak."""
     peaks: dict[int, dict[str, Any]] = {}
     for said in stated_peaks(prose)[:1]:
         value, rounding = printed_number(said.text)
@@ -62,7 +62,7 @@ def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -
 
 
 def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[str], options: ReadOptions) -> list[str]:
-    """Return the unit of each column: that given by the caller, checked against the header, or that of the heading."""
+    """Return the unit of each column; raise UnitError if it is missing, or if header and options contradict."""
     units = []
     for other in other_units(prose):
         found = f"the header states the unit {other.wording!r}, none of an acceleration"

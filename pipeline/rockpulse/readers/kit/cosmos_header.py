@@ -1,4 +1,4 @@
-"""Reads the header of a channel of a COSMOS file: text, integers, reals (numbered from 1), comments."""
+"""Reads the header of one channel of a COSMOS file: text lines, integers, reals and comments."""
 
 import re
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ _COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IG
 _PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
 _RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
 _ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
-_LENGTH_SHARE = 5e-3  # a stated length may be off by this share
+_LENGTH_SHARE = 5e-3  # largest relative error of a stated length
 _ORIENTATIONS = {
     400: Direction("vertical"),
     401: Direction("vertical", sign=-1.0),
@@ -43,7 +43,7 @@ _STRUCTURES = {5, 10, 11, 12, 13, 15, 20}
 
 @dataclass(frozen=True)
 class CosmosHeader:
-    """All lines before the samples of one channel."""
+    """The header of one channel of a COSMOS file, without the samples."""
 
     kind: str  # first words of the title, "Uncorrected acceleration"
     text: Sequence[str]  # at least 13 lines
@@ -52,19 +52,19 @@ class CosmosHeader:
     unknown: float  # the number that stands for "unknown" among the reals and the samples
     comments: Sequence[str]
     start: int  # index of the title
-    end: int  # index of the first line behind the comments
+    end: int  # index of the first line after the comments
 
     def integer(self, number: int) -> int | None:
-        """Return integer `number`, from 1; None if unknown or missing."""
+        """Return the integer with this number in the header, from 1; None if it is unknown or missing."""
         value = self.integers[number - 1] if number <= self.integers.size else np.nan
         return None if np.isnan(value) else int(value)
 
     def real(self, number: int) -> float:
-        """Return real `number`, from 1; NaN if unknown or missing."""
+        """Return the real with this number in the header, from 1; NaN if it is unknown or missing."""
         return float(self.reals[number - 1]) if number <= self.reals.size else float("nan")
 
     def codes(self) -> tuple[str, str, str, str]:
-        """Return network, station, location and channel from ``<SCNL>`` in comments, or text line 5, or integer 8."""
+        """Return the codes of network, station, location and channel; codes that are not stated are empty."""
         for comment in self.comments:
             scnl = _SCNL.match(comment)
             if scnl:
@@ -75,24 +75,24 @@ class CosmosHeader:
         return network, station or ("" if number is None else str(number)), "", ""
 
     def channel(self) -> tuple[str, str, str]:
-        """Return channel number at the station, direction, and location of the sensor, as worded in text line 9."""
+        """Return channel number, direction and location of the sensor in the words of text line 9."""
         match = _CHANNEL.match(self.text[8])
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
     def counted(self) -> Counted:
-        """Return the channel, and the number of channels of its recorder."""
+        """Return the channel with the number of channels that the header states for its recorder."""
         counted = _COUNTED.search(self.text[6])
         count = int(counted[1]) if counted else 0
         return Counted(self.start + 1, self.text[6], self.channel()[0], count, self.kind.lower())
 
     def peak(self) -> tuple[str, str]:
-        """Return the peak of the series and its unit, as worded in text line 11 or, for a raw record, line 10."""
+        """Return the stated peak and its unit as texts, from text line 11 or, for a raw record, line 10."""
         raw = not self.kind.lower().startswith("corrected")
         found = _PEAK.search(self.text[10]) or (_PEAK.search(self.text[9]) if raw else None)
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Return the direction from the words and integer 54; unknown, with a note, if they contradict each other."""
+        """Return the direction from text line 9 and integer 54; unknown, with a note, if they contradict."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -115,7 +115,7 @@ class CosmosHeader:
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
-        """Return the UTC time of the first sample (integers 40 to 46, real 30, text line 8), or why it is unknown."""
+        """Return the UTC time of the first sample (None if it is unknown), and warnings about it."""
         year, month, day, hour, minute = (self.integer(number) for number in (40, 42, 43, 44, 45))
         if year is None or month is None or day is None or hour is None or minute is None:
             return None, []
@@ -137,7 +137,7 @@ class CosmosHeader:
 
 
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
-    """Return fields per row and characters per field, from ``Format=(8F9.6)`` at the end of a heading."""
+    """Return the fields per row and the characters per field from a heading with ``Format=(8F9.6)``."""
     layout = _LAYOUT.search(line[:LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
         raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
@@ -145,7 +145,7 @@ def fortran_layout(line: str, where: str) -> tuple[int, int]:
 
 
 def read_cosmos_header(name: str, lines: Sequence[str], start: int, end: int) -> CosmosHeader:
-    """Read the header of the channel in ``lines[start:end]``, which begin with its title."""
+    """Read the header of the channel in ``lines[start:end]``; the first of these lines is its title."""
     title = TITLE.match(lines[start])
     assert title is not None
     # More lines of text than the 13 of the format are allowed, fewer are not.
@@ -175,7 +175,7 @@ def read_cosmos_header(name: str, lines: Sequence[str], start: int, end: int) ->
 
 
 def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int:
-    """Return the number before a heading such as `` 100 Real-header values follow``."""
+    """Return the number at the start of the line with index `at`, such as `` 100 Real-header values follow``."""
     heading = re.match(rf"\s*(\d{{1,9}})\s*{kind}\b", lines[at][:80], re.ASCII | re.IGNORECASE) if at < end else None
     if not heading:
         found = repr(lines[at].strip()[:60]) if at < end else "the end of the channel"
@@ -184,13 +184,13 @@ def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int
 
 
 def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> tuple[np.ndarray, int]:
-    """Return the numbers after a heading, and the index of the line after them."""
+    """Return the numbers below the heading with index `at`, and the index of the line after them."""
     count = _count(name, lines, at, end, kind)
     per_row, width = fortran_layout(lines[at], f"{name}:{at + 1}")
     rows = -(-count // per_row)
     block = lines[at + 1 : min(at + 1 + rows, end)]
     if len(block) == rows and any(len(row.rstrip()) != per_row * width for row in block[:-1]):
-        # Headers completed by hand lose their columns.
+        # Fields in headers that were edited by hand may have lost their fixed width.
         values = free_numbers(block, at + 2, name)
         if values.size == count:
             return values, at + 1 + rows
@@ -198,7 +198,7 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
 
 
 def held_series(header: CosmosHeader, heading: str, step: float, samples: np.ndarray) -> list[str]:
-    """Return warnings if the heading of the series, the text or real 65 contradicts samples (n,) at a step [s]."""
+    """Return warnings if the stated length or the stated time of the peak contradicts the samples."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
     lengths = (matched(_ABOUT, heading[:LONGEST_LINE]), matched(_RAW_LENGTH, header.text[9]) if raw else "")

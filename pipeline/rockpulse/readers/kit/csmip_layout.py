@@ -1,7 +1,8 @@
-"""Reads the common layout of volumes 1 and 2 of CSMIP, USC and RENADIC: channels, headers, equally spaced samples.
+"""Reads the layout that the files of CSMIP, USC and RENADIC share: channels, headers, equally spaced samples.
 
-A channel begins with 13 lines of text (in volume 2 after a title and before 11 more lines), integers (16I5) and reals
-(8F10), which repeat some of the text. A line ``/&`` or the next title ends it.
+Volume 1 is uncorrected, volume 2 corrected. A channel begins with 13 lines of text (in volume 2 after a title and
+before 11 more lines), then integers (16I5) and reals (8F10), which repeat some of the text. It ends at a line ``/&`` or
+at the next title.
 """
 
 import re
@@ -41,7 +42,7 @@ from rockpulse.readers.kit.text import (
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-#: Number of lines of text, and of all lines before the samples, of a channel of volume 1.
+#: Number of lines of text, and number of all header lines, of a channel of volume 1.
 TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
 _HEADING = re.compile(r"(?i)\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)")
 _KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
@@ -56,45 +57,45 @@ _STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IG
 _COUNTED = re.compile(r"\((\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.IGNORECASE)
 _SEED_CODES = re.compile(r"\s*(\w+)\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
 _START = re.compile(r"(?i)(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)")
-# A trigger time is taken as that of the first sample: those of digital CSMIP recorders are (on the SSA-1 record of
-# Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
+# The trigger time is used as the time of the first sample. Digital CSMIP recorders state it so (in the SSA-1 record of
+# Hesperia, 1992, the P wave arrives at the right time), and film recorders store nothing before the trigger.
 _ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
 _DEPTH = re.compile(r"\bH\s*=\s*(\d{1,3}(?:\.\d{0,6})?)\s*KM", re.ASCII | re.IGNORECASE)
-#: Pattern of the first row of integers, of which the fourth is the number of channels of the recorder.
+#: Pattern of the first row of integers; the fourth integer is the number of channels of the recorder.
 _FIRST_ROW = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
 #: Position and pattern of integer 27, in the second row: the azimuth of the channel, or a code.
 _AZIMUTH, _CODE = slice(50, 55), re.compile(r" *\d{1,3}", re.ASCII)
 _UP, _DOWN = 500, 600
 #: Position of integer 28, the number of points of volume 1, and the largest number that it can contain.
 _POINTS, _MOST_POINTS = slice(55, 60), 99_999
-#: Number of rows of integers before the reals, width of a real, and the values 0 and -999, which mean unknown.
+#: Number of rows of integers before the reals, characters of a real, and the values that mean unknown.
 _INTEGER_ROWS, _REAL_WIDTH, _UNKNOWN = 7, 10, (0.0, -999.0)
 _REAL = re.compile(r" *-?\d{0,8}\.\d{0,8}", re.ASCII)
 
 
 @dataclass(frozen=True)
 class CsmipHeader:
-    """The text of one channel, without its samples."""
+    """The header of one CSMIP channel, without the samples."""
 
     component: str  # direction of the sensor
-    place: str = ""  # location of the sensor, where the file names one
+    place: str = ""  # location of the sensor, if the file states it
     about: dict[str, Any] = field(default_factory=dict)  # station, earthquake, start time: arguments of `build_record`
     warnings: tuple[str, ...] = ()
     recorder: str = ""  # line that names the recorder
-    number: str = ""  # numbers of the channel on the recorder and at the station; empty where the file numbers none
-    counted: int = 0  # channels of the recorder; 0 where the file does not say
-    code: int = 0  # of the direction, integer 27; 0 where the file does not say
-    repeated: tuple[str, ...] = ()  # the direction as further lines have it
+    number: str = ""  # numbers of the channel on the recorder and at the station; empty if not stated
+    counted: int = 0  # number of channels of the recorder; 0 if it is not stated
+    code: int = 0  # code of the direction, integer 27; 0 if it is not stated
+    repeated: tuple[str, ...] = ()  # the direction in the words of further lines
 
     @property
     def full_component(self) -> str:
-        """Return direction and location of the sensor as the record contains them."""
+        """Return direction and location of the sensor as one text."""
         return f"{self.component} ({self.place})" if self.place else self.component
 
     def record(
         self, file: SourceFile, number: int, block: ChannelSamples, warnings: Sequence[str] = (), **further: Any
     ) -> Record:
-        """Return the record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
+        """Return the record of this channel with the samples `block`; `further` goes to `build_record`."""
         return build_record(
             file,
             block.samples,
@@ -112,28 +113,28 @@ class CsmipHeader:
 
 @dataclass(frozen=True)
 class SeriesHeading:
-    """The line before a block of equally spaced values."""
+    """The heading line above a series of equally spaced values."""
 
     at: int  # index of the line
     kind: str  # "acceleration", "velocity" or "displacement"
-    count: int  # number of values that it declares
+    count: int  # number of values, as the line states it
     words: str  # the rest of the line
     warnings: tuple[str, ...] = ()
 
     @property
     def layout(self) -> tuple[int, int] | None:
-        """Return fields per row and characters per field, if the line contains a Fortran format."""
+        """Return fields per row and characters per field; None if the line contains no Fortran format."""
         match = _FORMAT.search(self.words)
         return (int(match[1]), int(match[2])) if match else None
 
     @property
     def unit(self) -> str:
-        """Return the unit as worded in the line; empty if it states no unit."""
+        """Return the unit in the words of the line; empty if the line states no unit."""
         return matched(_UNIT, self.words)
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """Return the lines of a file without printer control, the span of each channel from its `title`, and warnings."""
+    """Return the lines of a file, the span of lines of each channel, and warnings; `title` begins a channel."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
@@ -157,7 +158,7 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
 
 
 def heading_at(lines: Sequence[str], at: int) -> SeriesHeading | None:
-    """Return the heading at index `at` of the lines, the last one if it is repeated; None if it is not a heading."""
+    """Return the heading in the line with index `at`; None if this line is not a heading."""
     match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
@@ -166,7 +167,7 @@ def heading_at(lines: Sequence[str], at: int) -> SeriesHeading | None:
 
 
 def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: int, unit: str) -> ChannelSamples:
-    """Read the accelerations below a heading, before the line with index `end`; `unit` is as worded in the file."""
+    """Read the accelerations between a heading and the line with index `end`; `unit` is their unit in words."""
     where = f"{name}:{heading.at + 1}"
     rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
     try:
@@ -187,7 +188,7 @@ def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: in
 
 
 def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
-    """Read the header of a channel: 13 lines of text from 'Uncorrected Accelerogram Data', and the lines after them."""
+    """Read the header of one channel; its lines begin with 'Uncorrected Accelerogram Data'."""
     text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
     component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")
@@ -198,8 +199,8 @@ def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
     seed, origin, depth = _SEED_CODES.match(text[3]), _ORIGIN.search(text[2]), _DEPTH.search(text[8])
     counted = _COUNTED.search(text[4])
     about = {
-        # Structures repeat a direction on every floor; there the number tells the channels apart, that of the station
-        # rather than that of the recorder.
+        # Sensors on several floors of a structure have the same direction; the channel number, preferably the one at
+        # the station, distinguishes them.
         "channel": (match[3] or match[1]) if match and place else "",
         "structural": on_structure(place, stated=True),
         "network": seed[2] if seed else "",
@@ -230,14 +231,14 @@ def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
 def missing_channels(
     name: str, lines: Sequence[str], spans: Sequence[Span], headers: Sequence[CsmipHeader]
 ) -> tuple[str, ...]:
-    """Return warnings on missing channels (see `completeness`), from the span and the header of each channel."""
+    """Return a warning for each recorder whose channels are not all in the file."""
     pairs = zip(spans, headers, strict=True)
     counts = (Counted(span[0] + 1, header.recorder, header.number, header.counted) for span, header in pairs)
     return completeness(name, counts, closed=spans[-1][1] < len(lines))
 
 
 def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
-    """Return the UTC time of the first sample, or a warning that states why it is unknown."""
+    """Return the UTC time of the first sample, or None and a warning that states why it is unknown."""
     match = _START.search(line)
     if not match:
         return None, ()
@@ -249,26 +250,26 @@ def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
         moment = local - timedelta(hours=ZONES[match[7].upper()])
     except (ValueError, KeyError, OverflowError):
         return None, (f"the start time {match[0]!r} cannot be read",)
-    # A clock that was never set begins at midnight of its own zone.
+    # A clock that was never set starts at midnight in its own time zone.
     fault = clock_fault(local)
     return (None, (fault,)) if fault else (moment, ())
 
 
 def _row(behind: Sequence[str], number: int) -> str:
-    """Return a row of the integers and reals, numbered from 0, after the text; empty if it is missing."""
+    """Return row `number` (from 0) of the integers and reals in the lines `behind` the text; empty if missing."""
     rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[:LONGEST_LINE].rstrip()))
     at = next(rows, len(behind)) + number
     return behind[at] if at < len(behind) else ""
 
 
 def direction_code(behind: Sequence[str]) -> int:
-    """Return the azimuth or code of the direction, from the lines after the text; 0 if it is not stated."""
+    """Return integer 27 of the header, an azimuth or a code for up or down; 0 if it is not stated."""
     text = _row(behind, 1)[_AZIMUTH]
     return int(text) if _CODE.fullmatch(text) else 0
 
 
 def held_count(behind: Sequence[str], points: int) -> list[str]:
-    """Return a warning if integer 28 differs from the number of points in the text; 0 and -999 are ignored."""
+    """Return a warning if integer 28 of the header, the number of points, contradicts the text."""
     text = _row(behind, 1)[_POINTS]
     if not re.fullmatch(r" *\d{1,5}", text, re.ASCII) or int(text) in (0, points) or points > _MOST_POINTS:
         return []
@@ -276,7 +277,7 @@ def held_count(behind: Sequence[str], points: int) -> list[str]:
 
 
 def real_header_value(behind: Sequence[str], number: int) -> str:
-    """Return a real as printed, by its number from 1, from the lines after the text; empty if unknown."""
+    """Return the real with this number (from 1) in the lines `behind` the text, as text; empty if unknown."""
     row, column = divmod(number - 1, 8)
     text = _row(behind, _INTEGER_ROWS + row)[_REAL_WIDTH * column : _REAL_WIDTH * (column + 1)]
     known = _REAL.fullmatch(text) and any(map(str.isdigit, text)) and float(text) not in _UNKNOWN
@@ -284,7 +285,7 @@ def real_header_value(behind: Sequence[str], number: int) -> str:
 
 
 def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, per_unit: float) -> list[str]:
-    """Return a warning if a real, a peak in units of `per_unit` m/s2, differs from the peak of the samples."""
+    """Return a warning if a real of the header, a peak in units of `per_unit` m/s2, contradicts the samples."""
     peak, rounding = printed_number(real_header_value(behind, number))
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
@@ -293,8 +294,8 @@ def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, pe
 
 
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
-    """Return the direction in words; unknown, with a note, if the code or a line that repeats it differs."""
-    # Codes of sensors without an azimuth, 0, 1100 and 1200, tell none.
+    """Return the direction of a channel; unknown, with a note, if the header states different directions."""
+    # The codes 0, 1100 and 1200 mean sensors without an azimuth.
     told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):
         told = Direction("vertical", sign=1.0 if code == _UP else -1.0)

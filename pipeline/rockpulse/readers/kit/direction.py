@@ -1,4 +1,4 @@
-"""Interprets the words for a component or a location: vertical, an azimuth, a structure."""
+"""Finds the direction of a sensor in words and codes, and whether its location is on a structure."""
 
 import math
 import re
@@ -14,10 +14,10 @@ from rockpulse.warning_text import WarningText
 BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
 # "CH 12" is a number, "12 deg" an angle.
 _NUMBERED = re.compile(r"(?:^|[\W_])(?:ch|chan|channel|no|nr|sensor|col|column)[\W_]*\d+", re.IGNORECASE)
-# Small u and v stand for displacement and velocity, a small s for seconds.
+# Lower-case u and v mean displacement and velocity, a lower-case s means seconds.
 _LETTERS = frozenset("NEZUVSWnez")
 _ANGLE = re.compile(r"(?<=\d)\s+(?=deg)", re.IGNORECASE)
-# Decimals and quantities are no azimuths, unless degrees.
+# Decimal numbers and numbers with a unit are not azimuths, unless the unit is degrees.
 _QUANTITY = re.compile(
     r"(?<![\d.,])(?:\d*+[.,]\d++(?!\s*(?:deg|°))|\d++(?:[.,]\d++)?\s*(?:g|gals?|k?hz|sps|[mu]?s|sec|min|[ckm]?m|%)"
     r"(?![a-z\d]))",
@@ -59,7 +59,7 @@ _AXIS = re.compile(
     r"NORD-SUD|NORTE-SUR|EST-OUEST|EST-OVEST|ESTE-OESTE|OST-WEST|FAULT-(?:NORMAL|PARALLEL))(?![A-Za-z])",
     re.IGNORECASE,
 )
-#: Pattern of a word for acceleration that ends with its direction.
+#: Pattern of a word for acceleration that is followed by its direction.
 _WITH_AXIS = re.compile(
     r"(?:(?<![a-z])(?:acc|accel|acceleration|acel)|(?<![a-z])(?:a|gf)(?=z))(ns|ew|ud|up|z|e|v|(?-i:N))(?![a-z])",
     re.IGNORECASE,
@@ -96,9 +96,9 @@ _FILLER = re.compile(
 #: Pattern of a direction at the end of a name without a separator: PIC090, PICDWN.
 _GLUED = re.compile(r"(?<=[A-Za-z_-])(\d{3}|DWN|VERT|DOWN)(?=$|[-_. ](?i:acc\w*|raw|corr?)$)", re.ASCII)
 _FULL_TURN, _RIGHT_ANGLE = 360, 90
-# SEED: band (not any letter, or the compass words NNE and WNW would count), instrument, direction.
+# SEED code: band, instrument, direction. Only some band letters are accepted, as NNE and WNW are compass words.
 _SEED = re.compile(r"[FGDCESHBMLV][HLMGN]([ENZ123])")
-# Names of streets; a pier without a number may be a place on the ground too.
+# After "wall" or "crest", these words mean a street.
 _NO_STREET = r"(?!\s+(?:st|street|dr|drive|rd|road|ave|avenue|ln|lane|blvd|way|ct|court|pl|place|school|park)\b)"
 _ON_STRUCTURE = re.compile(
     r"\b(?:\d+(?:st|nd|rd|th)[\s-]+(?:fl(?:oor|r)?|level|stor(?:e?y|ies))|(?:level|floor)\s+[a-z]?\d+|"
@@ -114,7 +114,7 @@ _FREE_FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Direction:
-    """The direction that the words for a component mean, and a doubt about it as text of a warning."""
+    """The direction of a component; `note` is a warning about it."""
 
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
@@ -123,14 +123,14 @@ class Direction:
 
     @property
     def label(self) -> str:
-        """Return a short name for a direction that the file does not word: "UP", "090"; empty if unknown."""
+        """Return a short name of the direction, such as "UP" or "090"; empty if it is unknown."""
         if self.orientation == "vertical":
             return "UP" if self.sign > 0.0 else "DOWN"
         return "" if math.isnan(self.azimuth) else f"{self.azimuth:03.0f}"
 
 
 def direction(wording: str) -> Direction:
-    """Read a direction: ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``, ``005``; a single digit is a channel number."""
+    """Return the direction for words such as ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``; unknown for others."""
     word = " ".join(wording.upper().split()).strip(" .")
     seed = _SEED.fullmatch(word)
     if seed:
@@ -163,7 +163,7 @@ def means_vertical(code: str) -> bool:
 
 
 def vertical_if_so(facing: Direction, code: str) -> Direction:
-    """Return the direction of a header; vertical, with a warning, if the azimuth is 0 but the channel code vertical."""
+    """Return `facing`, but vertical with a warning if it is horizontal and the channel code means vertical."""
     if facing.orientation != "horizontal" or not means_vertical(code):
         return facing
     told = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
@@ -171,7 +171,7 @@ def vertical_if_so(facing: Direction, code: str) -> Direction:
 
 
 def heading_direction(name: str) -> Direction:
-    """Return the direction in the words of a column heading; a single letter is one only if it is in `_LETTERS`."""
+    """Return the direction in the words of a column heading; unknown if they state none or several."""
     wording = _ANGLE.sub("", _NUMBERED.sub(" ", _QUANTITY.sub(" ", BRACKET.sub(" ", name))))
     found = []
     for piece in re.split(r"[\s_:=,]+", wording):
@@ -190,7 +190,7 @@ def is_direction(text: str) -> bool:
 
 
 def _one_of(found: Sequence[Direction]) -> Direction:
-    """Return the most precise direction in several words; unknown if they contradict each other."""
+    """Return the most precise of several directions; unknown if they contradict each other."""
     known = [facing for facing in found if facing.orientation != "unknown"]
     precise = [facing for facing in known if not math.isnan(facing.azimuth)] or known
     alike = {(facing.orientation, facing.sign) for facing in known} | {(one.azimuth,) for one in precise}
@@ -198,11 +198,11 @@ def _one_of(found: Sequence[Direction]) -> Direction:
 
 
 def name_direction(file: SourceFile) -> Direction:
-    """Return the direction in the name of a file with one channel: rec_E, rec-UP, rec.NS, rec.00U, EW.txt, PIC090.
+    """Return the direction in a file name, such as rec_E, rec-UP, rec.NS, rec.00U, EW.txt, PIC090.
 
-    Digits after letters (PIC090) are an azimuth if they are a multiple of 90, or if the folder contains a file for a
-    perpendicular azimuth or a vertical one; otherwise they may be the number of a station. A single letter is a
-    direction at either end of the name.
+    Three digits after letters (PIC090) are an azimuth if they are a multiple of 90, or if the folder contains the file
+    of a perpendicular azimuth or of a vertical component; otherwise they may be a station number. A single letter is a
+    direction if it is at either end of the name.
     """
     path = file.path
     suffix, stem = path.suffix[1:], path.stem
@@ -234,13 +234,13 @@ def name_direction(file: SourceFile) -> Direction:
 
 
 def name_suffix(file: SourceFile) -> str:
-    """Return the suffix that distinguishes a file from others with its stem: L of rec.L; empty for text suffixes."""
+    """Return the suffix of a file name, such as L of rec.L; empty for usual suffixes of text files."""
     suffix = file.path.suffix[1:]
     return suffix if suffix.isalpha() and suffix.lower() not in _TEXT_SUFFIXES else ""
 
 
 def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
-    """Return whether three digits at the end of a file name are an azimuth, from their value or from other files."""
+    """Return whether three digits at the end of a file name are an azimuth: see `name_direction`."""
     azimuth, before, behind = int(glued[1]), glued.string[: glued.start()], file.path.suffix
     if azimuth > _FULL_TURN:
         return False
@@ -252,7 +252,7 @@ def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Return whether words for a location mean a structure; if `stated`, all words mean one except free field."""
+    """Return whether a location is on a structure; with `stated`, every location except free field is."""
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False
     return stated or bool(_ON_STRUCTURE.search(place))

@@ -1,4 +1,4 @@
-"""Reads start times, and facts on earthquake and site, from headers; impossible values are omitted without an error."""
+"""Reads start times, and data on earthquake and site, from headers; impossible values are omitted without an error."""
 
 import math
 import re
@@ -8,10 +8,10 @@ from typing import Any, TypedDict, Unpack
 
 #: Longest time between the earthquake and the start of a record; waves cross the Earth in a third of it.
 NEAR = timedelta(hours=1)
-# Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
+# An earlier time than the first accelerogram (Long Beach, 11 March 1933 UTC) means a wrong clock.
 _FIRST_YEAR = 1933
-# Times from which clocks start that nobody set (Unix, PC, GPS). The first hour only: on 1 January 1980, 16:42 UTC, the
-# Azores had a strong earthquake.
+# Times at which clocks start that were never set (Unix, PC, GPS). Only the first hour is suspect: the Azores had a
+# strong earthquake on 1 January 1980, 16:42 UTC.
 _CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
 _CLOCK_RUN = timedelta(hours=1)
 #: Time zones, with the hours by which each is ahead of UTC.
@@ -23,11 +23,11 @@ _DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{
 _TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})"
 _ZONE = r"(?:\s{0,4}(Z|[A-Z]{2,4})\b|([+-]\d\d):?(\d\d)(?!\d))?"
 _WRITTEN = re.compile(rf"{_DATE}(?:T|,?\s+){_TIME}{_ZONE}", re.ASCII | re.IGNORECASE)
-_CENTURY = 30  # first year of two digits that is of 1900: accelerographs came in the thirties
+_CENTURY = 30  # two-digit years from 30 on are in the 1900s: accelerographs exist since the 1930s
 
 
 def clock_fault(moment: datetime) -> str:
-    """Return the reason why a start time [UTC, or the zone of the file] cannot be right; empty if it is plausible."""
+    """Return the reason why a start time cannot be right; empty if it is plausible."""
     if moment.year < _FIRST_YEAR:
         return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
     if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
@@ -36,7 +36,7 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """Return the UTC time from year, month, day, hour, minute, second in a zone ahead of UTC; None if invalid."""
+    """Return the UTC time from a date, a time and the hours of its time zone ahead of UTC; None if it is invalid."""
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
         return None
@@ -48,7 +48,7 @@ def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0
 
 
 def later(moment: datetime | None, seconds: float) -> datetime | None:
-    """Return the time `seconds` after `moment`; None if `moment` is unknown or the result is outside the calendar."""
+    """Return the time `seconds` after `moment`; None if `moment` is unknown or the result is out of range."""
     try:
         return None if moment is None else moment + timedelta(seconds=seconds)
     except OverflowError:
@@ -56,7 +56,7 @@ def later(moment: datetime | None, seconds: float) -> datetime | None:
 
 
 def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetime | None, list[str]]:
-    """Return the start time [UTC], or None and a warning if it is further than `NEAR` from the origin time."""
+    """Return the start time; if it is further than `NEAR` from the origin time, return None and a warning."""
     if start is None or origin is None or abs(start - origin) <= NEAR:
         return start, []
     away = f"{abs(start - origin) / timedelta(hours=1):.1f} h from the earthquake of {origin:%Y-%m-%d %H:%M:%S}"
@@ -64,7 +64,7 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
 
 
 def written(text: str) -> datetime | None:
-    """Return the UTC time from the first date (year or month first) and time of a text; None if a part is unknown."""
+    """Return the UTC time from the first date and time in a text; None if date, time or time zone is unknown."""
     found = _WRITTEN.search(text)
     if not found:
         return None
@@ -94,7 +94,7 @@ _SEXAGESIMAL = re.compile(r"(?ai)(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1
 _MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{1,2}(?:\.\d{0,3})?)(?![\d.])", re.ASCII)
 #: Magnitude scales by their letters, in the order of preference if a header states several.
 _SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
-_NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)  # texts that stand for nothing
+_NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)  # texts that mean "no value"
 _MAGNITUDES = (-1.0, 10.0)
 #: Depth of the deepest earthquakes, and half the circumference of the Earth [km].
 _DEEPEST, _FARTHEST = 800.0, 20_040.0
@@ -102,7 +102,7 @@ _VS30 = (30.0, 5000.0)  # velocities of shear waves in mud and in the hardest ro
 
 
 class Facts(TypedDict, total=False):
-    """Statements of a header on earthquake and station; impossible ones are omitted from the record."""
+    """Statements of a header about earthquake and station; numbers may be texts."""
 
     event_id: str
     origin_time: datetime | None
@@ -116,7 +116,7 @@ class Facts(TypedDict, total=False):
 
 
 def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
-    """Return fields of a `Record` from the statements of a header; NaN, None or empty for impossible ones."""
+    """Return the fields of a `Record` from the statements of a header; impossible values are NaN, None or empty."""
     nowhere, time = (math.nan, math.nan), facts.get("origin_time")
     size, scale = facts.get("magnitude", (math.nan, ""))
     magnitude = _within(size, *_MAGNITUDES, zero=False)
@@ -140,25 +140,25 @@ def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
 
 
 def coordinates(text: str) -> tuple[float, float]:
-    """Return latitude and longitude from a line with ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; else NaN."""
+    """Return latitude and longitude from ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; NaN if missing."""
     found = {"N": math.nan, "E": math.nan}
     named = [(float(degrees), side) for degrees, side in _DECIMAL.findall(text)]
     for *parts, side in _SEXAGESIMAL.findall(text):
         degrees, minutes, seconds = map(float, parts)
         named.append((round(degrees + minutes / 60.0 + seconds / 3600.0, 6), side))
-    for value, side in reversed(named):  # the first of several counts
+    for value, side in reversed(named):  # the first of several values has priority
         axis = "N" if side.upper() in "NS" else "E"
         found[axis] = value if side.upper() == axis else -value
     return found["N"], found["E"]
 
 
 def magnitudes(text: str) -> tuple[float, str]:
-    """Return magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`."""
+    """Return the preferred magnitude and its scale from a line such as ``ML=6.6, MW=6.7(CIT)``."""
     return preferred((value, scale) for scale, value in _MAGNITUDE.findall(text))
 
 
 def preferred(named: Iterable[tuple[Number, str]]) -> tuple[float, str]:
-    """Return one of the possible magnitudes: Mw, else Ms, ML, mb, else the first of the others; NaN without any."""
+    """Return the preferred magnitude and its scale: Mw, else Ms, ML, mb, else the first; NaN if there is none."""
     read = [(_within(value, *_MAGNITUDES, zero=False), _scale(scale)) for value, scale in named]
     found = [one for one in read if not math.isnan(one[0])]
     order = list(_SCALES.values())
@@ -171,7 +171,7 @@ def _scale(text: str) -> str:
 
 
 def _within(value: Number, low: float, high: float, zero: bool = True) -> float:
-    """Return the value if it is a number within the bounds, and not 0 unless `zero` is allowed; else NaN."""
+    """Return the value if it lies between `low` and `high`, else NaN; 0 is allowed only if `zero` is true."""
     if isinstance(value, str):
         value = float(value) if _NUMBER.fullmatch(value.strip()) else math.nan
     return float(value) if low <= value <= high and (zero or value != 0.0) else math.nan

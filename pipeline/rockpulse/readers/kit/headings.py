@@ -1,4 +1,4 @@
-"""Reads the headings above plain columns."""
+"""Finds the headings of the columns in the lines above a table of numbers."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -10,15 +10,14 @@ from rockpulse.readers.kit.number_table import LINE_LIMIT, NUMBER, Layout, split
 from rockpulse.readers.kit.prose import stated_columns, stated_counts, stated_steps
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
-#: Number of characters of a heading that are analysed; largest number of words of a short heading, or of letters of a
-#: unit.
+#: Number of characters of a heading that are read; largest number of words of a short heading (letters of a unit).
 _NAME, _SHORT = 80, 3
 _COMMENT = " \t#%!*/"
 _IN_G = re.compile(r"(?<![a-z])g$", re.IGNORECASE)
 #: Pattern of volts in brackets; in round brackets V may be the vertical direction.
 _VOLTS = re.compile(r"([\[(])\s*([mµu]?V)\s*[\])]")
 _VOLT = re.compile(r"[mµu]?V")
-#: Words for the output of a sensor, which no option converts to an acceleration.
+#: Words for the raw output of a sensor, which cannot be converted to an acceleration.
 _SIGNALS = frozenset({"counts", "count", "volts", "volt", "mv", "lsb", "adc"})
 _TIME_UNIT = re.compile(r"(?:^|[\W_])(m(?:illi)?s(?:ec\w*)?|us|µs|min(?:s|ut\w*)?)(?=$|[\W_])", re.IGNORECASE)
 #: Pattern of labels in the heading of a column that do not name a motion.
@@ -27,36 +26,36 @@ _LABEL = re.compile(
     re.IGNORECASE,
 )
 _LARGEST_AZIMUTH = 360
-#: Quantities named by single letters, which are used if an acceleration is named by its letter.
+#: Quantities that single letters mean if one of the headings means acceleration.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement", "u": "displacement"}
 
 
 @dataclass(frozen=True)
 class ColumnHeading:
-    """The heading of a column."""
+    """The heading of a column: its name, its kind of motion and its unit."""
 
     name: str  # as written
-    # "time", "acceleration", "velocity", "displacement", "spectrum"; empty where neither name nor unit tells
+    # "time", "acceleration", "velocity", "displacement", "spectrum"; empty if neither name nor unit states it
     kind: str = ""
-    unit: str = ""  # as written; empty where none is
-    others: tuple[str, ...] = ()  # further units, as written, that the words state too
+    unit: str = ""  # as written; empty if none is stated
+    others: tuple[str, ...] = ()  # further units in the heading, as written
 
     @property
     def known(self) -> bool:
-        """Return whether the words name a motion, a direction or a channel number; otherwise they may be prose."""
+        """Return whether the heading names a motion, a direction or a channel number; else it may be prose."""
         facing = len(self.name.split()) <= _SHORT and heading_direction(self.name).orientation != "unknown"
         return bool(self.kind or quantity_of(self.unit) or facing or _LABEL.fullmatch(self.name))
 
 
 def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[ColumnHeading, ...], int]:
-    """Return the heading of each column (no headings if the words are prose), and the number of lines above them."""
+    """Return the headings of all columns (none if there is only prose), and the number of lines above them."""
     rows = [index for index, line in enumerate(header) if _is_heading(line)]
     units: Sequence[str] = [""] * layout.width
     prose = len(header)
     for fields, _ in _splits(header[rows[-1]], layout) if rows else ():
         pieces = [field.strip("[]() ") for field in fields]
         quantities = [quantity_of(piece) for piece in pieces]
-        if any(quantities):  # a V alone is a direction
+        if any(quantities):  # a V without any unit in the line is a direction
             quantities = [
                 kind or piece * bool(_VOLT.fullmatch(piece)) for kind, piece in zip(quantities, pieces, strict=True)
             ]
@@ -81,20 +80,20 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Column
 
 
 def _names_a_column(line: str) -> bool:
-    """Return whether the words above a single column are its heading rather than a title of any content."""
+    """Return whether the line above a single column is its heading rather than the title of the file."""
     words = BRACKET.sub(" ", line)
     in_brackets = any(quantity_of(text) == "acceleration" for text in BRACKET.findall(line))
     return len(words.split()) <= _SHORT and not re.search(r"[=:]", words) and (in_brackets or bool(kinds_of(words)))
 
 
 def _is_heading(line: str) -> bool:
-    """Return whether a line, not longer than that of a table, contains more than numbers and ruled lines."""
+    """Return whether a line contains words, not only numbers or ruled lines."""
     fields = re.split(r"[\s,;]+", line.strip(_COMMENT)) if len(line) <= LINE_LIMIT else []
     return any(re.search(r"\w", field) and not NUMBER.fullmatch(field) for field in fields)
 
 
 def _splits(line: str, layout: Layout) -> Iterator[tuple[list[str], bool]]:
-    """Return ways to split a line into headings, the clearest first; True marks the way in which the rows are split."""
+    """Yield possible ways to split a line into headings, each with True if the rows are split in the same way."""
     text = line.strip(_COMMENT) if "\t" not in line else line.strip("\r\n").lstrip("#%!*/ ")
     for delimiter in dict.fromkeys((layout.delimiter or "\t", "\t", ";", ",")):
         if delimiter in text:
@@ -125,7 +124,7 @@ def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[ColumnHeading
     found = [_heading(name.strip(_COMMENT)[:_NAME], unit[:_NAME]) for name, unit in zip(names, units, strict=True)]
     letters = [BRACKET.sub("", heading.name).strip() for heading in found]
     small = {letter.lower() for letter in letters}
-    # In t, a, v, d the letters are motions; in n, e, v they are directions.
+    # In t, a, v, d the letters mean time and motions; in n, e, v they mean directions.
     named = "a" in small or any(heading.kind == "acceleration" for heading in found)
     if not (named or (letters[1:] and {*letters[1:]} <= {"v", "d", "u"})) or {"n", "e"} & small:
         return tuple(found)
@@ -134,7 +133,7 @@ def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[ColumnHeading
 
 
 def _heading(name: str, unit: str) -> ColumnHeading:
-    """Return the heading with the kind from its words, or from its unit; a unit in brackets may also be unknown."""
+    """Return the heading with its kind of motion and its unit, from the words of `name` and from `unit`."""
     kinds = kinds_of(BRACKET.sub(" ", name))
     kind = kinds[0] if kinds else ""
     brackets = [text.strip() for text in BRACKET.findall(name) if text.strip() and not _is_label(text)]
@@ -158,19 +157,19 @@ def _heading(name: str, unit: str) -> ColumnHeading:
 
 
 def _is_label(text: str) -> bool:
-    """Return whether brackets contain words, a direction or a channel number rather than a unit."""
+    """Return whether text in brackets is a word, a direction or a channel number rather than a unit."""
     words = all(word.isalpha() and len(word) > _SHORT for word in text.split())
     return not quantity_of(text) and (words or direction(text).orientation != "unknown" or text.isdecimal())
 
 
 def _are_headings(headings: Sequence[ColumnHeading], own: bool) -> bool:
-    """Return whether the parts of a line are headings rather than prose; `own` if they are split as the rows are."""
+    """Return whether the parts of a line are headings, not prose; `own` if they are split as the rows are."""
     if any(heading.name.isdecimal() and int(heading.name) > _LARGEST_AZIMUTH for heading in headings):
         return False
     names = [heading.name for heading in headings]
     if own:
         return any(heading.known for heading in headings) or all(len(name.split()) == 1 for name in names)
-    # A title may have as many words as a series in rows has columns.
+    # A title may happen to have as many words as there are columns.
     timed = headings[0].kind == "time"
     alike = len({bool(heading.kind) for heading in headings}) == 1
     short = all(len(name.split()) <= 2 * _SHORT for name in names)

@@ -1,4 +1,4 @@
-"""Converts counts to acceleration with the sensitivity or response of StationXML or of an obspy Trace."""
+"""Converts counts to acceleration with the sensitivity or the full response of StationXML or of an obspy Trace."""
 
 import copy
 import math
@@ -27,38 +27,38 @@ _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT",
 GAIN_TOLERANCE = 0.05
 #: SI units as spelled by obspy, which scales other units only in some spellings.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
-#: Share of the largest response above which it is removed; noise grows at most by the inverse of this share.
+#: The response is removed where it exceeds this share of its maximum; noise grows at most by the inverse of the share.
 RESPONSE_FLOOR = 0.01
 #: Start and end of the upper taper, as shares of the highest frequency of the pass band.
 UPPER_TAPER = (0.8, 0.95)
 #: Highest start of a pass band without a warning [Hz]: pulses near a fault last several seconds.
 LONG_PULSES = 0.05
-#: Share of the period at the start of the pass band above which half-waves lose 4 % or more of their impulse.
+#: Half-waves longer than this share of the longest period of the pass band lose 4 % or more of their impulse.
 _WHOLE_IMPULSE = 0.2
-_LOOKS = 400  # frequencies at which the response is looked at
+_LOOKS = 400  # number of frequencies at which the response is evaluated
 
 
 @dataclass(frozen=True)
-class Removed:
-    """Samples without the response of the instrument, or unchanged if only its sensitivity is used."""
+class ConvertedCounts:
+    """Samples after the conversion from counts, and the factor that turns them into m/s2."""
 
-    samples: np.ndarray  # (n,) acceleration over `factor` [counts]
+    samples: np.ndarray  # (n,) samples, which times `factor` are m/s2
     factor: float | None  # m/s2 per count at the frequency of the sensitivity
-    processing: tuple[str, ...]  # the method, for the processing of the record
+    processing: tuple[str, ...]  # description of the method, for `Record.processing`
     warnings: tuple[str, ...]
 
 
-def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: str) -> Removed:
-    """Convert counts (n,) to acceleration with the response of the instrument; `way` is a `ReadOptions.response`."""
+def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: str) -> ConvertedCounts:
+    """Convert counts (n,) to acceleration; `way` is "sensitivity" or "remove", as `ReadOptions.response`."""
     if way == "remove":
         removed = without_response(where, counts, dt, response)
         return replace(removed, warnings=(*clipping_warning(counts), *removed.warnings))
     factor = sensitivity_factor(where, response)
-    return Removed(counts.astype(float), factor, (), tuple(sensitivity_notes(response)))
+    return ConvertedCounts(counts.astype(float), factor, (), tuple(sensitivity_notes(response)))
 
 
 def sensitivity_factor(where: str, response: Any) -> float:
-    """Return m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel."""
+    """Return m/s2 per count from the sensitivity of an accelerometer; `where` names the channel in errors."""
     sensitivity = response.instrument_sensitivity
     if sensitivity is None or not sensitivity.value:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
@@ -75,7 +75,7 @@ def sensitivity_factor(where: str, response: Any) -> float:
 
 
 def sensitivity_notes(response: Any) -> list[str]:
-    """Return warnings if a sensitivity is negative, or differs from the product of the gains of the stages."""
+    """Return warnings if the sensitivity is negative, or differs from the product of the stage gains."""
     notes, value = _turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
     gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
     if not gains:
@@ -97,13 +97,13 @@ def _turned(sensitivity: Any) -> list[str]:
 
 
 def _spelled(unit: Any) -> str:
-    """Return an input unit in the spelling of `_MOTION`."""
+    """Return an input unit in the spelling of the keys of `_MOTION`."""
     word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
     return re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
 
 
 def measured(where: str, unit: Any) -> tuple[str, float]:
-    """Return the quantity that the input unit of a response measures, and SI units per unit."""
+    """Return the quantity that a sensor with this input unit measures, and the size of the unit in SI units."""
     word = _spelled(unit)
     if word in _NO_MOTION:
         raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
@@ -116,17 +116,17 @@ def measured(where: str, unit: Any) -> tuple[str, float]:
 
 
 def first_stage(response: Any) -> Any:
-    """Return the stage of a response whose input is the ground motion."""
+    """Return the first stage of a response, whose input is the ground motion."""
     return min(response.response_stages, key=lambda stage: stage.stage_sequence_number)
 
 
-def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
-    """Remove the full response of an instrument from counts (n,) in the frequency domain, and return acceleration."""
-    # No taper in time (it would eat a pulse near the ends), no water level (it would distort the pass band).
+def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> ConvertedCounts:
+    """Remove the full instrument response from counts (n,) in the frequency domain; return acceleration."""
+    # No taper in time (it would reduce a pulse near the ends), no water level (it would distort the pass band).
     import obspy
 
     unit, quantity, scale = _input_unit(where, response)
-    # With an SI unit at the input of its first stage, in counts per unit of the file.
+    # The first stage gets an SI unit as input unit; the gain remains in counts per unit of the file.
     first, response = first_stage(response), copy.copy(response)
     renamed = copy.copy(first)
     renamed.input_units = _OBSPY_UNITS[quantity]
@@ -139,7 +139,7 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
             trace.stats.response = response
             trace.remove_response(output="ACC", pre_filt=band, water_level=None, zero_mean=True, taper=False)
             gain, size = _gain(response, band)
-    except Exception as fault:  # obspy and its C library raise what they like on an odd response
+    except Exception as fault:  # obspy and its C library may raise any error for an unusual response
         raise RecordFormatError(
             f"{where}: obspy cannot evaluate the response: {fault}; get the StationXML again, or use its sensitivity"
         ) from fault
@@ -153,7 +153,7 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
     low = f"from {band[1]:.3g} Hz (nothing below {band[0]:.3g} Hz)" if band[0] > 0.0 else "from 0 Hz"
     passed = f"{low} to {band[2]:.3g} Hz (nothing above {band[3]:.3g} Hz)"
     note = f"instrument response removed, {unit} to m/s2: mean removed, pass band {passed}"
-    # Stages that differ from the sensitivity are reported by `_disagreement`, with the figure.
+    # Stages that differ from the sensitivity are reported by `_disagreement`, with the difference.
     warnings = [note for note in notes if not any(words in note for words in ("norm_resp", "Execution continuing"))]
     if quantity != "acceleration":
         warnings.append(f"a sensor of {quantity}, differentiated: check that it was not driven to its limit")
@@ -162,11 +162,11 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
         advice = "use an accelerometer for near-fault pulses"
         warnings.append(f"the pass band begins at {band[1]:.3g} Hz: {damped}; {advice}")
     warnings += _disagreement(where, response, size, quantity, scale)
-    return Removed(trace.data * gain, scale / gain, (note,), tuple(warnings))
+    return ConvertedCounts(trace.data * gain, scale / gain, (note,), tuple(warnings))
 
 
 def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
-    """Return input unit, quantity and SI units per unit of a response; raise an error if they are unusable."""
+    """Return the input unit of a response, its quantity and its size in SI units; raise an error if unusable."""
     from obspy.core.inventory.response import PolynomialResponseStage
 
     stages = response.response_stages
@@ -181,7 +181,7 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
 
 
 def _disagreement(where: str, response: Any, size: float, quantity: str, scale: float) -> list[str]:
-    """Return a warning if the stages, with `size` counts per unit, contradict the stated sensitivity."""
+    """Return a warning if the gain `size` of the stages [counts per unit] contradicts the stated sensitivity."""
     sensitivity = response.instrument_sensitivity
     if np.isnan(size):
         return []
@@ -195,16 +195,16 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
-    """Return the corners of the cosine taper [Hz]: 0 below the first and above the fourth, 1 between the others.
+    """Return the four corner frequencies of the cosine taper [Hz]; the pass band is from the second to the third.
 
-    Low frequencies are kept if the response at zero frequency is not zero. Otherwise the second corner is one cycle in
-    the record, or the frequency at which the response exceeds `RESPONSE_FLOOR` of its largest value if that is higher;
-    the first corner is half of it.
+    Low frequencies pass if the response at zero frequency is not zero. Otherwise the second corner is one cycle in the
+    record, or the frequency at which the response exceeds `RESPONSE_FLOOR` of its largest value if that is higher;
+    the first corner is half of the second.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])
     size = np.abs(response.get_evalresp_response_for_frequencies(looks, output="DEF"))
-    # At zero the C library divides by zero for some sensors: what it cannot tell counts as no answer.
+    # At zero frequency the C library divides by zero for some sensors; the result NaN counts as zero response.
     answers = looks[np.nan_to_num(size) >= RESPONSE_FLOOR * np.nanmax(size)]
     lowest, highest = float(answers[0]), float(answers[-1])
     low = (-2.0, -1.0) if lowest == 0.0 else (0.5 * max(lowest, cycle), max(lowest, cycle))
@@ -212,7 +212,7 @@ def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float
 
 
 def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Return counts per m/s2 at one frequency, and per unit of input at that of the stated sensitivity, or NaN."""
+    """Return the gain [counts per m/s2] in the pass band, and the gain per input unit, which may be NaN."""
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:

@@ -6,7 +6,7 @@ from pathlib import PurePosixPath
 
 from rockpulse.readers.source import SourceFile
 
-_LINE = 1000  # characters of a line that are looked at
+_LINE = 1000  # number of characters of a line that are read
 #: Pattern of the direction before or after a short word: accx, velNS, ewdisp.
 _AXIS = r"(?:x|y|z|n|e|v|h|l|t|ns|ew|ud|up|s)?"
 
@@ -34,18 +34,16 @@ _KINDS = {
     r"χρονος|время",
 }
 _WORDS = {kind: re.compile(words) for kind, words in _KINDS.items()}
-#: Words in Japanese and Chinese, which have no blanks between words; the word for acceleration contains that for
-#: velocity.
+#: Words in Japanese and Chinese, which are written without blanks; a word precedes the words that it contains.
 _IDEOGRAMS = {
     "加速度": " acceleration ", "速度": " velocity ", "変位": " displacement ", "位移": " displacement ",
     "時間": " time ", "时间": " time ",
 }  # fmt: skip
-#: Pattern of spectra in prose, where a period, a frequency or a velocity (of shear waves, of a pulse) may have other
-#: meanings.
+#: Pattern of spectra in prose, where words for period, frequency and velocity may have other meanings.
 _PROSE_SPECTRUM = re.compile(r"ps[av]|spectr(?:um|a|es|e)|espectros?|spettr[oi]|spektr(?:um|en)|fourier")
 #: Pattern of words that in prose mean something else, such as a distance or the spacing.
 _NO_PROSE = re.compile(r"dis|dsp|vels?|acel")
-#: Pattern of words next to which a spectrum is the target to which an accelerogram was matched.
+#: Pattern of words that show that a spectrum is the target of an accelerogram, not the content of the file.
 _MATCHED = re.compile(
     r"match|compatib|compativ|target|design|accelero|artificial|synthetic|simulat|filter|uyumlu|angepas"
 )
@@ -57,9 +55,9 @@ _SIZE = re.compile(
 #: Suffixes of files that contain only one kind of motion.
 _SUFFIXES = {"at2": "acceleration", "vt2": "velocity", "dt2": "displacement", "rsp": "spectrum", "spc": "spectrum"}
 _SUFFIXES |= {"acl": "acceleration", "rs": "spectrum"}
-#: Pattern of words in the name of a folder that may accompany the word for a kind of motion.
+#: Pattern of further words in the name of a folder that also contains the word for a kind of motion.
 _PLAIN_FOLDER = re.compile(r"data|files?|time|hist(?:ory|ories)?|series|records?|txt|csv|the|of|de|in|cm|m|s|g")
-#: Kinds named by the letters a, v and d, if files with the other letters are in the same folder.
+#: Kinds of motion by letter; a letter counts if the folder contains the files with the two other letters.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _ORDINATE = re.compile(r"(?<![A-Za-z])(?:Sa|Sv|Sd|SA|SV|SD|sa|sv|sd)(?![A-Za-z])")
 _LETTER = re.compile(r"(?<![A-Za-z])([avdAVD])(?![A-Za-z])|(?<=[a-z0-9])([AVD])(?![A-Za-z])")
@@ -81,7 +79,7 @@ def _words(text: str) -> list[str]:
 
 
 def kinds_of(text: str) -> list[str]:
-    """Return the kinds of motion, and time, in the words of a heading; kinds that exclude acceleration come first."""
+    """Return the kinds of motion (or time) that a heading names; those that exclude acceleration come first."""
     told = folded_text(text)
     words = _words(told)
     kinds = [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]
@@ -89,7 +87,7 @@ def kinds_of(text: str) -> list[str]:
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
-    """Return the kinds of motion in a line of prose from `folded_text`; in the `name` of a file also short words."""
+    """Return the kinds of motion that a text in lower case names; in a file `name` short words count, too."""
     words = [word for word in _words(text) if name or not _NO_PROSE.fullmatch(word)]
     kinds = [kind for kind in kinds_of(" ".join(words)) if kind not in ("spectrum", "time", "rotation")]
     spectrum = any(_PROSE_SPECTRUM.fullmatch(word) for word in words)
@@ -97,27 +95,27 @@ def prose_kinds(text: str, name: bool = False) -> list[str]:
 
 
 def means_size(heading: str) -> bool:
-    """Return whether a heading names the magnitude of a vector, not a component: absolute, total, resultant, |a|."""
+    """Return whether a heading names the magnitude of a vector, such as absolute, resultant or |a|."""
     told = folded_text(heading)
     return bool(re.search(r"\|[^|]+\|", told) or any(_SIZE.fullmatch(word) for word in re.findall(r"[a-z_]+", told)))
 
 
 def beside_kinds(word: str) -> list[str]:
-    """Return a word of a file name without the word for a kind of motion that it contains: EW of accEW."""
+    """Return the parts of a word that do not name a kind of motion, such as EW of accEW."""
     words = name_words(word)
     return [one for one in words if not _kinds_of_words([one])] if _kinds_of_words(words) else [word]
 
 
 def name_words(stem: str) -> list[str]:
-    """Return the words of a file name, split at signs, digits and capitals within a word: RawAcc_E, accEW."""
+    """Return the words of a file name, split at signs, digits and capitals, such as Raw, Acc and E of RawAcc_E."""
     return re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))
 
 
 def kind_of_name(file: SourceFile) -> str:
-    """Return the kind of motion in the name of a file or of its folder; empty if there is none or more than one.
+    """Return the kind of motion that a file or folder name states; empty if it states none or several.
 
-    The suffix has priority over the words. A letter (``rec_v.txt``) is used if the folder contains the files of the two
-    others.
+    The suffix has priority over the words. A letter (``rec_v.txt``) counts if the folder also contains the files with
+    the two other letters.
     """
     path = file.path
     suffix = path.suffix[1:].lower()
@@ -134,12 +132,12 @@ def kind_of_name(file: SourceFile) -> str:
 
 
 def _kinds_of_words(words: list[str]) -> list[str]:
-    """Return the kinds of motion in the words of a name; a spectrum only from an unambiguous word."""
+    """Return the kinds of motion that the words of a file name state."""
     return list(dict.fromkeys(prose_kinds(folded_text(" ".join(words)), name=True)))
 
 
 def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
-    """Return "spectrum" for Sa, Sv or Sd in a name that otherwise equals that of a file of accelerations."""
+    """Return "spectrum" for a name with Sa, Sv or Sd if a file with acc in its place exists; else an empty text."""
     for match in _ORDINATE.finditer(path.stem):
         names = (f"{path.stem[: match.start()]}{acc}{path.name[match.end() :]}" for acc in ("acc", "Acc", "ACC"))
         if any(file.beside(name) is not None for name in names):
@@ -148,7 +146,7 @@ def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
 
 
 def _letter_of_three(file: SourceFile, path: PurePosixPath) -> str:
-    """Return the kind from the letter in which three files of a folder differ; empty without three such files."""
+    """Return the kind of motion for a letter a, v or d in a name, if files with the two others exist."""
     for match in _LETTER.finditer(path.name):
         found = match[0]
         others = [letter.upper() if found.isupper() else letter for letter in _LETTERS if letter != found.lower()]

@@ -1,4 +1,4 @@
-"""Reads tables of plain numbers: layout, numbers, count and interval above them, a series wrapped into rows."""
+"""Reads tables of numbers: their layout, the count and interval above them, and series that are wrapped into rows."""
 
 import re
 from collections.abc import Sequence
@@ -20,8 +20,8 @@ _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 _SHOWN = 80
-_OF_RSPMATCH = 3  # numbers of the line above the samples
-_PART = 2000  # rows that are read, and blamed, together
+_OF_RSPMATCH = 3  # number of numbers in the line above the samples of RSPMatch
+_PART = 2000  # number of rows that are read together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
 #: Number of rows from which the layout of samples is recognised, and smallest number of rows of a series in rows.
@@ -36,16 +36,16 @@ ALIKE = 1.8
 
 @dataclass(frozen=True)
 class Layout:
-    """The first row of the numbers, and their separators."""
+    """The first row of a table, its separators and its number of columns."""
 
     start: int  # index of the first row of numbers
     delimiter: str | None  # between the columns; None for blanks and tabs
-    decimal: str  # mark, "." or ","
+    decimal: str  # decimal mark, "." or ","
     width: int  # number of columns
 
 
 def split_row(line: str, delimiter: str | None) -> list[str]:
-    """Return the fields of a row without quotes; empty fields after a trailing delimiter are dropped."""
+    """Return the fields of a row without quotes, and without empty fields after a trailing delimiter."""
     fields = [field.strip().strip('"') for field in line.strip().split(delimiter)]
     while len(fields) > 1 and not fields[-1]:
         fields.pop()
@@ -53,7 +53,7 @@ def split_row(line: str, delimiter: str | None) -> list[str]:
 
 
 def _find_delimiter(rows: Sequence[str]) -> str | None:
-    """Return the delimiter of rows of numbers; commas are decimal marks if blanks separate complete fields."""
+    """Return the delimiter of rows of numbers; None for blanks, also if commas are decimal marks."""
     if any(";" in row for row in rows):
         return ";"
     split = (split_row(row, None) for row in rows if "," in row)
@@ -62,7 +62,7 @@ def _find_delimiter(rows: Sequence[str]) -> str | None:
 
 
 def row_width(line: str, delimiter: str | None) -> int:
-    """Return the number of columns if the line contains only numbers, else 0."""
+    """Return the number of columns of a row; 0 if it does not consist of numbers only."""
     if len(line) > LINE_LIMIT:
         return 0
     fields = split_row(line, delimiter)
@@ -70,7 +70,7 @@ def row_width(line: str, delimiter: str | None) -> int:
 
 
 def find_layout(lines: Sequence[str]) -> Layout | None:
-    """Find the first row of numbers; the lines before it are the header."""
+    """Return the layout of the first table of numbers in the lines; None if there is no table."""
     for start in range(min(len(lines), _HEADER_LIMIT)):
         ahead = [line for line in lines[start + 1 : start + 1 + _LOOK_AHEAD] if line.strip()]
         rows = [lines[start], *ahead]
@@ -85,7 +85,7 @@ def find_layout(lines: Sequence[str]) -> Layout | None:
 
 
 def end_of_numbers(lines: Sequence[str], start: int) -> int:
-    """Return the index of the first line of words after the numbers, which begin at `start`, or the number of lines."""
+    """Return the index of the first line of words after the numbers; the number of lines if there is none."""
     return next((at for at in range(start, len(lines)) if _WORDS.match(lines[at])), len(lines))
 
 
@@ -95,7 +95,7 @@ def as_float(text: str) -> float:
 
 
 def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, named: bool) -> None:
-    """Raise an error if commas in the rows from line `first` may be delimiters as well as decimal marks."""
+    """Raise an error if it is unclear whether commas in the rows separate columns or mark decimals."""
     points = any("." in row for row in rows)
     if layout.delimiter == "," and layout.width > 1 and not points and (layout.width == 2 or not named):
         expected = "to know whether a comma separates columns or marks decimals"
@@ -108,7 +108,7 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
 
 
 def read_table(name: str, rows: Sequence[str], layout: Layout, first: int) -> np.ndarray:
-    """Return the numbers (n, columns) of the rows; blank rows and trailing delimiters are ignored."""
+    """Return the numbers of the rows as an array (rows, columns); blank rows are ignored."""
     table = _numbers(rows, layout)
     if table is not None:
         return table
@@ -128,7 +128,7 @@ def _bare(row: str, layout: Layout) -> str:
 
 
 def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> RecordFormatError:
-    """Return the error for the first row that does not consist of `width` finite numbers."""
+    """Return the error for the first row that does not have a finite number in every column."""
     other = {",": ".", ".": ","}[layout.decimal]
     for index, line in enumerate(rows):
         row = _bare(line, layout)
@@ -144,14 +144,14 @@ def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> Recor
 
 
 def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
-    """Return all rows at once, (n, columns); None if a delimiter or a number is missing in any row."""
+    """Return the numbers of all rows as an array (rows, columns); None if any row is damaged."""
     if any(len(row) > LINE_LIMIT for row in rows):
         return None
     text = "\n".join(rows).replace('"', " ")
     if not text or text.endswith("\n") or not text.isascii():
         return None
     codes = np.frombuffer(text.encode(), dtype=np.uint8)
-    starts = np.append(0, np.flatnonzero(codes == ord("\n")))  # a row with the break before it
+    starts = np.append(0, np.flatnonzero(codes == ord("\n")))  # a row includes the line break before it
     if layout.delimiter:
         separators = np.add.reduceat(codes == ord(layout.delimiter), starts, dtype=np.intp)
         if np.any(separators != layout.width - 1):
@@ -170,17 +170,17 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class Numbered:
-    """Index of the first row of samples, and the statements in the lines of numbers before it."""
+    """The index of the first row of samples, and the count and interval stated above it."""
 
     start: int
-    count: int = 0  # rows, or values of a series in rows; 0 where no line says so
+    count: int = 0  # number of rows, or of values of a wrapped series; 0 if not stated
     step: float | None = None  # sampling interval [s]
 
 
 def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -> Numbered:
-    """Read ``N dt`` on one line (DEEPSOIL) or two, in either order, or ``N`` alone; `timed` rows have no such lines."""
-    # Of one column, the first value is the count if as many rows follow; of two, a line is a heading if the time would
-    # run backwards after it.
+    """Return the count and interval that lines of numbers state above the samples, such as ``N dt`` (DEEPSOIL)."""
+    # In a single column, the first value is the count if as many rows follow. In two columns, the first row states the
+    # count and interval if the times would decrease after it.
     row = layout.start
     if timed:
         return Numbered(row)
@@ -208,7 +208,7 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
 
 
 def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
-    """Return count and interval from one or two fields, in either order; 0 and None if they are not such numbers."""
+    """Return the count and the interval in one or two fields, in either order; 0 and None for other fields."""
     counts = [field for field in fields if _COUNT.fullmatch(field)]
     steps = [field for field in fields if _STEP.fullmatch(field)]
     if len(counts) > 1 or len(steps) > 1 or len(counts) + len(steps) != len(fields):
@@ -217,7 +217,7 @@ def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
 
 
 def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered | None:
-    """Return the count at the start of a single column, with the interval if it is given."""
+    """Return the count, and perhaps the interval, at the top of a single column; None if it has no count."""
     rows = [index for index in range(layout.start, len(lines)) if lines[index].strip()]
     texts = [split_row(lines[index][:LINE_LIMIT], layout.delimiter)[0] for index in rows[:_LOOK_AT]]
     for used in (2, 1):
@@ -233,9 +233,9 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
 def runs_on(table: np.ndarray) -> bool:
     """Return whether the rows (n, columns) are one series wrapped into rows, rather than channels in columns.
 
-    For m columns of a common motion and noise, whose steps have mean squares in the ratio x, the first ratio is (m +
-    x)/(m (1 + x)), below 1/2 only for x > m/(m - 2), and the second is 1 + x, so that one of the two criteria is not
-    met.
+    For m channels of a common motion and noise, whose steps have mean squares in the ratio x, the first criterion is
+    (m + x)/(m (1 + x)) < 1/2, met only for x > m/(m - 2), and the second ratio is 1 + x. Channels never meet both
+    criteria.
     """
     if table.shape[0] < FEWEST_ROWS or table.shape[1] < 2:
         return False

@@ -1,4 +1,4 @@
-"""Reads streams, directions and StationXML through obspy, which is imported only when a file needs it."""
+"""Reads waveforms, directions and StationXML with obspy, which is imported only when a file needs it."""
 
 import io
 import math
@@ -22,7 +22,7 @@ from rockpulse.warning_text import WarningText
 
 #: Warnings that do not concern the record: on obspy's own future, and on files left open elsewhere.
 _NO_NEWS = (DeprecationWarning, FutureWarning, ResourceWarning)
-#: Lock, as Python's filters of warnings belong to the process, and overlapping blocks of two threads would mix theirs.
+#: Lock, as all threads share Python's warning filters: overlapping blocks of two threads would disturb each other.
 _ALONE = threading.RLock()
 #: Smallest dip of a vertical sensor, and largest dip of a horizontal sensor in SEED [degrees].
 _STEEP, _FLAT = 60.0, 30.0
@@ -32,12 +32,12 @@ _OFF_AXIS = 45.0
 
 @contextmanager
 def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
-    """Collect obspy's warnings in a list, filled when the block ends; with `terminal` also lines on standard error."""
+    """Collect obspy's warnings during a ``with`` block in a list; with `terminal` also its standard error."""
     notes: list[str] = []
     lost: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:
         python_warnings.simplefilter("always")
-        # A callback of a C library cannot raise its errors, such as a message in no encoding.
+        # A callback of a C library cannot raise errors, such as one for a message that cannot be decoded.
         before = sys.unraisablehook
         sys.unraisablehook = lambda one: lost.append(f"a message of its C library is lost ({one.exc_value})")
         try:
@@ -51,7 +51,7 @@ def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
 
 @contextmanager
 def _standard_error(wanted: bool) -> Iterator[list[str]]:
-    """Collect the lines that are written to file descriptor 2 in the ``with`` block, if `wanted`."""
+    """Collect the lines that are written to standard error during a ``with`` block, if `wanted`."""
     lines: list[str] = []
     if not wanted:
         yield lines
@@ -70,13 +70,13 @@ def _standard_error(wanted: bool) -> Iterator[list[str]]:
 
 
 def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
-    """Return the obspy Stream of a file (or of `content`) and obspy's warnings; its errors become RecordFormatError."""
+    """Return the obspy Stream of a file (or of `content`) and obspy's warnings; errors become RecordFormatError."""
     import obspy
 
     try:
         with obspy_notes() as notes:
             stream = obspy.read(io.BytesIO(file.content if content is None else content), format=format)
-            # Joins what fits together exactly; a gap keeps its traces apart.
+            # Joins traces that follow each other exactly; traces with a gap between them stay separate.
             stream.merge(-1)
     except Exception as fault:  # the plugins raise anything from TypeError to bare Exception on damaged bytes
         raise RecordFormatError(
@@ -84,19 +84,19 @@ def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) ->
         ) from fault
     if len(stream) == 0:
         raise RecordFormatError(f"{file.name}: no waveform in the file; download it again")
-    for trace in stream:  # refuses times that obspy itself cannot print
+    for trace in stream:  # raises an error for times that obspy itself cannot print
         utc_time(file, trace.stats.starttime)
         utc_time(file, trace.stats.endtime)
     return stream, notes
 
 
 def codes_of(stats: Any) -> dict[str, Any]:
-    """Return the codes of a trace under the names of `build_record` and `Record`."""
+    """Return network, station, location and channel code of a trace as arguments of `build_record`."""
     return {code: stats[code] for code in ("network", "station", "location", "channel")}
 
 
 def utc_time(file: SourceFile, moment: Any) -> datetime:
-    """Convert an obspy time to a datetime with ``tzinfo=UTC``."""
+    """Return an obspy time as a datetime in UTC."""
     try:
         return moment.datetime.replace(tzinfo=UTC)
     except (ValueError, OverflowError) as fault:
@@ -105,8 +105,8 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
 
 
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
-    """Return the direction from SEED azimuth and dip [degrees; -90 is up] or channel code; unknown if contradictory."""
-    # But a code that says vertical counts against a dip of 0, which many a header leaves.
+    """Return the direction from channel code, azimuth and dip [degrees]; unknown if they contradict each other."""
+    # A channel code that means vertical has priority over a dip of 0, the default of many headers.
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
     dip = None if dip is None or not math.isfinite(dip) else float(dip)
     named = direction(code)
@@ -124,7 +124,7 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
         return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
     if lies != "horizontal" or azimuth is None:
         return named if named.orientation == lies else Direction(lies)
-    off = abs((azimuth - named.azimuth + 90.0) % 180.0 - 90.0)  # NaN where the code names no axis
+    off = abs((azimuth - named.azimuth + 90.0) % 180.0 - 90.0)  # NaN if the code names no axis
     note = f"the channel code says {code!r}, the azimuth is {azimuth:g} degrees, which is used"
     return Direction("horizontal", azimuth, note=note if off > _OFF_AXIS else "")
 
@@ -142,22 +142,22 @@ Files = Sequence[tuple[str, bytes]]
 
 @lru_cache(maxsize=4)
 def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
-    """Return station metadata and obspy's warnings, cached for all channels of a station, as parsing is slow."""
+    """Return the station metadata in a file, and obspy's warnings; the result is cached."""
     import obspy
 
     try:
         with obspy_notes() as notes:
-            # StationXML, the inventory of ArcLink, dataless SEED: obspy tells them apart.
+            # obspy recognises StationXML, ArcLink inventories and dataless SEED.
             inventory = obspy.read_inventory(io.BytesIO(content))
         return inventory, notes
-    except Exception as fault:  # lxml, ValueError, TypeError: whatever the damaged element leads to
+    except Exception as fault:  # any error of lxml, ValueError or TypeError, depending on the damage
         raise RecordFormatError(f"{name}: cannot be read as StationXML or another inventory: {fault}") from fault
 
 
 def _channels(
     name: str, content: bytes, network: str, station: str, location: str, channel: str
 ) -> Iterator[tuple[Any, str]]:
-    """Return the channels with these codes that have a sensitivity, each with the name of its station."""
+    """Yield the channels with these codes that have a sensitivity, each with the name of its station."""
     if station.encode() not in content:
         return
     for net in _inventory(name, content)[0].select(network, station, location, channel):
@@ -168,9 +168,9 @@ def _channels(
 
 
 def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
-    """Return the StationXML channel whose epoch contains the whole record, its station name, and obspy's warnings.
+    """Return the StationXML channel for the whole time of a trace, its station name, and obspy's warnings.
 
-    A file with the stem of the miniSEED file has priority; a file written by rockpulse is used for no other stem.
+    A StationXML with the name of the miniSEED file has priority; one that rockpulse wrote is used for no other file.
     """
     stats = trace.stats
     files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]
@@ -213,7 +213,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
     return first, site, notes
 
 
-def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bool:
+def contradicts_channel(files: Files, network: str, station: str, channel: Any) -> bool:
     """Return whether a StationXML contradicts a channel with the same codes and an overlapping epoch."""
     return any(
         _overlap(channel, other) and _gap(channel, other, full=False)
@@ -236,7 +236,7 @@ def _overlap(one: Any, other: Any) -> bool:
 
 
 def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
-    """Return the name of the property in which two channels differ, and both values; None if they agree."""
+    """Return the name of the first property in which two channels differ, and both values; None if they agree."""
     if full and one.response != other.response:
         return "responses", ""
     states = {True: "corrected", False: "raw", None: "unknown"}

@@ -10,8 +10,8 @@ from rockpulse.readers.kit.facts import written
 from rockpulse.readers.kit.motion_kinds import folded_text, prose_kinds
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
-_LINE = 1000  # characters of a header line that are looked at
-#: Pattern of words for the history of a record; numbers next to them do not describe the file.
+_LINE = 1000  # number of characters of a header line that are read
+#: Pattern of words for earlier processing of a record; numbers next to them do not describe the file.
 _PAST = re.compile(r"\b(?:convert|resampl|original|decimat|interpolat)")
 _SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|velocity[- ]pulses?\b|\bvs_?30\b")
 _PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")
@@ -47,7 +47,7 @@ _BRACKET = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")
 _ONE_UNIT = re.compile(r"[^\s,;)\]]{1,12}")
 
 
-#: Pattern of units of quantities other than ground motion, or of a motion before its gain.
+#: Pattern of units of other quantities than acceleration, or of the raw output of a sensor.
 _NO_UNIT = re.compile(
     r"[muµ]?v|(?:milli|micro)?volts?|counts?|cts|lsb|bits?|digits?|raw|adc|mm|cm|m|in|inch(?:es)?|ft|feet|k?n|[kmg]?pa|"
     r"bar|rad(?:/s2?)?|deg(?:/s)?|(?:micro)?strain|mm/s|cm/s|m/s|kine"
@@ -71,7 +71,7 @@ _SCALES = re.compile(
     r"multipl(?:y|ied)(?: \w+)? by|factor de escala|fattore di scala|skalierungsfaktor|facteur d.echelle|olcek faktoru)"
     r" ?(?:[=:]|is|of)? ?" + _NUMBER
 )
-_FEWEST_SAMPLES = 50  # a smaller number of points may be that of a filter or of a row
+_FEWEST_SAMPLES = 50  # fewer points may be those of a filter or of a row
 _REVERSED = re.compile(r"polarity ?[=:]? ?(?:is )?(?:reversed|inverted|negative|-1?\b)|(?:reversed|inverted) polarity")
 _ONE_COMPONENT = re.compile(
     r"(?:component|componente|composante|komponente|direction|direccion|direzione|richtung|orientation|orientacion|"
@@ -98,9 +98,9 @@ _NUMBERED = re.compile(
 
 
 class Statement(NamedTuple):
-    """A statement of the header (its line from 1, and its words): an interval or duration [s], a count, or a unit.
+    """A statement of the header: the number of its line (from 1), its words, and its value.
 
-    The value of a unit is 1 if the word "unit" names it, and 0 otherwise.
+    The value of a unit is 1 if the word "unit" precedes it, else 0. Intervals and durations are in s.
     """
 
     line: int
@@ -109,14 +109,14 @@ class Statement(NamedTuple):
 
 
 class Peak(NamedTuple):
-    """A peak stated in prose: its number as printed, and its unit as worded, which may be empty."""
+    """A peak that the prose states: its number and its unit, both as texts; the unit may be empty."""
 
     text: str
     unit: str = ""
 
 
 def stated_kinds(header: Sequence[str]) -> dict[str, int]:
-    """Return the kinds of motion that a header names, by word or unit, with the first line of each, from 1."""
+    """Return the kinds of motion that a header names, each with the number (from 1) of the first such line."""
     found: dict[str, int] = {}
     for number, line in enumerate(header, 1):
         text = _SHEAR_WAVES.sub(" ", folded_text(line))
@@ -127,7 +127,7 @@ def stated_kinds(header: Sequence[str]) -> dict[str, int]:
 
 
 def _units(line: str) -> list[tuple[str, str]]:
-    """Return quantity and unit that a line of prose states for the samples, but not the unit of a value or peak."""
+    """Return the quantity and the unit of the samples that a line states; units of single values do not count."""
     line = line[:_LINE]
     text = folded_text(line)
     if _PEAK.search(text) or _PAST.search(text):
@@ -144,7 +144,7 @@ def _units(line: str) -> list[tuple[str, str]]:
 
 
 def _unit_words(text: str) -> list[tuple[str, bool]]:
-    """Return the words after "in" or "unit" (in any language) in a text, and whether they follow "unit"."""
+    """Return the words after "in" or "unit" (in several languages), each with True if it follows "unit"."""
     found = []
     for match in _UNIT.finditer(text):
         word = _ONE_UNIT.match(text, match.end())
@@ -153,7 +153,7 @@ def _unit_words(text: str) -> list[tuple[str, bool]]:
 
 
 def stated_units(header: Sequence[str]) -> list[Statement]:
-    """Return the units of acceleration that a header states, with value 1 if the word "unit" precedes them."""
+    """Return the units of acceleration that a header states; the value is 1 after the word "unit", else 0."""
     found = []
     for number, line in enumerate(header, 1):
         named = {word for word, with_word in _unit_words(folded_text(line)) if with_word}
@@ -163,7 +163,7 @@ def stated_units(header: Sequence[str]) -> list[Statement]:
 
 
 def other_units(header: Sequence[str]) -> list[Statement]:
-    """Return units of the samples other than of acceleration (V, counts, mm), if the word "unit" names them."""
+    """Return the units that a header states for the samples but that are none of acceleration: V, counts, mm."""
     found = []
     for number, line in enumerate(header, 1):
         text = folded_text(line)
@@ -179,7 +179,7 @@ def other_units(header: Sequence[str]) -> list[Statement]:
 
 
 def stated_steps(header: Sequence[str]) -> list[Statement]:
-    """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` is used only without any other."""
+    """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` counts only without others."""
     named, bare = [], []
     for number, line in enumerate(header, 1):
         text = folded_text(line)
@@ -210,7 +210,7 @@ def stated_counts(header: Sequence[str]) -> list[Statement]:
 
 
 def surely_counts(said: Statement) -> bool:
-    """Return whether a count is stated in unambiguous words, and is not only a few values."""
+    """Return whether a statement is surely the number of samples: clear words and a large number."""
     return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
 
 
@@ -222,13 +222,13 @@ def stated_peaks(header: Sequence[str]) -> list[Peak]:
 
 
 def _peak_unit(match: re.Match[str]) -> str:
-    """Return the unit of a stated peak, also if it is not one of acceleration; empty for other words."""
+    """Return the unit of a stated peak; empty if no unit is beside the number."""
     words = [word for word in (match["before"], match["unit"]) if word]
     return next((word for word in words if quantity_of(word)), "")
 
 
 def stated_durations(header: Sequence[str]) -> list[Statement]:
-    """Return the lengths of the record [s] that a header states, but not lengths of parts of it."""
+    """Return the durations of the record [s] that a header states, but not those of its strong part."""
     found = []
     for number, line in enumerate(header, 1):
         text = folded_text(line)
@@ -255,7 +255,7 @@ def reversed_polarity(header: Sequence[str]) -> list[str]:
 
 
 def stated_direction(header: Sequence[str]) -> Direction:
-    """Return the direction that the prose of a file with one column states: "component: N-S", "vertical component"."""
+    """Return the direction that the prose states, as in "component: N-S"; unknown if it states several."""
     found = []
     for line in header:
         for match in _ONE_COMPONENT.finditer(folded_text(line)):
@@ -265,7 +265,7 @@ def stated_direction(header: Sequence[str]) -> Direction:
 
 
 def stated_start(header: Sequence[str]) -> datetime | None:
-    """Return the time of the first sample [UTC] that a header states; None if it or its zone is unknown."""
+    """Return the UTC time of the first sample that a header states; None if time or zone is missing."""
     texts = (match[1].upper() for line in header if (match := _START.search(folded_text(line))))
     return next((moment for text in texts if (moment := written(text))), None)
 
@@ -276,9 +276,9 @@ def stated_station(header: Sequence[str]) -> str:
 
 
 def stated_columns(header: Sequence[str], width: int) -> list[str]:
-    """Return the words on each of `width` columns, from "components: E N Z" or "Column 4: U/D component"; may be empty.
+    """Return the words for each column from a line such as "components: E N Z"; empty if there is none.
 
-    If a list has one item fewer than there are columns, the first column contains the times.
+    If the line has one word less than there are columns, the first column contains the times.
     """
     numbered: dict[int, str] = {}
     for line in header:

@@ -1,4 +1,4 @@
-"""Recognises equal spacing of sample times in spite of their rounding, or produces it by interpolation."""
+"""Finds the interval of sample times that are equally spaced but rounded; resamples unequally spaced samples."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -25,29 +25,29 @@ from rockpulse.warning_text import WarningText
 GROWTH_LIMIT = 10
 #: Largest share of a step that rounding may explain; a missing row changes times by half a step or more.
 ROUNDING_SHARE = 0.2
-#: Ratio to the median step above which a step is a gap if all others are equal.
+#: Ratio of a step to the median step above which it is a gap, if all other steps are equal.
 LONG_STEP = 1.5
-#: For a clock with jitter: smallest step as a share of the usual step; deviation, as a share, above which a step is
-#: odd; share of odd steps below which they are damage.
+#: For a clock with jitter: smallest step, and deviation above which a step is unusual, as shares of the median step;
+#: share of unusual steps below which they mean damaged times.
 _SHORT_STEP, _ODD_STEP, _FEW_ODD = 0.3, 0.001, 0.02
-_SAME_CLOCK = 0.01  # the mean interval of a clock may differ by this share from the one declared
-_SAME_STEP = 1.001  # two statements of one sampling interval differ by no more than this ratio
-#: Largest possible time, which includes Unix time in ms [s]; larger ones may overflow.
+_SAME_CLOCK = 0.01  # largest relative difference of the mean interval of a clock from the declared one
+_SAME_STEP = 1.001  # largest ratio of two statements of one sampling interval
+#: Largest accepted time [s], which allows for Unix time in ms; larger ones may overflow.
 LATEST = 1e13
 #: Seconds in each unit that a column of times may have.
 _SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MINUTES = 60.0
-_CLIMB = 20  # rows that no acceleration climbs without a fall, at equal steps
+_CLIMB = 20  # number of rows in which no acceleration rises in equal steps
 #: Share of decreasing steps below which the first column cannot be an acceleration.
 TIME_FALLS = 0.05
 PAIRS_PER_ROW = 5
-_LONGEST_LINE = 400  # characters of what stands for a unit
+_LONGEST_LINE = 400  # number of characters of a line that are read as a unit
 _POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
 _UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(\S+)", re.IGNORECASE)
 
 
 def _half_digit(times: np.ndarray) -> float:
-    """Return half a unit of the last decimal of the times [s]."""
+    """Return half a unit of the last decimal of printed times [s]."""
     for decimals in range(9):
         if np.all(np.abs(times - np.round(times, decimals)) < 1e-9 * np.maximum(1.0, np.abs(times))):
             return 0.5 * 10.0**-decimals
@@ -55,21 +55,21 @@ def _half_digit(times: np.ndarray) -> float:
 
 
 def same_step(steps: Iterable[float]) -> bool:
-    """Return whether sampling intervals [s] are equal within the rounding of few printed digits."""
+    """Return whether sampling intervals [s] are equal, apart from the rounding of their digits."""
     known = list(steps)
     return max(known) <= _SAME_STEP * min(known)
 
 
 def even_step(times: np.ndarray) -> float | None:
-    """Return the interval [s] of increasing, equally spaced times (n,), rounded as their digits allow; else None."""
+    """Return the interval [s] of equally spaced, rounded times (n,); None if the spacing is unequal."""
     if not np.all(np.abs(times) <= LATEST):
         return None
-    times = times - times[0]  # the digits of large times are of the first one
+    times = times - times[0]  # differences of large times have fewer digits to compare
     return _fitted_step(times, _half_digit(times))
 
 
 def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
-    """Return the interval of times that begin at 0 (see `even_step`) and deviate at most by their rounding."""
+    """Return the interval of times (n,) that begin at 0 and are rounded by at most `rounding`, else None."""
     steps = np.arange(times.size)
     mean = float(times[-1]) / (times.size - 1)
     tolerance = min(rounding, ROUNDING_SHARE * mean) + 0.01 * mean
@@ -81,19 +81,19 @@ def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
 
 
 def printed_at(times: np.ndarray, dt: float) -> bool:
-    """Return whether non-decreasing times (n,) are those of samples at interval `dt` [s], rounded to any precision."""
+    """Return whether the times (n,) are rounded times of samples at the interval `dt` [s]."""
     if not (np.isfinite(dt) and dt > 0.0) or not np.all(np.abs(times) <= LATEST):
         return False
     times = times - times[0]
     spread = float(np.ptp(times - dt * np.arange(times.size)))
     unit = 2.0 * _half_digit(times)
     slack = 1e-6 * dt + 1e-9 * max(1.0, float(np.max(np.abs(times))))
-    # A missing row moves all that follows by dt, which rounding to a unit of dt or finer never does.
+    # A missing row shifts all later times by dt; rounding to multiples of dt or of a finer unit never does.
     return spread <= unit + slack and (dt < unit - slack or spread < 0.999 * dt)
 
 
 def long_step(times: np.ndarray) -> int | None:
-    """Return the index of the first long step, if all other steps of increasing times (n,) are equal; else None."""
+    """Return the index of the first gap in times (n,) that are otherwise equally spaced; else None."""
     if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]
@@ -102,7 +102,7 @@ def long_step(times: np.ndarray) -> int | None:
     if not gaps.any():
         return None
     step, rounding = float(np.mean(steps[~gaps])), _half_digit(times)
-    # The rounding of the ends of a gap of whole steps belongs to the rows behind it; but a gap need not be whole steps.
+    # A gap of whole steps passes its rounding on to the rows after it; a gap may also be no whole number of steps.
     left = np.clip(steps - step * np.round(steps / step), -2.0 * rounding, 2.0 * rounding)
     closed = (np.cumsum(np.where(gaps, step + rest, steps)) for rest in (left, 0.0))
     found = any(_fitted_step(np.concatenate([[0.0], series]), rounding) is not None for series in closed)
@@ -115,8 +115,8 @@ def make_even(
     """Return equally spaced samples, interval [s] and warnings from times (n,) and samples (n,) of a digitised trace.
 
     Unequally spaced samples are interpolated linearly at the median interval; gaps and times that do not increase are
-    rejected. For messages, the file `name` contains `per_row` pairs per line from line `first`, and a unit is
-    `gravity_per_unit` g.
+    rejected. Messages use the file `name`, the line `first` of the first pair, `per_row` pairs per line, and
+    `gravity_per_unit`, the unit of the samples in g.
     """
     if times.size < 2:
         raise unexpected(f"{name}:{first}", "at least 2 samples", str(times.size), "the file may be truncated")
@@ -156,32 +156,32 @@ def make_even(
 
 @dataclass(frozen=True)
 class ChannelSamples:
-    """The samples of one channel with their interval and warnings."""
+    """The equally spaced samples of one channel, with their interval, unit and warnings."""
 
     samples: np.ndarray  # (n,) equally spaced accelerations [unit]
     dt: float  # sampling interval [s]
     unit: str  # a key of `UNITS`
-    times: np.ndarray  # (m,) times as the file holds or implies them, before any resampling [s]
+    times: np.ndarray  # (m,) times stated or implied by the file, before any resampling [s]
     values: np.ndarray  # (m,) accelerations at these times [unit]
     warnings: tuple[str, ...] = ()
 
     @property
     def peak(self) -> float:
-        """Return the largest absolute value in the file [unit]."""
+        """Return the largest absolute value before resampling [unit]."""
         return float(np.max(np.abs(self.values)))
 
     @property
     def duration(self) -> float:
-        """Return the duration of the values in the file, including the step after the last [s]."""
+        """Return the duration before resampling, including one step after the last value [s]."""
         return float(self.times[-1] - self.times[0]) + self.dt
 
     def noting(self, *warnings: str) -> "ChannelSamples":
-        """Return the same samples with further warnings."""
+        """Return a copy with further warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
 
 
 def declared_points(line: str, where: str) -> int:
-    """Return the number in a line ``No. of Points = 11999``; RecordFormatError, with `where`, if it is missing."""
+    """Return the number in a line ``No. of Points = 11999``; raise RecordFormatError if it is missing."""
     match = _POINTS.search(line)
     if not match:
         raise unexpected(where, "'No. of Points = N'", repr(line[:60].strip()))
@@ -189,13 +189,13 @@ def declared_points(line: str, where: str) -> int:
 
 
 def pair_unit(line: str, where: str) -> str:
-    """Return the key of `UNITS` in a line ``Units are sec and g/10``; UnitError, with `where`, if it is missing."""
+    """Return the key of `UNITS` for a line ``Units are sec and g/10``; raise UnitError if it is missing."""
     match = _UNIT.search(line)
     return canonical_unit((match[1] if match else line.strip())[:_LONGEST_LINE], where)
 
 
 def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> ChannelSamples:
-    """Read the `count` pairs of one channel in ``lines[first:end]`` and make them equally spaced (see `make_even`)."""
+    """Read `count` pairs of time and acceleration of one channel and make them equally spaced."""
     check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
     rows = -(-count // PAIRS_PER_ROW)
     block = lines[first : first + rows]
@@ -203,7 +203,7 @@ def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int
     width, rest = divmod(len(block[0].rstrip()), fields)
     margin = 0
     if rest == 1 and all(row.startswith(" ") for row in block):
-        # Carriage control of a line printer in front of every row.
+        # Every row begins with a control character for a line printer.
         block, margin = [row[1:] for row in block], 1
     pairs = fixed_width(block, first + 1, width or 1, 2 * PAIRS_PER_ROW, 2 * count, name).reshape(-1, 2)
     gravity = UNITS[unit] / STANDARD_GRAVITY
@@ -219,17 +219,16 @@ def names_time(headings: Sequence[ColumnHeading]) -> bool:
 
 
 def counts_rows(table: np.ndarray, headings: Sequence[ColumnHeading]) -> bool:
-    """Return whether the first column numbers the rows (0 1 2 or 1 2 3), and is not headed as time."""
+    """Return whether the first column contains row numbers (0 1 2 or 1 2 3) and is not headed as time."""
     first = table[:, 0]
     counts = first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
     return bool(counts and not names_time(headings))
 
 
 def jitters(times: np.ndarray) -> bool:
-    """Return whether rising times (n,) are those of a clock with jitter or drift, without missing or damaged ones.
+    """Return whether rising times (n,) come from a clock with jitter or drift, with no row missing or damaged.
 
-    No step is as long as at a missing row or as short as at an additional one, and many steps differ from the usual
-    one.
+    No step is as long as at a missing row or as short as at an additional row, and many steps differ from the median.
     """
     steps = np.diff(times)
     usual = float(np.median(steps))
@@ -241,7 +240,7 @@ def jitters(times: np.ndarray) -> bool:
 
 
 def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, WarningText]:
-    """Return the columns (n, m), interpolated by splines at equal steps of the rising times (n,), and the warning."""
+    """Return the columns, interpolated by splines at equal steps of the times, and a warning about it."""
     from scipy.interpolate import CubicSpline
 
     step = float(times[-1] - times[0]) / (times.size - 1)
@@ -253,10 +252,10 @@ def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, War
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[ColumnHeading], start: int, declared: float | None
 ) -> tuple[float | None, np.ndarray | None]:
-    """Return the interval [s] of a first column that is time (equally spaced, or rounded at a `declared` interval).
+    """Return the interval [s] if the first column contains times (else None), and the times of an uneven clock.
 
-    A column is time according to its heading, or if it hardly ever decreases. The second value contains the times [s]
-    of a clock with jitter or drift; the first is then their mean interval.
+    A column contains times if its heading says so, or if it hardly ever decreases. The second value is None, except
+    for a clock with jitter or drift: then it contains the times [s], and the interval is their mean.
     """
     named = names_time(headings)
     unit = headings[0].unit.lower() if headings else ""
@@ -301,12 +300,12 @@ def time_column_step(
 
 
 def climbs(column: np.ndarray) -> bool:
-    """Return whether a column increases in equal steps, as time does."""
+    """Return whether a column rises in equal steps, as times do."""
     return bool(column.size >= _CLIMB and np.all(np.diff(column) > 0.0)) and even_step(column) is not None
 
 
 def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float:
-    """Return the interval [s] on which all named sources agree; raise an error with `advice` if there is none."""
+    """Return the interval [s] that all sources state; raise an error if they differ or state none."""
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(

@@ -1,4 +1,4 @@
-"""Reads text files: lines, statements by key, numbers of fixed width or separated by blanks, units; with errors."""
+"""Reads lines, header entries, numbers and units of text files, and makes the errors for damaged files."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -43,7 +43,7 @@ _QUANTITIES = {
     "velocity": "m/s cm/s mm/s in/s ft/s ms-1 cms-1 mms-1 m.s-1 cm.s-1 kine kines",
     "displacement": "m cm mm in ft",
     "frequency": "hz khz",
-    # Not read, so that canonical_unit refuses them.
+    # These units are recognised but not accepted: canonical_unit rejects them.
     "acceleration": "mg millig milli-g %g ft/s2 in/s2 ft/s/s in/s/s mgal count counts volt volts mv "
     "millivolt millivolts",
 }
@@ -52,29 +52,29 @@ _CREDIBLE_PGA_G = (1e-3, 3.0)
 
 
 def unexpected(where: str, expected: str, found: str, advice: str = HEADER_DAMAGED) -> RecordFormatError:
-    """Return the error for a place in a file, ``file:line``, at which the format requires something else."""
+    """Return the error that states what was expected and what was found at a place ``file:line``."""
     return RecordFormatError(f"{where}: expected {expected}, found {found}; {advice}")
 
 
 def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELERATION_FILE) -> NotAcceleration:
-    """Return the error for a file or channel that contains velocity or displacement; `where` is ``file:line``."""
+    """Return the error for a file or channel that contains no acceleration, at a place ``file:line``."""
     return NotAcceleration(f"{where}: expected {expected}, found {found}; {advice}")
 
 
 def other_kind(where: str, kind: str) -> OtherKind:
-    """Return the error for a file whose name states another kind of motion and whose content states none."""
+    """Return the error for a file whose name alone says that it contains velocity or displacement."""
     advice = f"{ACCELERATION_FILE}, or give the file another name if it holds accelerations"
     return OtherKind(f"{where}: {kind}, as its name says, expected accelerations; {advice}")
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
-    """Return a group of a pattern at the start of a text; empty if the text does not match."""
+    """Return a group of a pattern that matches the start of a text; empty if it does not match."""
     match = pattern.match(text)
     return (match[group] or "") if match else ""
 
 
 class Entry(NamedTuple):
-    """The statement of a header for a key, and words in brackets after the key."""
+    """The value that a header states for a key, the words in brackets after the key, and the line number."""
 
     text: str = ""
     aside: str = ""
@@ -82,7 +82,7 @@ class Entry(NamedTuple):
 
 
 class Entries(dict[str, Entry]):
-    """The statements of a header by key; a missing one is empty, and is reported at line `end` of the file `name`."""
+    """The entries of a header by key; a missing key gives an empty entry with the line number `end`."""
 
     def __init__(self, name: str, end: int = 1) -> None:
         super().__init__()
@@ -96,12 +96,12 @@ class Entries(dict[str, Entry]):
         return self[key].text
 
     def where(self, key: str) -> str:
-        """Return ``file:line`` of a key."""
+        """Return the place ``file:line`` of a key, for messages."""
         return f"{self.name}:{self[key].line}"
 
 
 def text_lines(content: bytes) -> list[str]:
-    """Return the lines (at least one) of a file in UTF-8 or Latin-1, without blank lines and Ctrl-Z at the end."""
+    """Return the lines of a file in UTF-8 or Latin-1, at least one, without blank lines and Ctrl-Z at the end."""
     content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
     if b"\r" in content:
         content = b"\n".join(line.rstrip(b"\r") for line in content.split(b"\n")).replace(b"\r", b"\n")
@@ -113,17 +113,17 @@ def text_lines(content: bytes) -> list[str]:
 
 
 def printed_number(text: str) -> tuple[float, float]:
-    """Return a printed number and half a unit of its last digit: 39.1 and 0.05 for "3.91E+1"; else NaN and 0."""
+    """Return a number and half a unit of its last digit: 39.1 and 0.05 for "3.91E+1"; else NaN and 0."""
     mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
     value = float(text.lower().replace("d", "e") or "nan")
-    # int() takes no thousands of digits.
+    # int() rejects texts of thousands of digits.
     if not np.isfinite(value) or len(exponent) > _EXPONENT_DIGITS:
         return float("nan"), 0.0
     return value, float(f"5e{int(exponent or 0) - len(mantissa.partition('.')[2]) - 1}")
 
 
 def check_count(where: str, declared: int, available: int, unit: str = "samples") -> None:
-    """Raise an error, before memory is allocated, if a declared count exceeds what the file can contain."""
+    """Raise an error if a declared count is not positive or exceeds what the file can contain."""
     if declared < 1:
         raise RecordFormatError(f"{where}: expected a positive number of {unit} in the header, found {declared}")
     if available < declared:
@@ -131,7 +131,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
 
 
 def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
-    """Convert all fields at once; search for the damaged field only if this fails."""
+    """Return all fields as numbers; raise an error that names the first damaged field."""
     try:
         values = np.array(fields, dtype=float)
     except ValueError:
@@ -146,7 +146,7 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
-    """Return the first `count` numbers (n,) in columns of equal width; `lines[0]` is line `first` of file `where`."""
+    """Return the first `count` numbers of rows with fields of equal width; `first` is the number of `lines[0]`."""
     if width < 1 or per_row < 1:
         found = f"{per_row} of {width} from line {first} on"
         raise unexpected(where, "fields of at least 1 character, at least 1 in a row", found)
@@ -161,7 +161,7 @@ def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, coun
 
 
 def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> None:
-    """Raise an error for a row whose length does not match its fields; rows have no trailing blanks."""
+    """Raise an error for the first row whose length does not fit its number of fields."""
     rows = -(-count // per_row)
     full = width * per_row
     for index, row in enumerate(block):
@@ -178,7 +178,7 @@ def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, coun
 
 
 def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
-    """Return the numbers (n,) of rows of any length, separated by blanks; `lines[0]` is line `first` of `where`."""
+    """Return the numbers of rows separated by blanks; `first` is the line number of `lines[0]`."""
     joined = "\n".join(lines).encode("ascii", errors="replace")
     located = ((first + index, field) for index, line in enumerate(lines) for field in line.split())
     if joined.translate(None, _NUMBER_BYTES + b"\n\r\f\v"):
@@ -187,7 +187,7 @@ def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
 
 
 def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.ndarray:
-    """Return rows of numbers separated by blanks as an array (rows, columns)."""
+    """Return the numbers of rows separated by blanks as an array (rows, columns)."""
     row = next((row for row, line in enumerate(lines) if len(line.split()) != columns), None)
     if row is not None:
         raise unexpected(f"{where}:{first + row}", f"a row of {columns}", repr(lines[row][:60].strip()), LINE_DAMAGED)
@@ -195,7 +195,7 @@ def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.
 
 
 def canonical_unit(text: str, where: str) -> str:
-    """Return the key of `UNITS` for a spelling; `where` is ``file:line`` or an option, for the UnitError."""
+    """Return the key of `UNITS` for the spelling of a unit; raise UnitError, with the place `where`, if unknown."""
     unit = spelled_unit(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
@@ -212,7 +212,7 @@ def canonical_unit(text: str, where: str) -> str:
 
 
 def for_such_files(name: str, setting: str) -> str:
-    """Return the advice to give a property only for files of one suffix, in the form of the configuration."""
+    """Return the advice to set an option for the files of one suffix in the configuration."""
     last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
     pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
     return f"[[records.file]]: match = '{pattern}', {setting}"
@@ -244,7 +244,7 @@ def quantity_of(text: str) -> str:
 
 
 def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
-    """Return each unit in running text such as ``acc_cm_s2``: "acceleration" or "velocity", its spelling, its index."""
+    """Yield the quantity, spelling and index of each unit in a text such as ``acc_cm_s2``."""
     for match in _MENTIONED.finditer(text.lower().translate(_RAISED).replace("_", "/")):
         squared = match["again"] or match["squared"] or match["other"]
         wording = text[match.start() : match.end()] if text.isascii() else match[0]
@@ -252,7 +252,7 @@ def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
 
 
 def other_readings(peak: float, unit: str = "") -> str:
-    """Return, in words, the units in which a peak would be an ordinary acceleration, or the nearest unit."""
+    """Return a text with the units in which a peak would be an ordinary acceleration."""
     low, high = _CREDIBLE_PGA_G
     own = UNITS.get(unit)
     others = {name: factor for name, factor in UNITS.items() if name != "gal" and factor != own}

@@ -1,4 +1,4 @@
-"""A group of a results file as a long table, with one row per result and one column per variable."""
+"""Long tables: a group of a results file with one row per result and one column per variable."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.storage.export.row_selection import Condition, RowSelection, positions_matching, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, flags_as_words, pointwise
-from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
+from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results_file
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Dimensions whose labels become columns, if a variable has no other dimension beyond those of the table.
+#: Dimensions that become columns, one per label, if they are the only dimension besides those of the rows.
 SPREAD = ("demand", "parameter")
 #: Dimension to which each index variable of a table refers.
 POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
@@ -31,19 +31,19 @@ CHUNK = 50_000
 
 @dataclass(frozen=True, eq=False)
 class TableColumn:
-    """A column of a long table: the source of its values and their description."""
+    """A column of a long table: where its values are stored, and what they mean."""
 
     name: str  # its heading
     units: str
     long_name: str
     words: dict[int, str]  # words of a flag; empty for other variables
     variable: xr.Variable  # not yet read
-    labels: np.ndarray | None = None  # labels to which the values are an index; empty for -1
-    #: End of the rows of each label in a ragged array; the value of the column is the label to which a row belongs.
+    labels: np.ndarray | None = None  # labels, if the values are indices into them; -1: no label
+    #: For a ragged array: index after the last row of each label.
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Return the values of rows, given by their indices along the dimensions of the table."""
+        """Return the values of the column in some rows; `places` has their indices along each dimension."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -56,12 +56,12 @@ class TableColumn:
 
 @dataclass(frozen=True, eq=False)
 class LongTable:
-    """A table whose rows are read on demand while the file is open."""
+    """A table of one group of an open results file; its rows are read when they are needed."""
 
     group: str
-    dims: tuple[str, ...]  # one row per element along these
+    dims: tuple[str, ...]  # dimensions of the rows
     columns: tuple[TableColumn, ...]
-    left_out: tuple[str, ...]  # variables of the group with other dimensions
+    left_out: tuple[str, ...]  # variables that have other dimensions, and are omitted
     places: dict[str, np.ndarray]  # position of every row along each dimension
     found: int  # number of rows before the limit of the selection is applied
 
@@ -70,11 +70,11 @@ class LongTable:
 
     @property
     def per(self) -> str:
-        """Describe what a row represents, such as "record and body"; empty if the group is a list of rows."""
+        """Return what a row represents, such as ", one per record x block"; empty for a plain list of rows."""
         return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
 
     def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:
-        """Yield the rows as frames of at most `size` rows; one empty frame if there are no rows."""
+        """Yield the rows as data frames of at most `size` rows; without rows, yield one empty frame."""
         import pandas as pd
 
         for start in range(0, max(len(self), 1), size):
@@ -82,7 +82,7 @@ class LongTable:
             yield pd.DataFrame({column.name: column.values(part) for column in self.columns})
 
     def frame(self) -> pd.DataFrame:
-        """Return all rows as one frame."""
+        """Return all rows as one data frame."""
         return next(self.frames(max(len(self), 1)))
 
 
@@ -93,7 +93,7 @@ def long_table(
     selection: RowSelection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
-    """Create a long table of a group; by default its dimensions are those of the variables with most dimensions."""
+    """Create a long table of a group; by default, `dims` are the dimensions of the variable with most dimensions."""
     selection = selection or RowSelection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
@@ -147,7 +147,7 @@ def results_table(
     group : str, optional
         Group of the file; by default the main one (`summary` of an assessment).
     dims : sequence of str, optional
-        Dimensions with one row for each element: ``["record"]`` lists the records; by default each result has a row.
+        Dimensions of the rows: ``["record"]`` gives one row per record; by default each result has a row.
     columns : sequence of str, optional
         Names of variables; all by default.
     record, block, model : str, optional
@@ -179,12 +179,12 @@ def results_table(
     """
     names = {dim: (pattern,) for dim, pattern in (("record", record), ("block", block), ("model", model)) if pattern}
     selection = RowSelection(names, tuple(map(Condition.parse, where)), sort, descending, limit)
-    with open_results(path) as file, file.reading():
+    with open_results_file(path) as file, file.reading():
         return long_table(file, group, dims, selection, columns).frame()
 
 
 def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
-    """Return the dimensions of the variable with most dimensions."""
+    """Return the dimensions of the variable with most dimensions, without those that become columns."""
     every = [tuple(str(dim) for dim in one.dims if dim not in SPREAD) for one in dataset.data_vars.values()]
     most = [dims for dims in dict.fromkeys(every) if dims and len(dims) == max(map(len, every))]
     if len(most) != 1:
@@ -197,7 +197,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
 
 
 def _answers_to(column: TableColumn, name: str) -> bool:
-    """Return whether a name is the heading of a column, or the name of its variable without the label."""
+    """Return whether a name is the column's heading, with or without the label in brackets."""
     return name in (column.name, column.name.partition("[")[0])
 
 
@@ -206,7 +206,7 @@ def _texts(variable: xr.DataArray) -> np.ndarray:
 
 
 def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """Return a column with the label or index for each dimension; none if the table is a plain list."""
+    """Yield a column with the labels of each dimension, or with its indices if the dimension has no labels."""
     for dim in dims:
         if dim in dataset.coords:
             yield _column(dim, dataset.variables[dim])
@@ -216,14 +216,14 @@ def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableCo
 
 
 def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """Return columns with the labels to which the rows of a ragged array belong."""
+    """Yield a column with the record, or other owner, to which each row of a ragged array belongs."""
     for variable in dataset.data_vars.values():
         dim = str(variable.attrs.get("sample_dimension", ""))
         if dim in dims:
             owner = str(variable.dims[0])
             labels = _texts(dataset[owner]) if owner in dataset.coords else np.arange(variable.size)
             along = xr.Variable((dim,), np.broadcast_to(0, (dataset.sizes[dim],)))
-            yield TableColumn(owner, "1", f"{owner} it belongs to", {}, along, labels, np.cumsum(variable.values))
+            yield TableColumn(owner, "1", f"{owner} of the row", {}, along, labels, np.cumsum(variable.values))
 
 
 def _pointers(dataset: xr.Dataset, dims: Sequence[str], named: Mapping[str, np.ndarray]) -> Iterator[TableColumn]:
@@ -231,7 +231,7 @@ def _pointers(dataset: xr.Dataset, dims: Sequence[str], named: Mapping[str, np.n
         if name in dataset and set(dataset[name].dims) <= set(dims):
             variable = dataset.variables[name]
             if at in named:
-                yield TableColumn(at, "1", f"{at} of /summary; empty without", {}, variable, named[at])
+                yield TableColumn(at, "1", f"{at} of /summary; empty if there is none", {}, variable, named[at])
             else:
                 yield TableColumn(at, "1", variable.attrs.get("long_name", ""), {}, variable)
 
@@ -263,7 +263,7 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 def _masks(
     dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: RowSelection
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], RowSelection]:
-    """Return masks for filters by names to which rows refer by index only, and the rest of the selection."""
+    """Return row masks for selected names that the table contains only as indices, and the selection without them."""
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:

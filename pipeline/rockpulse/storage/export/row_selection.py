@@ -15,10 +15,10 @@ from rockpulse.option import hint
 from rockpulse.record.measures import STORED, STORED_OF_BODIES
 from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
 
-#: Largest number of known names in a message.
+#: Largest number of names that are listed in a message.
 LISTED = 12
 
-#: Variables by their headings in tables.
+#: The variable of each heading in tables.
 SHOWN = {
     "P": "overturning_probability",
     "SF": "safety_factor",
@@ -42,7 +42,7 @@ _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition on a variable: ``SF < 1``, ``outcome = overturns``, ``source = *.AT2``, with "|" between values."""
+    """A condition on a variable, such as ``SF < 1`` or ``source = *.AT2``; "|" separates alternative values."""
 
     name: str
     comparison: str
@@ -50,7 +50,7 @@ class Condition:
 
     @classmethod
     def parse(cls, words: str) -> Self:
-        """Parse a condition: name of a variable or heading of a table, comparison, value.
+        """Parse a condition that consists of a variable or heading, a comparison and a value.
 
         >>> Condition.parse("scale factor at P = 10 % < 1")
         Condition(name='factor_10', comparison='<', value='1')
@@ -67,7 +67,7 @@ class Condition:
         return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """Return a mask of the values that meet the condition; raise ResultsError if it does not fit their type."""
+        """Return a mask of the values that meet the condition; raise ResultsError if their type does not allow it."""
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
                 alike = self._named(values.astype(str))
@@ -80,7 +80,7 @@ class Condition:
         return np.asarray(_COMPARISONS[self.comparison](values, self._number(self.value, flag_words(variable))))
 
     def _named(self, texts: np.ndarray) -> np.ndarray:
-        """Return a mask of the strings that equal or match one of the values separated by "|"."""
+        """Return a mask of the strings that match one of the alternatives in the condition."""
         every, inverse = np.unique(texts, return_inverse=True)
         known = every.tolist()
         # A text may contain pattern characters, such as the brackets of "wall [north]" or the "|" of "A|B".
@@ -108,7 +108,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class RowSelection:
-    """The requested rows of a table, by patterns of labels along dimensions; by default all rows."""
+    """A selection of rows of a table by names, conditions and a limit, with their order; by default all rows."""
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     conditions: tuple[Condition, ...] = ()
@@ -118,7 +118,7 @@ class RowSelection:
 
     @property
     def words(self) -> list[str]:
-        """Describe each part of the selection in words, for a heading or a README."""
+        """Return a description of each part of the selection, for a heading or a README."""
         told = [f"{dim} {' or '.join(patterns)}" for dim, patterns in self.names.items() if patterns]
         told += [f"{item.name} {item.comparison} {item.value}" for item in self.conditions]
         if self.sort is not None:
@@ -129,7 +129,7 @@ class RowSelection:
 
 
 def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Return indices of the labels that equal or match one of the patterns, or of all labels without patterns."""
+    """Return the indices of the labels that match one of the patterns; without patterns, of all labels."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}
@@ -145,7 +145,7 @@ def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str)
 
 
 def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
-    """Return an error for an unknown name that lists the known names; `what` is their kind."""
+    """Return the error for an unknown name, with the known names; `what` is the kind of name, such as "record"."""
     within = [label for label in known if name.lower() in label.lower()]
     told = "there are:"
     if within:
@@ -164,10 +164,10 @@ def rows(
     selection: RowSelection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """Return indices (r,) of the selected rows along each of `dims`, and their number without the limit.
+    """Return indices (r,) of the selected rows along each of `dims`, and the number of rows without the limit.
 
-    A condition on a variable with further dimensions must be met by at least one value along them; rows are sorted by
-    the smallest (largest if `descending`) of the values of such a variable that meet all conditions and `masks`.
+    A condition on a variable with further dimensions must be met by at least one value along them. Rows are sorted by
+    the smallest value (the largest if `descending`) that meets all conditions and `masks`.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
     key = None if selection.sort is None else _variable(dataset, selection.sort)

@@ -1,4 +1,4 @@
-"""Writes a long table to a file (CSV, workbook, Parquet), with a README that describes its columns."""
+"""Writing of a long table to a CSV, Excel or Parquet file, with a README that describes its columns."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 #: Largest number of rows of a worksheet, including the headings.
 SHEET_ROWS = 1_048_576
-#: Suffix of each kind of file, and the library in the extra "tables" that writes it.
+#: Suffixes of Excel and Parquet files, and the library in the extra "tables" that writes each.
 TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
 
 def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
-    """Write all rows to the workbook or Parquet file `part`; call `seen` with every frame of rows."""
+    """Write all rows to the Excel or Parquet file `part`; `seen` is called with each data frame of rows."""
     import pandas as pd
 
     if kind == ".parquet":
@@ -68,7 +68,7 @@ def readme_of(path: Path) -> Path:
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a table; raise ResultsError if the table or its README cannot be written."""
+    """Return the path of a table to write; raise ResultsError if the table or its README cannot be written."""
     if not Path(path).name.endswith(SUFFIXES):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
     target = check_file(path, overwrite, SUFFIXES)
@@ -91,10 +91,10 @@ def write_table(
     decimal_comma: bool = False,
     raw: bool = False,
 ) -> tuple[Path, Path]:
-    """Write a table and its README atomically, CSV in bounded memory, and return the paths of both.
+    """Write a table and its README atomically, and return the paths of both; CSV files are written piece by piece.
 
-    `about` is the origin in the README, `on_rows` is called with the number of rows written; `decimal_comma` writes
-    semicolons, decimal commas and a byte order mark; `raw` changes only the line breaks in strings.
+    `about` states the origin of the table in the README. `on_rows` is called with the number of rows of each piece.
+    `decimal_comma` selects semicolons, decimal commas and a byte order mark. `raw` keeps strings except line breaks.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)
@@ -141,7 +141,7 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
 
 
 def _mark_encoding(path: Path, compressed: bool) -> None:
-    """Put a byte order mark, from which spreadsheets recognise UTF-8, before text that is not ASCII."""
+    """Add a byte order mark to a text with characters beyond ASCII, so that spreadsheets recognise UTF-8."""
     opened = gzip.open if compressed else open
     marked = path.with_name(f"{path.name}.marked")
     with ExitStack() as stack:
@@ -157,12 +157,12 @@ def _mark_encoding(path: Path, compressed: bool) -> None:
 
 
 def one_line(frame: pd.DataFrame) -> pd.DataFrame:
-    """Join strings with several lines into one line, so that each row is one line of the file."""
+    """Replace line breaks in strings, so that each row is one line of the file."""
     return frame.assign(**{name: frame[name].str.replace(LINE_ENDS, LINE, regex=True) for name in _texts(frame)})
 
 
 def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
-    """Join lines, escape control characters, and put an apostrophe before strings that look like formulas."""
+    """Replace line breaks, escape control characters, and put an apostrophe before strings that look like formulas."""
     frame = one_line(frame)
     return frame.assign(
         **{
@@ -173,9 +173,9 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def table_csv(table: pd.DataFrame) -> bytes:
-    """Return a table as CSV with one header line, all digits of numbers, and the strings of :func:`safe_texts`.
+    """Return a table as a CSV file with one header line, all digits of numbers, and the strings of :func:`safe_texts`.
 
-    Text that is not ASCII begins with a byte order mark, from which spreadsheets recognise UTF-8.
+    A text with characters beyond ASCII begins with a byte order mark, from which spreadsheets recognise UTF-8.
     """
     text = safe_texts(table).to_csv(index=False)
     return text.encode("utf-8" if text.isascii() else "utf-8-sig")

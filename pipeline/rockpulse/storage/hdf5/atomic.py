@@ -11,12 +11,12 @@ from pathlib import Path
 
 from rockpulse.errors import ResultsError
 
-#: Root attribute `kind` of the results of an assessment; files without it are assessments.
+#: Value of the root attribute `kind` for an assessment, and for files without this attribute.
 ASSESSMENT = "assessment"
-#: Upper bound of the size of a file in addition to its values, mostly names and attributes [bytes].
+#: Upper bound of the size of everything in a file except values, mostly names and attributes [bytes].
 LAYOUT = 1024**2
 
-#: Suffixes of files that other commands create from results, and the command.
+#: Suffixes of files that other commands create from results: kind of file, command, usual suffix.
 OTHERS = {
     **dict.fromkeys((".csv", ".tsv", ".txt", ".xls", ".xlsx"), ("a table", "export", ".csv")),
     **dict.fromkeys((".htm", ".html"), ("a report", "report", ".html")),
@@ -30,7 +30,7 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
-    """Return the path of a results file to write, with links resolved; raise ResultsError if it cannot be written."""
+    """Return the real path of a results file to write; raise ResultsError if the file cannot be written."""
     target = Path(os.path.realpath(path))
     try:
         if target.exists():
@@ -39,7 +39,7 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
         if not target.parent.is_dir():
             raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
         part = _part(target)
-        part.touch(exist_ok=False)  # the temporary name is longer than that of the target
+        part.touch(exist_ok=False)  # fails for a name that is too long with the temporary suffix
         part.unlink()
     except OSError as error:
         raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
@@ -50,7 +50,7 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
 def replacing(
     path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT, size: int = 0
 ) -> Iterator[Path]:
-    """Yield a temporary path; the file written there replaces the target at the end of the ``with`` block."""
+    """Yield a temporary path; at the end of the ``with`` block, the file written there replaces the target."""
     target = check_target(path, overwrite, kind)
     free = shutil.disk_usage(target.parent).free
     if free < size + LAYOUT:
@@ -84,12 +84,12 @@ def remove_parts(path: str | os.PathLike[str]) -> None:
 
 
 def journal_path(target: str | os.PathLike[str]) -> Path:
-    """Return the path of the journal (`rockpulse.run.journal`) of the run that writes a file; links are followed."""
+    """Return the path of the journal of the run that writes the results file `target`."""
     return Path(os.path.realpath(target) + ".journal")
 
 
 def kind_in_words(kind: str) -> str:
-    """Return the name of a kind of file, with its article."""
+    """Return a kind of file in words, such as "a fragility file"."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind} file"
 
 
@@ -98,7 +98,7 @@ def _part(target: Path) -> Path:
 
 
 def _check_name(path: Path) -> None:
-    """Raise ResultsError for a name with the suffix of another format, as results are always HDF5."""
+    """Raise ResultsError if the name has the suffix of another format, as results are always HDF5."""
     plain = path.with_suffix("") if path.suffix.lower() == ".gz" else path
     if plain.suffix.lower() in OTHERS:
         what, verb, suffix = OTHERS[plain.suffix.lower()]
@@ -116,7 +116,7 @@ def _check_name(path: Path) -> None:
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
-    """Raise ResultsError unless the target is a results file, so that a mistyped name never destroys other files."""
+    """Raise ResultsError unless the target is a results file that may be replaced."""
     if not target.is_file():
         raise ResultsError(f"{path}: expected the name of a results file, found something that is not a regular file")
     if not overwrite:

@@ -14,7 +14,7 @@ from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
 from rockpulse.storage.variables.site import SITE_GROUPS, SITE_KIND
 
-#: Declared variables by kind of file and group; a variant of a group is named after a comma.
+#: Declared variables by kind of file and by group; after a comma, the name of a group states its variant.
 GROUPS: dict[str, dict[str, Declared]] = {
     ASSESSMENT: ASSESSMENT_GROUPS,
     FRAGILITY: FRAGILITY_GROUPS,
@@ -26,13 +26,13 @@ ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/r
 
 
 def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
-    """Return a message for each variable (by path) whose type, shape or, with `units`, unit is not as declared."""
+    """Yield a message for each variable that has not the declared type, shape or, with `units`, unit."""
     for path, variable in variables.items():
         if is_bare_dimension(variable.attrs.get("NAME")):
             continue
         group, _, name = path.rpartition("/")
         name = name.removeprefix(NOT_A_COORDINATE)
-        differences = [  # a group may depend on the sort of results
+        differences = [  # a group may have several variants
             _difference(variable, declared[name], units)
             for title, declared in GROUPS[kind].items()
             if title.partition(",")[0] == group and name in declared
@@ -42,7 +42,7 @@ def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: boo
 
 
 def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Iterator[str]:
-    """Return a message for each required variable that is missing in a file."""
+    """Yield a message for each required variable that is missing in a file."""
     found = {path.replace(f"/{NOT_A_COORDINATE}", "/") for path in variables}
     present = {path.rpartition("/")[0] for path in found}
     for title, declared in GROUPS[kind].items():
@@ -82,7 +82,7 @@ FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLE
 
 
 def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
-    """Return every dataset of an open file by path; raise ResultsError for unsafe content before reading any."""
+    """Return all datasets of an open file by path; raise ResultsError if the file is unsafe to read."""
     found: dict[str, h5py.Dataset] = {}
     waiting, seen = [hdf5["/"]], {h5py.h5o.get_info(hdf5["/"].id).addr}
     while waiting:
@@ -101,7 +101,7 @@ def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
             elif isinstance(item, h5py.Group):
                 waiting.append(item)
             else:
-                raise ResultsError(f"{where}: expected a group or a variable, found a type")
+                raise ResultsError(f"{where}: expected a group or a variable, found an HDF5 type")
             address = h5py.h5o.get_info(item.id).addr
             if address in seen:
                 raise ResultsError(f"{where}: this object appears in the file under another name too")
@@ -119,9 +119,9 @@ def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
         raise ResultsError(f"{where}: its values are kept in another file, which is not read")
     filters = [created.get_filter(number) for number in range(created.get_nfilters())]
     if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
-        raise ResultsError(f"{where}: packed by {', '.join(foreign)}, which results are not")
+        raise ResultsError(f"{where}: compressed by {', '.join(foreign)}, which results files never are")
     if h5py.h5ds.is_scale(dataset.id) and is_bare_dimension(dataset.attrs.get("NAME")):
         return  # a dimension without a variable has a length but no values, and is never read
     declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()
     if declared > FREE + PACKED * held:
-        raise ResultsError(f"{where}: declares {declared:,} bytes of values, of which the file holds {held:,}")
+        raise ResultsError(f"{where}: declares {declared:,} bytes of values, but the file contains {held:,}")

@@ -16,7 +16,7 @@ from xarray.core import indexing
 
 
 class _Stored(BackendArray):
-    """The values of a variable, read from the open file in pieces."""
+    """The values of a variable in an open file; only the requested part is read."""
 
     def __init__(self, stored: h5py.Dataset) -> None:
         self.stored, self.shape, self.dtype = stored, stored.shape, stored.dtype
@@ -29,7 +29,7 @@ class _Stored(BackendArray):
 
 
 def dataset_of(group: h5py.Group) -> xr.Dataset:
-    """Return a group of an open file; numbers are read on demand. Raise ValueError for an unnamed dimension."""
+    """Return a group as a dataset that reads numbers on demand; raise ValueError if a dimension has no name."""
     variables: dict[Hashable, xr.Variable] = {
         one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
         for one in variables_of(group)
@@ -55,7 +55,7 @@ def _values(stored: h5py.Dataset) -> Any:
     return indexing.LazilyIndexedArray(_Stored(stored))
 
 
-#: Attributes that link objects and do not describe values.
+#: Attributes that HDF5 and netCDF use internally.
 HIDDEN = {
     "CLASS",
     "DIMENSION_LIST",
@@ -67,22 +67,22 @@ HIDDEN = {
     "_nc3_strict",
 }
 
-#: Start of the NAME of a scale that is a dimension without a variable; its size follows in ten columns.
+#: Beginning of the attribute NAME of a dimension without a variable; its size follows in ten columns.
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
-#: Prefix of a variable that has the name of a dimension but not that dimension.
+#: Prefix of the name of a variable that has the name of a dimension without being its coordinate.
 NOT_A_COORDINATE = "_nc4_non_coord_"
 
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """A variable of an open file."""
+    """A variable of an open file, with the dimension names of its group."""
 
     name: str
     stored: h5py.Dataset
-    scales: Mapping[h5py.Dataset, str]  # scales of its group and their names, which HDF5 is slow to find
+    scales: Mapping[h5py.Dataset, str]  # names of the dimension scales of its group, which HDF5 is slow to find
 
     def dimensions(self) -> tuple[str, ...]:
-        """Return the names of its dimensions, from the attached scales; raises ValueError if one has no scale."""
+        """Return the names of the dimensions of the variable; raise ValueError if one has no name."""
         stored = self.stored
         if not stored.shape:
             return ()
@@ -96,7 +96,7 @@ class Variable:
 
 
 def groups_of(group: h5py.Group) -> Iterator[h5py.Group]:
-    """Return a group and all its subgroups in the order of writing."""
+    """Yield a group and all its subgroups in the order of writing."""
     yield group
     for item in group.values():
         if isinstance(item, h5py.Group):
@@ -115,7 +115,7 @@ def variables_of(group: h5py.Group) -> list[Variable]:
 
 
 def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
-    """Return the attributes of an object except links; an array with one value becomes this value."""
+    """Return the attributes of a group or variable except internal ones; an array of one value becomes the value."""
     held = item.attrs
     return {name: _plain(held[name]) for name in held if name not in HIDDEN}
 
@@ -134,19 +134,19 @@ def _plain(value: Any) -> Any:
 
 
 def slab(variable: xr.Variable, positions: Mapping[Any, Any]) -> np.ndarray:
-    """Read values at indices (integers or a slice) along each dimension; unknown dimensions are ignored."""
+    """Read the values at the given indices or slices along each dimension; unknown dimensions are ignored."""
     box, inside = _box(variable, positions)
     return np.asarray(box.isel(inside).values)
 
 
 def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Read r single values, given by (r,) indices along each dimension."""
+    """Read r single values at the given indices (r,) along each dimension."""
     box, inside = _box(variable, places)
     return np.asarray(box.values[tuple(inside[dim] for dim in box.dims)])
 
 
 def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
-    """Return the box around indices, which HDF5 reads fast, and the indices relative to it."""
+    """Read the smallest box that contains all indices, as HDF5 does fast; return it and the indices within it."""
     box: dict[Any, slice] = {}
     inside = {}
     for dim in variable.dims:
@@ -160,7 +160,7 @@ def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variab
 
 
 def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
-    """Return the words for the values of a flag; empty if the variable is not a flag."""
+    """Return the word for each value of a flag variable; empty for other variables."""
     if "flag_meanings" not in variable.attrs:
         return {}
     values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
@@ -168,7 +168,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
 
 
 def flags_as_words(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Replace integer values of a flag by the words of :func:`flag_words`; numbers without a word are unchanged."""
+    """Return the word for each value of a flag; a value without a word is returned as its digits."""
     codes, inverse = np.unique(values, return_inverse=True)
     names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
     return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

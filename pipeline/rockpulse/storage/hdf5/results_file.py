@@ -1,4 +1,4 @@
-"""The results file: atomic writing with provenance, and reading as a whole or in part."""
+"""The results file: writing it atomically with provenance, and reading it as a whole or in part."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 #: Version of the layout in docs/schema.md; files with another version are rejected.
 SCHEMA_VERSION = "2.0"
-#: Kinds of files that can be read, and a group that identifies each.
+#: Kinds of files that can be read, and the group that identifies each.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
 #: Command that creates each kind of file.
 VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility"}
@@ -44,7 +44,7 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
     ----------
     tree : xarray.DataTree
         Results as :func:`rockpulse.assess` returns them (docs/schema.md); every variable has `units` and `long_name`.
-        The attribute `kind` gives their kind; without it they are an assessment.
+        The root attribute `kind` is the kind of results; without it they are an assessment.
     path : str or Path
         File to write.
     overwrite : bool
@@ -83,8 +83,8 @@ def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
                     raise ResultsError(f"{path}: the variable {where} has no {attribute!r}; set it before saving")
 
 
-def load(path: str | os.PathLike[str]) -> xr.DataTree:
-    """Read results into memory, as :func:`rockpulse.load` does, but without the accessor of an assessment."""
+def load_tree(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read results into memory without the ``rockpulse`` accessor, which :func:`rockpulse.load` adds."""
     from rockpulse.storage.hdf5.netcdf4 import read_tree
 
     with opened(path) as (hdf5, _), damage_reported(path):
@@ -93,13 +93,13 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def given_results(results: xr.DataTree | str | os.PathLike[str]) -> xr.DataTree:
-    """Return a tree of results unchanged, or read it from a file with :func:`load`."""
-    return load(results) if isinstance(results, str | os.PathLike) else results
+    """Return results in memory unchanged, or read them from a file."""
+    return load_tree(results) if isinstance(results, str | os.PathLike) else results
 
 
 @contextmanager
 def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict[str, h5py.Dataset]]]:
-    """Open a results file of this schema version; return it, its kind (a key of `KINDS`) and its datasets by path."""
+    """Open a results file of this schema version; yield the file, its kind and its datasets by path."""
     import h5py
 
     from rockpulse.storage.hdf5.layout import checked_datasets
@@ -113,7 +113,7 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
             found = hdf5.attrs.get("schema_version")
             kind = str(hdf5.attrs.get("kind", ASSESSMENT))
             known = KINDS.get(kind, "?") in hdf5 and isinstance(found, str)
-        except BlockingIOError as error:  # a lock on the file
+        except BlockingIOError as error:  # another process has locked the file
             raise ResultsError(
                 f"{path}: another process has this file open for writing; wait until it ends, or close the file there"
             ) from error
@@ -137,7 +137,7 @@ def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
-    """Open a results file and check its variables (docs/schema.md); return it and its kind; errors as in `load`."""
+    """Open a results file and check its variables; yield the file and its kind. Raises ResultsError and OSError."""
     from rockpulse.storage.hdf5.layout import wrong_variables
 
     with checked(path) as (hdf5, kind, datasets):
@@ -150,7 +150,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
 
 @contextmanager
 def damage_reported(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Convert errors from a damaged file to ResultsError in a ``with`` block."""
+    """Convert errors caused by a damaged file in the ``with`` block to ResultsError."""
     try:
         yield
     except RockpulseError:
@@ -164,7 +164,7 @@ WRITTEN_BY = " written by rockpulse "
 
 
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return root attributes that state the origin of a file; existing attributes, such as a title, are kept."""
+    """Return the root attributes of a file, with versions and history added to the given attributes."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}{WRITTEN_BY}{__version__}"
     before = attrs.get("history")
     return {
@@ -180,13 +180,13 @@ def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     }
 
 
-@cache  # each takes a search of the installed files
+@cache  # for each package, Python searches the installed files
 def _versions() -> dict[str, str]:
     return {f"{package}_version": version(package) for package in PACKAGES}
 
 
 def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
-    """Restore a dataset to its state before saving: strings without object type, no old encoding, no checksums."""
+    """Return a dataset as it was before saving: with plain strings, without encoding and checksums."""
     from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
 
     strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
@@ -199,17 +199,17 @@ def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
 
 @dataclass(frozen=True, eq=False)
 class ResultsFile:
-    """An open results file, whose values are read on demand."""
+    """An open results file; its values are read on demand."""
 
     path: Path
-    kind: str  # kind of results in the root attribute
+    kind: str  # root attribute `kind`
     attrs: dict[str, Any]  # attributes of the root
-    groups: tuple[str, ...]  # without the leading slash
-    _hdf5: Any = field(repr=False)  # h5py.File; None of a tree in memory
+    groups: tuple[str, ...]  # names of the groups without the leading slash
+    _hdf5: Any = field(repr=False)  # h5py.File; None for results in memory
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
 
     def dataset(self, group: str) -> xr.Dataset:
-        """Return a group without reading its values; raise ResultsError if it does not exist or is damaged."""
+        """Return a group without reading its values; raise ResultsError if the group is missing or damaged."""
         from rockpulse.storage.hdf5.netcdf4 import dataset_of
 
         if group not in self.groups:
@@ -221,7 +221,7 @@ class ResultsFile:
             try:
                 with self.reading():
                     self._opened[group] = dataset_of(self._hdf5[group])
-            except (KeyError, ValueError) as error:  # a dimension is missing
+            except (KeyError, ValueError) as error:  # the name of a dimension is missing
                 raise ResultsError(
                     f"{self.path}: /{group} was changed or damaged ({error}); 'rockpulse verify' lists every change; "
                     "run the assessment again"
@@ -229,7 +229,7 @@ class ResultsFile:
         return self._opened[group]
 
     def tree(self, *groups: str) -> xr.DataTree:
-        """Return the existing groups among the named ones (by default all) as a tree; values are read on demand."""
+        """Return the named groups that exist, by default all groups, as a tree whose values are read on demand."""
         import xarray as xr
 
         chosen = [name for name in groups or self.groups if name in self.groups]
@@ -239,7 +239,7 @@ class ResultsFile:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Convert errors of HDF5 from a damaged file to ResultsError in a ``with`` block."""
+        """Convert errors of HDF5 in the ``with`` block to ResultsError, as the file is damaged."""
         try:
             yield
         except (OSError, RuntimeError) as error:
@@ -251,15 +251,15 @@ class ResultsFile:
 
 
 def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:
-    """Return a tree of results in memory as an open results file; messages use `name` as its path."""
+    """Return results in memory as a results file; messages show `name` as its path."""
     groups = {str(group): node.to_dataset() for group, node in tree.children.items()}
     attrs = {str(key): value for key, value in tree.attrs.items()}
     return ResultsFile(Path(name), str(attrs.get("kind", ASSESSMENT)), attrs, tuple(groups), None, groups)
 
 
 @contextmanager
-def open_results(path: str | Path) -> Iterator[ResultsFile]:
-    """Open a results file for reading on demand; errors as in :func:`rockpulse.load`."""
+def open_results_file(path: str | Path) -> Iterator[ResultsFile]:
+    """Open a results file, whose values are read on demand; raises the errors of :func:`rockpulse.load`."""
     import h5py
 
     with opened(path) as (hdf5, kind):

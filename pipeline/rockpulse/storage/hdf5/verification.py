@@ -28,19 +28,19 @@ CHUNK = 32 * 1024**2
 
 @dataclass(frozen=True)
 class Verification:
-    """The result of the comparison of a results file and its inputs with their checksums."""
+    """The result of comparing a results file and its input files with their stored checksums."""
 
     kind: str  # kind of results
     schema: str  # schema version
     variables: int  # number of checksums that were compared
     inputs: int  # number of input files that were found and read
-    absent: tuple[str, ...]  # input files that are no longer in place
+    absent: tuple[str, ...]  # input files that are missing
     differences: tuple[str, ...]  # one sentence each; empty if file and inputs are unchanged
 
 
 @dataclass(frozen=True)
 class _Listed:
-    """The variables of an open file, attributes of groups and variables, and dimensions of variables, by path."""
+    """The content of an open file by path: variables, their dimensions, and attributes of groups and variables."""
 
     variables: dict[str, h5py.Dataset] = field(default_factory=dict)
     attrs: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -50,7 +50,7 @@ class _Listed:
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
-    """Compare a results file with its checksums and schema, and with `inputs` also its input files."""
+    """Compare a results file with its checksums and schema and, with `inputs`, its input files with their checksums."""
     with checked(path) as (hdf5, kind, _), damage_reported(path):
         file = _listed(hdf5)
         root = file.attrs["/"]
@@ -74,7 +74,7 @@ def verify(
 
 
 def _listed(hdf5: h5py.File) -> _Listed:
-    """List the content of a file; a dimension without a name, as other programs may write, is listed as "?"."""
+    """List the content of a file; a dimension without a name, possible in other programs' files, is listed as "?"."""
     file = _Listed()
     for group in groups_of(hdf5):
         file.attrs[group.name] = attributes(group)
@@ -112,7 +112,7 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
 
 
 def _checksum(variable: h5py.Dataset) -> str:
-    """Compute the checksum of the current values, read in pieces."""
+    """Return the checksum of the current values of a variable."""
     dtype = np.dtype(object) if h5py.check_string_dtype(variable.dtype) else np.dtype(variable.dtype)
     shape = variable.shape
     checksum = VariableChecksum(dtype, shape)
@@ -126,7 +126,7 @@ def _checksum(variable: h5py.Dataset) -> str:
 
 
 def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
-    """Return the stored input files of every record in an open results file, and their stored SHA-256."""
+    """Return the names of the input files of every record in a results file, each with its stored SHA-256."""
     groups = [
         item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
     ]
@@ -139,7 +139,7 @@ def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
 
 
 def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
-    """Return the SHA-256 (several if it changed) of each file (``archive.zip!member``) that records were read from."""
+    """Return the stored SHA-256 of each input file; there are several if the file changed during the run."""
     found: dict[str, set[str]] = {}
     for source, checksum in stored:
         for name, one in _apart(source, checksum):
@@ -148,7 +148,7 @@ def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
 
 
 def record_folders(configuration: str) -> list[Path]:
-    """Return folders to which stored file names may be relative, from the stored configuration."""
+    """Return the folders in a stored configuration to which stored file names may be relative."""
     try:
         named = stored_sections(configuration).get("records", {}).get("paths", ())
     except ResultsError:
@@ -158,13 +158,13 @@ def record_folders(configuration: str) -> list[Path]:
 
 
 def existing_path(source: str, folders: Iterable[Path]) -> str:
-    """Return the stored path of a file, or its path below one of the folders if the file exists only there."""
+    """Return the stored path of a file, or its path in one of the folders if the file exists only there."""
     named = (source, *(str(folder / source) for folder in folders))
     return next((name for name in named if _there(_location(name)[0])), source)
 
 
 def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
-    """Split the stored files of a record and their checksums; equal checksums are stored once."""
+    """Split the stored file names of a record, and return each name with its checksum."""
     checksums = checksum.split(BETWEEN)
     names = [source] if len(checksums) == 1 and _there(_location(source)[0]) else source.split(BETWEEN)
     if len(checksums) == 1:
@@ -180,7 +180,7 @@ def _there(path: str | Path) -> bool:
 
 
 def _location(source: str) -> tuple[Path, str | None]:
-    """Return the file on disk, and the member if the file is an archive; file names may also contain "!"."""
+    """Return the path on disk and the archive member of a stored file name such as ``archive.zip!member``."""
     if "!" in source and not _there(source):
         archive, _, member = source.partition("!")
         while not _there(archive) and "!" in member:
@@ -191,7 +191,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield each of the sorted files with its current SHA-256, the error on reading it, or None if it is missing."""
+    """Yield each of the sorted files with its SHA-256, an error if it is unreadable, or None if it is missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class TreeWriter:
-    """A results file being written, complete at the end of its ``with`` block; raises OSError on failure."""
+    """A results file that is being written; it is complete at the end of the ``with`` block."""
 
     def __init__(self, path: Path, attrs: Mapping[str, Any]) -> None:
         self._path = path
@@ -34,8 +34,8 @@ class TreeWriter:
         self._attrs: dict[str, dict[str, Any]] = {"/": {}}  # attributes of groups and variables, by path
         self._sizes: dict[str, dict[str, int]] = {}
         self._dims: dict[str, tuple[str, ...]] = {}
-        self._scales: dict[tuple[str, str], h5py.Dataset] = {}  # sizes of dimensions, by group and name
-        self._numbers: dict[tuple[str, str], int] = {}  # scales of dimensions, by group and name
+        self._scales: dict[tuple[str, str], h5py.Dataset] = {}  # scales of dimensions, by group and name
+        self._numbers: dict[tuple[str, str], int] = {}  # numbers of dimensions, by group and name
         self._variables: dict[str, h5py.Dataset] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._written: dict[str, int] = {}
@@ -64,11 +64,11 @@ class TreeWriter:
         self._set(path, group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
-        """Add a variable, such as "/summary/pga", without its values; `dtype` may be a string type."""
+        """Add a variable, such as "/summary/pga"; its values are written later. `dtype` may be a string type."""
         group, _, name = path.rpartition("/")
         group = group or "/"
         if dtype.kind == "b":
-            raise TypeError(f"{path}: expected numbers or texts, was given truth values, which netCDF has not")
+            raise TypeError(f"{path}: expected numbers or texts, found truth values, which netCDF has not")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
         # All values are written later (missing ones as NaN), so that HDF5 need not write fill values first.
         fill = np.array([np.nan], dtype.newbyteorder("=")) if dtype.kind == "f" else None
@@ -107,7 +107,7 @@ class TreeWriter:
             self._variables[path][begin : begin + len(values)] = values
 
     def read(self, path: str, begin: int, end: int) -> np.ndarray:
-        """Read written values from index `begin` to `end` - 1 of the first dimension, strings as numpy strings."""
+        """Read back the values at the indices `begin` to `end` - 1 of the first dimension, strings as numpy strings."""
         variable = self._variables[path]
         if h5py.check_string_dtype(variable.dtype):
             return np.asarray(variable.asstr()[begin:end]).astype(str)
@@ -131,13 +131,13 @@ class TreeWriter:
         return self._hdf5.create_dataset(path, shape, dtype, fillvalue=value, track_order=True, **most)
 
     def _make_scale(self, group: str, dim: str, scale: h5py.Dataset, name: str) -> None:
-        """Turn a dataset into the scale of a dimension."""
+        """Turn a dataset into the HDF5 scale of the dimension `dim`."""
         scale.attrs["_Netcdf4Dimid"] = np.int32(self._numbers[group, dim])
         scale.make_scale(name)
         self._scales[group, dim] = scale
 
     def _take_place(self, group: str, dim: str, dtype: Any, fill: np.ndarray | None) -> h5py.Dataset:
-        """Replace the dataset of a dimension by the variable of the same name, and keep the attached datasets."""
+        """Replace the placeholder of a dimension by the variable of the same name, also where it is referenced."""
         before = self._scales[group, dim]
         attached = [
             (self._variables[path].id, dims.index(dim))
@@ -155,14 +155,14 @@ class TreeWriter:
         return scale
 
     def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
-        """Write attributes of a group or variable; a number becomes a list with one element, as netCDF requires."""
+        """Write attributes of a group or variable; a number becomes an array of one element, as netCDF requires."""
         held, stored = self._attrs.setdefault(path, {}), item.attrs
         for key, value in attrs.items():
             name = str(key)
             if name in HIDDEN:
-                raise ValueError(f"{path}: an attribute cannot have the name {name!r}, which netCDF keeps to itself")
+                raise ValueError(f"{path}: an attribute cannot have the name {name!r}, which netCDF reserves")
             if np.asarray(value).dtype.kind == "b":
-                raise TypeError(f"{path}: attribute {name!r}: expected numbers or texts, was given truth values")
+                raise TypeError(f"{path}: attribute {name!r}: expected numbers or texts, found truth values")
             if isinstance(value, str):
                 value = in_utf8(value)
             elif np.isscalar(value) and not isinstance(value, bytes):
@@ -170,12 +170,12 @@ class TreeWriter:
             held[name] = stored[name] = value
 
     def _close(self, error: BaseException | None) -> None:
-        """Close the file, delete it after an error, and raise the first of several errors."""
+        """Close the file, and truncate it after an error; raise OSError if it could not be written."""
         faults: list[Exception] = []
         if error is None:
             try:
                 self._hdf5.flush()
-            except (OSError, RuntimeError) as fault:  # error of h5py for a full disk
+            except (OSError, RuntimeError) as fault:  # raised by h5py for a full disk
                 faults.append(fault)
         if error is not None or faults:
             # Truncate to free space: on a full disk HDF5 cannot close the file and would crash Python at exit.
@@ -189,7 +189,7 @@ class TreeWriter:
 
 
 def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
-    """Write a whole tree; `attrs` replaces the attributes of its root."""
+    """Write a whole tree to a file; `attrs` replaces the attributes of its root."""
     with TreeWriter(path, attrs) as writer:
         for node in tree.subtree:
             dataset = node.to_dataset(inherit=False)
@@ -201,7 +201,7 @@ def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
 def add_dataset(
     writer: TreeWriter, path: str, dataset: xr.Dataset, attrs: Mapping[str, Any], sizes: Mapping[str, int] | None = None
 ) -> None:
-    """Add a group with the variables of a dataset, without values; `sizes` overrides dimensions of the dataset."""
+    """Add a group with the variables of a dataset, but not their values; `sizes` overrides sizes of dimensions."""
     writer.add_group(path, {**{str(dim): size for dim, size in dataset.sizes.items()}, **(sizes or {})}, attrs)
     # CF: variables name their coordinates that are not dimensions.
     further = {name: set(dataset[name].dims) for name in dataset.coords if name not in dataset.dims}
@@ -216,7 +216,7 @@ def add_dataset(
 
 
 def in_utf8(text: str) -> str:
-    """Return a string for HDF5: bytes that are not UTF-8, possible in file names, become the replacement character."""
+    """Return a string that HDF5 can store; bytes that are not UTF-8 become the replacement character."""
     return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\0", "\ufffd")
 
 
@@ -231,7 +231,7 @@ CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 
 class VariableChecksum:
-    """Checksum of a variable whose values, numbers or strings (dtype of kind U or O), are added in pieces."""
+    """The checksum of one variable, whose values are added in pieces."""
 
     def __init__(self, dtype: np.dtype[Any], shape: tuple[int, ...]) -> None:
         self._text = dtype.kind in "UO"
@@ -239,19 +239,19 @@ class VariableChecksum:
         self._hash = hashlib.sha256(f"{kind} {'x'.join(map(str, shape))}\n".encode())
 
     def add(self, values: np.ndarray) -> None:
-        """Add the next values."""
+        """Add the next values to the checksum."""
         if self._text:
             self._hash.update(b"".join(_bytes(text) + b"\0" for text in values.ravel().tolist()))
         else:
             self._hash.update(np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data)
 
     def hexdigest(self) -> str:
-        """Return the checksum of the added values."""
+        """Return the checksum of all added values."""
         return self._hash.hexdigest()
 
 
 def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapping[str, Sequence[str]]) -> str:
-    """Return the checksum of all attributes, including the checksums of variables, and of dimension names."""
+    """Return the checksum of all attributes and dimension names of a file."""
     lines = [f"{path} {' '.join(dimensions[path])}" if path in dimensions else path for path in attrs]
     for path, own in attrs.items():
         for name, value in own.items():
@@ -262,7 +262,7 @@ def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapp
 
 def _of_value(value: Any) -> str:
     values = np.atleast_1d(np.asarray(value))
-    if values.dtype.kind == "S":  # also a text
+    if values.dtype.kind == "S":  # byte strings are texts, too
         values = values.astype(object)
     checksum = VariableChecksum(values.dtype, values.shape)
     checksum.add(values)

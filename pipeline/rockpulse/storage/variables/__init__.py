@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rockpulse.errors import Failure
 
 
-#: Value of an unknown flag.
+#: Integer value of a flag that is not known.
 NOT_KNOWN = -1
 NO_YES = ("no", "yes")
 
@@ -32,17 +32,17 @@ class StoredVariable:
     take: Callable[..., Any] | None = None
     _: KW_ONLY
     dims: tuple[str, ...] = ()  # without `case` if every block has one restitution
-    words: tuple[str, ...] = ()  # words of a flag for its values, which count up from `first`
+    words: tuple[str, ...] = ()  # words of a flag; their values count up from `first`
     first: int = 0
-    explanation: str = ""  # text of docs/schema.md besides the long name
-    stored: Callable[[Config], bool] | None = None  # whether a configuration has it; None: always
-    comment: Callable[[Config], str] | None = None  # its attribute `comment` in an assessment with a configuration
-    of_ground: bool = False  # whether it is absent if a sequence of impulses replaces a record
+    explanation: str = ""  # further text for docs/schema.md
+    stored: Callable[[Config], bool] | None = None  # whether the variable is stored under a configuration; None: always
+    comment: Callable[[Config], str] | None = None  # its attribute `comment` for a configuration
+    of_ground: bool = False  # whether it needs a record, and is absent for a sequence of impulses
     sample_dimension: str = ""  # for counts of values in a ragged array (CF): the dimension that is counted
 
     @property
     def absent(self) -> Any:
-        """Value for missing data: NaN, an empty string or -1."""
+        """The value that represents missing data: NaN, an empty string or -1."""
         return {float: np.nan, str: ""}.get(self.kind, -1)
 
     def values(self, values: Any) -> np.ndarray:
@@ -50,7 +50,7 @@ class StoredVariable:
         return np.asarray(values, dtype=self.kind)
 
     def variable(self, values: Any, dims: tuple[str, ...] | None = None, config: Config | None = None) -> xr.Variable:
-        """Return the values as a variable with its attributes, along `dims` or the declared dimensions."""
+        """Return values as an xarray variable with the declared attributes, along `dims` or the declared dimensions."""
         import xarray as xr
 
         attrs: dict[str, Any] = {"units": self.units, "long_name": self.long_name}
@@ -97,7 +97,7 @@ def along(
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """Declare variables along the same dimensions; `by` creates a missing `take` of a variable from its name."""
+    """Declare variables with the same dimensions; `by` creates `take` from the name of a variable without it."""
     return {
         name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()
@@ -105,7 +105,7 @@ def along(
 
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:
-    """Return every declared variable with its values; raise KeyError for a missing or an undeclared variable."""
+    """Return every declared variable with its values; raise KeyError if `values` has too few or too many names."""
     if unmatched := declared.keys() ^ values.keys():
         raise KeyError(f"not both declared and given: {', '.join(sorted(unmatched))}")
     return {name: variable.variable(values[name]) for name, variable in declared.items()}
@@ -121,7 +121,7 @@ FAILURE = along(
 
 
 def failure_table(failures: Iterable[Failure]) -> xr.Dataset:
-    """Create the node /failures of a file of any kind."""
+    """Return the group /failures of a results file, with one row for each failure."""
     import xarray as xr
 
     rows = list(failures)

@@ -1,4 +1,4 @@
-"""The groups of an assessment: every variable of each, and its source in an assessed record."""
+"""The variables of an assessment file by group, each with the function that returns its values."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +15,7 @@ GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "
 
 
 def _column(table: str, pick: Callable[[Any], np.ndarray]) -> Callable[[Any], np.ndarray]:
-    """Return a function that reads a column of a table of an assessed record, joined over its models."""
+    """Return a function that reads one column of a table of an assessed record and joins it over the models."""
 
     def taken(one: Any) -> np.ndarray:
         found = [pick(rows) for rows in getattr(one, table)]
@@ -33,7 +33,7 @@ def _model(rows: Any) -> np.ndarray:
 
 
 def _pointers(table: str) -> dict[str, StoredVariable]:
-    """Return the index columns of a table of an assessed record; the record has index 0."""
+    """Declare the index columns of a table; as it belongs to one record, the index of the record is 0."""
     return {
         "record_index": whole("index into record of /summary", _column(table, _first_record)),
         "block_index": whole("index into block of /summary", _column(table, lambda rows: rows.block)),

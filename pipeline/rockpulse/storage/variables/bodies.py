@@ -1,4 +1,4 @@
-"""The variables of the bodies in /summary, and the source of each in the bodies of an assessment."""
+"""The variables of the bodies in /summary, each with the function that returns its values."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +13,7 @@ from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
 
 def _lifting(lanes: Block) -> np.ndarray:
-    """Return the smallest horizontal acceleration that lifts each body, (m,) [m/s2]: g tan(alpha_c) if unrestrained."""
+    """Return the smallest horizontal acceleration that lifts each body (m,) [m/s2]."""
     from rocking.search.capacity import uplift_scale  # imports the solvers, which viewing results does not need
 
     return uplift_scale(lanes, np.array([-1.0, 1.0]))

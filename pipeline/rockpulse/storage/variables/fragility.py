@@ -8,11 +8,11 @@ from rockpulse.storage.variables.summary import FACTS, RECORD
 
 #: Root attribute `kind` of a fragility file, and its first group.
 FRAGILITY = "fragility"
-#: Entry in place of a unit, for values in the unit of the measure.
+#: Text in place of a unit, for values in the unit of the intensity measure.
 OWN = "see measure_units"
-#: Name of the property that depends on the measure: the scale factor from a record to a level.
+#: Name of the property that depends on the intensity measure: its value for the record at scale factor 1.
 STRENGTH = "strength"
-#: Properties that only some record files state, by the names of their fields.
+#: Properties that only some record files state; they are fields of a record.
 STATED = ("magnitude", "epicentral_distance", "vs30")
 #: Properties other than intensity that are known for every record.
 QUALITIES = ("duration", "period", "strong_half_waves")
@@ -180,7 +180,7 @@ def _pooled(declared: Declared) -> Declared:
     return {f"pooled_{name}": variable for name, variable in declared.items()}
 
 
-#: Variables of each body and then of all bodies together, which have values only for dimensionless measures.
+#: Variables of each body, and then of all bodies together; the latter only for dimensionless measures.
 EFFICIENCY: Declared = {
     **along(_LANES, **_RATIO),
     **along((*_LANES, "quality"), **_QUALITY),

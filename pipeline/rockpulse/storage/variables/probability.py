@@ -10,12 +10,12 @@ from rocking.body.limits import RATES
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
 
-#: Mean over direction of the probability of overturning, for a body whose direction is unknown.
+#: Name of the mean over direction of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
-#: Sources of the probability, in the order of the flag.
+#: Words of the flag `probability_source`, in the order of its values.
 SOURCES = ("none", "spectrum", "own_motions")
 
-#: Variables by their names in :class:`rocking.OverturningFactors`.
+#: The field of :class:`rocking.OverturningFactors` that each variable contains.
 READ = {
     "overturning_probability": "at_one",
     "factor_10": "factor_10",
@@ -43,7 +43,7 @@ def _comment(config: Config) -> str:
 
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
-    """Declare a value and the ends of its 90 % interval."""
+    """Declare a variable and the two ends of its 90 % interval."""
     told = {
         name: long_name,
         f"{name}_low": f"lower end of the interval of 90 % of {name}",
@@ -114,7 +114,7 @@ AT_DEMAND: Declared = {
 
 #: Nominal restitutions of a stored spectrum [-].
 RESTITUTIONS = np.linspace(0.75, 1.0, 6)
-#: Scale factors divided by the mean capacity at which the probability is stored [-], from 0.2 to 5.
+#: Scale factors at which the probability is stored, divided by the mean capacity [-], from 0.2 to 5.
 LEVELS = np.exp(np.linspace(-1.6, 1.6, 65))
 #: Limit states of rotation with separate spectra, as theta/alpha_c [-].
 ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
@@ -157,7 +157,7 @@ SPECTRUM: Declared = {
     ),
 }
 
-#: Lengths of the axes of a spectrum.
+#: Number of values along each axis of a spectrum.
 AXIS_SIZES = {"p": RATES.size, "restitution": RESTITUTIONS.size, "level": LEVELS.size, "rotation": ROTATIONS.size}
 
 
@@ -170,7 +170,7 @@ def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
     return replace(variable, dims=("record", *variable.dims), take=take, stored=_has, of_ground=True)
 
 
-#: The group /spectra of an assessment without record names; values are NaN at a p that no body needs.
+#: Variables of /spectra in an assessment, except record names; values are NaN at a p that no body needs.
 SPECTRA: Declared = {
     **{name: replace(axis, stored=_has) for name, axis in SPECTRUM_AXES.items()},
     **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},

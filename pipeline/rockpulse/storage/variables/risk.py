@@ -4,7 +4,7 @@ from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
-#: Status of a frequency: NO_LIMIT if the integral diverges towards low levels, NOT_COVERED by the spectra.
+#: Status of a frequency. NO_LIMIT: the integral diverges at low levels. NOT_COVERED: outside the spectra.
 RiskStatus = IntEnum("RiskStatus", "GIVEN NO_CURVE NO_LIMIT NOT_COVERED", start=0)
 
 

@@ -19,7 +19,7 @@ PARAMETER: dict[str, tuple[str, str]] = {
     "duration": ("s", "time within which main impulses act; NaN without a limit"),
 }
 
-#: Entry in place of a unit, for values whose unit depends on the parameter.
+#: Text in place of a unit, for values whose unit depends on the parameter.
 _OF_PARAMETER = "parameter_unit"
 
 #: Variables of every record, for both methods.
@@ -140,7 +140,7 @@ COORDINATES: Declared = {
 
 
 def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -> dict[str, StoredVariable]:
-    """Declare a variable and both ends of its interval."""
+    """Declare a variable and the two ends of its confidence interval."""
     return {
         name: real(meaning, units, explanation=explanation),
         **{

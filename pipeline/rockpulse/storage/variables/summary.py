@@ -1,4 +1,4 @@
-"""The variables of /summary in an assessment in the order of the file, and the source of each."""
+"""The variables of /summary in an assessment file, in their order, each with the function that returns its values."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -23,8 +23,8 @@ def _of_record(name: str) -> Callable[[Any], Any]:
     return lambda one: getattr(one.record, name)
 
 
-#: Earthquake and site data from the file of a record, by the fields of a record: functions of an object with a
-#: `record`; stored for every record in every study.
+#: Earthquake and site data of a record, with the names of its fields; stored for every record in every study. They
+#: are taken from any object with the attribute `record`.
 FACTS: Declared = along(
     ("record",),
     _of_record,
@@ -48,7 +48,7 @@ FACTS: Declared = along(
 
 
 def facts_of(one: Any) -> dict[str, Any]:
-    """Return the values of :data:`FACTS` for any object with a `record`."""
+    """Return the earthquake and site data (:data:`FACTS`) of an object with the attribute `record`."""
     return {name: fact.take(one) for name, fact in FACTS.items() if fact.take is not None}
 
 
@@ -56,7 +56,7 @@ def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable
     return lambda one: absent if one.sequence is None else take(one.sequence)
 
 
-#: Functions that return values other than record fields from an assessed record.
+#: Functions of an assessed record for variables that are not fields of the record.
 _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "event": None,  # known only after all records are read
     "event_title": _of_record("event"),
@@ -80,7 +80,7 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    """Arrange values (b x c, ...) that `pick` returns for each of k models as (b, c, k, ...)."""
+    """Return a function that stacks the values of `pick` for every model to an array (block, case, model, ...)."""
     return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 
@@ -89,13 +89,13 @@ def _of_search(name: str) -> Callable[[Any], Any]:
 
 
 def _where_searched(name: str) -> Callable[[Any], Any]:
-    """Return an integer from the search for scale factors, or -1 without a search."""
+    """Return a function that reads an integer result of the search for scale factors; -1 without a search."""
     return _per_model(
         lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
     )
 
 
-#: Functions that return values other than those of the response.
+#: Functions of an assessed record for variables that are not fields of the response.
 _OF_ANSWER: dict[str, Callable[[Any], Any]] = {
     "safety_factor": _of_search("safety_factor"),
     "factor_resolved": _where_searched("factor_resolved"),
@@ -112,7 +112,7 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
 
 
 def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
-    """Declare the variable of each measure, followed by a flag for values in doubt due to baseline drift."""
+    """Declare each measure and, if it is sensitive to baseline drift, a flag for doubtful values."""
     found = {}
     for one in measures:
         long_name = f"{one.meaning or one.long_name}{one.stored}"

@@ -126,7 +126,7 @@ def _checked(
 
 
 def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return `probability`, `factor_50` and `beside` (reason for NaN) of (m,) bodies from equal ones in the results."""
+    """Return the arrays `probability`, `factor_50` and `beside` (reason for NaN) of m bodies, from the results."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]
@@ -140,14 +140,14 @@ def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) 
             medians = [np.nanmedian(column) for column in motions.T[lanes] if not np.isnan(column).all()]
             factor[place] = min(medians, default=math.nan)
             if few := [one for one in (every[lane].deciding for lane in lanes) if one is not None and one.few]:
-                beside[place] = f"only records of {few[0].earthquakes} earthquakes can be scaled to {few[0].name}: no P"
+                beside[place] = f"no P: only records of {few[0].earthquakes} earthquakes can be scaled to {few[0].name}"
             else:
                 probability[place] = np.fmax.reduce([every[lane].decides.value for lane in lanes])
     return {"probability": probability, "factor_50": factor, "beside": np.array(beside, dtype=object)}
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name, each with and without its pedestal."""
+    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each of them."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 
@@ -155,7 +155,7 @@ def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: Blo
     if name not in answers.blocks:
         return "the results have no body of this name"
     if not answers.probable:
-        return "the results hold no probability"
+        return "the results contain no probability"
     if there is None:
         return "the results do not contain the geometry of their bodies"
     others = [key for key in sorted({*here.keys()} - NOT_OF_A_CODE) if here[key] != there[key]]

@@ -37,7 +37,7 @@ EN_1998 = {
     },
 }
 
-#: Ground types of NTC 2018 (Table 3.2.IV): limits of S_S, numbers first and second in S_S = first - second F_0 a_g/g,
+#: Ground types of NTC 2018 (Table 3.2.IV): limits of S_S, the numbers c and d in S_S = c - d F_0 a_g/g,
 #: and factor and power in C_C = factor (T_C*)^power.
 NTC = {
     "A": ((1.0, 1.0, 1.0, 0.0), (1.0, 0.0)),
@@ -54,22 +54,22 @@ PERIODS = 401
 
 
 def damping_factor(damping: float) -> float:
-    """Return the damping correction factor eta for a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
+    """Return the damping correction factor eta of EN 1998-1 (3.6) and NTC 2018 (3.2.4) for a damping ratio [-]."""
     return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
 
 
 def displacement_of(period: float, acceleration: float) -> float:
-    """Convert S_e [m/s2] at a period [s] to S_De [m]."""
+    """Convert a spectral acceleration [m/s2] at a period [s] to a spectral displacement [m]."""
     return acceleration * (period / (2.0 * math.pi)) ** 2
 
 
 class TableEnds(ConfigError):
-    """Error: a period is beyond the end of a tabulated spectrum."""
+    """Error: a period is longer than the last period of a tabulated spectrum."""
 
 
 @dataclass(frozen=True)
 class CodeSpectrum:
-    """The spectrum of EN 1998-1 or NTC 2018."""
+    """The elastic response spectrum of EN 1998-1 or NTC 2018."""
 
     ground: float  # a_g S [m/s2]
     plateau: float  # F_0 [-]
@@ -85,13 +85,13 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the largest S_De [m] up to a period [s], which is the value at the period, as S_De never decreases."""
+        """Return the largest S_De [m] up to a period [s]; it is the value at that period, as S_De never decreases."""
         return displacement_of(period, self(period, damping))
 
 
 @dataclass(frozen=True, eq=False)
 class TabledSpectrum:
-    """A spectrum for 5 % damping, interpolated in a table; eta converts it to other damping except at period 0."""
+    """A spectrum for 5 % damping, interpolated in a table; the factor eta converts it to other damping ratios."""
 
     period: np.ndarray  # (n,) T [s] from 0, ascending
     acceleration: np.ndarray  # (n,) S_e [m/s2], positive
@@ -103,7 +103,7 @@ class TabledSpectrum:
         if period.ndim != 1 or period.shape != values.shape or period.size < 2:
             wrong = "as many accelerations as periods, two or more"
         elif period[0] != 0.0:
-            wrong = f"a first period of 0 s, that of the ground's peak, found {period[0]:g} s"
+            wrong = f"0 s as the first period, for the peak ground acceleration, found {period[0]:g} s"
         elif not (np.all(np.isfinite(period)) and np.all(np.diff(period) > 0.0)):
             wrong = "periods in ascending order"
         elif not np.all(np.isfinite(values) & (values > 0.0)):
@@ -115,11 +115,11 @@ class TabledSpectrum:
 
     @property
     def ground(self) -> float:
-        """Peak ground acceleration [m/s2], S_e at period 0."""
+        """Peak ground acceleration [m/s2]: S_e at the period 0."""
         return float(self.acceleration[0])
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """Return S_e [m/s2] at a period [s]; raise TableEnds beyond the table."""
+        """Return S_e [m/s2] at a period [s]; raise TableEnds if the table ends before this period."""
         if period > self.period[-1]:
             raise TableEnds(
                 f"{self.words}: the table ends at {self.period[-1]:g} s, but {period:.3g} s is needed; extend it"
@@ -145,13 +145,13 @@ class GivenSpectrum:
         return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
 
 
-#: Types: a spectrum with a method for the largest displacement, and any elastic spectrum.
+#: A spectrum with a method for the largest displacement, and any elastic spectrum.
 DemandSpectrum: TypeAlias = CodeSpectrum | TabledSpectrum
 ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """Return the spectrum of a configuration, its file relative to `folder`; raise ConfigError if it has none."""
+    """Return the spectrum of [check], with file names relative to `folder`; ConfigError if there is none."""
     if settings.file is not None:
         return _tabled(folder / settings.file)
     if settings.ag is None:

@@ -40,13 +40,13 @@ PLATEAU = (0.8, 1.1)
 
 
 class Checked(NamedTuple):
-    """The check of one body according to one code; values that are not needed or unknown are NaN."""
+    """The result of checking one body according to one code; values that are unnecessary or unknown are NaN."""
 
     activation: float = math.nan  #: spectral acceleration that activates the mechanism, with FC [m/s2]
-    activation_demand: float = math.nan  #: its demand, with q [m/s2]
+    activation_demand: float = math.nan  #: demand on that acceleration, with q [m/s2]
     displacement: float = math.nan  #: allowed spectral displacement [m]
     period: float = math.nan  #: period of the displacement demand [s]
-    displacement_demand: float = math.nan  #: [m]
+    displacement_demand: float = math.nan  #: demand on the spectral displacement [m]
     displacement_ratio: float = math.nan  #: allowed displacement over demand [-]; passes if at least 1
     statement: str = ""  #: reason for missing values
     activation_sense: str = ""  #: one of SENSES; empty if both are equal
@@ -54,7 +54,7 @@ class Checked(NamedTuple):
 
     @property
     def activation_ratio(self) -> float:
-        """Activation acceleration of the mechanism divided by its demand [-]; 1 or more passes."""
+        """Acceleration that activates the mechanism, divided by the demand [-]; a ratio of 1 or more passes."""
         return self.activation / self.activation_demand
 
 
@@ -87,7 +87,7 @@ def circolare_2009(
 def circolare_2019(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
-    """Run the analysis with q and the displacement check of Circolare 7/2019, C8.7.1.2.1."""
+    """Run the linear kinematic analysis with q and the displacement check of Circolare 7/2019, C8.7.1.2.1."""
     activation, asked = _activation(body, settings), max(spectrum.ground, floor_peak(spectrum, floors))
     part, factor, damping = STATES[settings.limit_state]
     allowed = part * body.collapse_displacement
@@ -127,7 +127,7 @@ def _activation(body: Mechanism, settings: CheckSettings) -> float:
 
 
 def floor_peak(spectrum: DemandSpectrum, floors: Sequence[FloorSettings]) -> float:
-    """Return the peak floor acceleration a_Z(z) [m/s2] of Circolare 7/2019, (C7.2.7) and (C7.2.8); 0 on the ground."""
+    """Return the peak floor acceleration a_Z [m/s2] of Circolare 7/2019, (C7.2.7) and (C7.2.8); 0 on the ground."""
     return math.hypot(*(_mode_peak(spectrum, one) for one in floors)) if floors else 0.0
 
 
@@ -141,7 +141,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
     """Return the floor spectrum S_eZ(T, xi, z) [m/s2] of Circolare 7/2019, (C7.2.5) and (C7.2.6)."""
     parts = []
     for floor in floors:
-        # xi_k as a ratio: in percent, as printed, the spectrum would have a minimum at the floor's period.
+        # xi_k is a ratio: with percent, as printed in the circular, the floor's period would be a minimum.
         high = 1.1 * floor.damping**-0.5 * damping_factor(damping)
         rising, falling = (share * floor.period for share in PLATEAU)
         below, above = max(0.0, 1.0 - period / rising), max(0.0, period / falling - 1.0)
@@ -153,7 +153,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
 
 
 def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Return the largest S_De up to a period [m] (C8.7.1.2.1.8); on floors from (C8.7.1.12)."""
+    """Return the largest spectral displacement [m] up to a period (C8.7.1.2.1.8), on floors from (C8.7.1.12)."""
     if not floors:
         return spectrum.displacement(period, damping)
     own = max(one.period for one in floors)
@@ -169,13 +169,13 @@ CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], 
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Combine the worse acceleration check and the worse displacement check of both directions of rotation."""
+    """Return one check with the worse acceleration and the worse displacement check of both directions of rotation."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:
         one = senses[place]
         if math.isnan(one.displacement_ratio):
-            # A mechanism without resistance is worse than any ratio.
+            # A mechanism without resistance has the worst ratio.
             return math.inf if math.isnan(one.displacement) else -math.inf
         return one.displacement_ratio
 

@@ -24,12 +24,12 @@ SENSES = ("positive", "negative")
 
 
 class Weight(NamedTuple):
-    """A weight of a mechanism."""
+    """A weight of a mechanism, with its position relative to the corner."""
 
-    weight: float  #: [N]; of any value for a body without restraints
-    arm: float  #: x, its distance behind the corner [m]
-    height: float  #: z, above the corner [m]
-    moving: bool  #: whether its mass moves with the body
+    weight: float  #: [N]; of any value if the body has no restraints
+    arm: float  #: x, distance behind the corner [m]
+    height: float  #: z, height above the corner [m]
+    moving: bool  #: whether the mass moves with the body
 
 
 class Force(NamedTuple):
@@ -37,15 +37,15 @@ class Force(NamedTuple):
 
     force: float  #: [N]; negative if it drives the rotation
     height: float  #: [m]
-    begins: float = 0.0  #: first displacement at which it acts [m]
-    ends: float = math.inf  #: last displacement at which it acts [m]
+    begins: float = 0.0  #: displacement from which the force acts [m]
+    ends: float = math.inf  #: displacement up to which the force acts [m]
 
 
 @dataclass(frozen=True)
 class Mechanism:
-    """The mechanism of overturning about one corner."""
+    """The mechanism of a body that overturns about one corner."""
 
-    weights: tuple[Weight, ...]  # the body first
+    weights: tuple[Weight, ...]  # the weight of the body first
     forces: tuple[Force, ...] = ()  # ties, friction and thrusts
     gravity: float = STANDARD_GRAVITY  # [m/s2]
 
@@ -67,11 +67,11 @@ class Mechanism:
 
     @property
     def _lever(self) -> float:
-        """Spectral displacement divided by the rotation [m]: Circolare 7/2019, (C8.7.1.4)."""
+        """Ratio of spectral displacement to rotation [m]: Circolare 7/2019, (C8.7.1.4)."""
         return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
 
     def at(self, rotation: float, lasting: bool = False) -> float:
-        """Return alpha at a rotation [rad]; `lasting` omits forces that cease to act before d_0."""
+        """Return the multiplier alpha at a rotation [rad]; `lasting` omits forces that end before collapse."""
         held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
         for force in self.forces:
             acts = force.begins <= force.height * rotation <= force.ends
@@ -81,7 +81,7 @@ class Mechanism:
 
     @property
     def collapse_displacement(self) -> float:
-        """Spectral displacement d_0 at zero resistance, with the forces that act until collapse [m]."""
+        """Spectral displacement d_0 at which the resistance becomes zero [m]."""
         weights = sum(one.weight * one.height for one in self.weights)
         knots = sorted({0.0, *(one.begins / one.height for one in self.forces if one.begins > 0.0)})
         for begin, end in zip(knots, [*knots[1:], math.inf], strict=True):
@@ -91,12 +91,12 @@ class Mechanism:
         return math.inf
 
     def capacity(self, displacement: float) -> float:
-        """Return alpha = e* a/g [-] at the rotation that corresponds to a spectral displacement [m]; at least 0."""
+        """Return the multiplier alpha [-] at the rotation that belongs to a spectral displacement [m]; at least 0."""
         return max(0.0, self.at(displacement / self._lever))
 
 
 def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
-    """Return weights whose mass stays with the building, and forces, for the corner of theta > 0."""
+    """Return the weights whose mass stays with the building, and the forces, for theta > 0."""
     weights, forces = [], []
     for load in restraints.loads:
         assert load.friction is not None  # loads without friction move with the body
@@ -117,10 +117,10 @@ def _bearing(load: Load, base: float) -> float:
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
-    """Return the mechanisms towards theta > 0 and theta < 0, only one if they are equal or a wall prevents the other.
+    """Return the mechanisms towards theta > 0 and theta < 0; only one if both are equal or a wall prevents the other.
 
-    Lanes may differ only in restitution. If loads move with the block, `alone` is the body without them and `carried`
-    lists them as separate weights. Raises ValueError for a tie without a yield force.
+    `block` may have several restitutions, which have no effect. If loads move with the block, `alone` is the body
+    without them and `carried` lists them as separate weights. Raises ValueError for a tie without a yield force.
     """
     whole, body = (one.lane(0) if one.shape else one for one in (block, block if alone is None else alone))
     found = [_mechanism(whole, body, carried)]
@@ -144,7 +144,7 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
 
 
 def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
-    """Return the mechanisms (:func:`senses_of`) of a configured body, alone and with its pedestals, by name."""
+    """Return the mechanisms of a body by name, alone and on each of its pedestals (see :func:`senses_of`)."""
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)
     alone = replace(body, loads=rest).block() if carried else None

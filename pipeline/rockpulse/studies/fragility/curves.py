@@ -1,4 +1,4 @@
-"""A fragility curve: the observed capacities, the fit, and its confidence band over events.
+"""A fragility curve: its fit to observed capacities, and its confidence band over events.
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
    capacity. Records of one event are not independent, so a band is computed by leaving out each event in turn
@@ -27,17 +27,17 @@ from rockpulse.warning_text import as_stored
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A fragility curve, or a statement of why there is none; undetermined numbers are NaN."""
+    """A fragility curve, or a statement of why there is no curve; numbers that are not determined are NaN."""
 
-    status: Status  # status of the curve: present, or reason for its absence
-    band: Band  # status of the band: present, or reason for its absence
+    status: Status  # whether there is a curve, or why not
+    band: Band  # whether there is a band, or why not
     extrapolated: Extrapolated  # whether the median is outside the range of levels
-    statement: str  # the three statuses in words; empty for a curve with a band and a median within the levels
+    statement: str  # these three in words; empty for a curve with a band and a median within the levels
     statement_values: str  # the statement as it is stored
     records: int
     events: int
-    observations: int  # number of rows
-    reached: int  # number of rows whose capacity is known exactly or at most the level
+    observations: int  # number of observations
+    reached: int  # number of observations that reached the limit state
     median: float  # measure at which the limit state is reached with probability 1/2, in the unit of the measure
     beta: float  # standard deviation of ln capacity [-]; 0 for equal capacities
     median_low: float  # confidence limits
@@ -51,7 +51,7 @@ class Curve:
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the probability and both ends of its band [-] at levels (k,) of the measure; NaN if undetermined."""
+        """Return the probability and both ends of its band [-] at levels (k,) of the measure; NaN if not determined."""
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
             nothing = np.full(levels.shape, np.nan)
@@ -63,8 +63,8 @@ class Curve:
 
     @cached_property
     def log_beta(self) -> np.ndarray:
-        """ln beta (1 + events,) from all rows, then with each event left out."""
-        with np.errstate(invalid="ignore"):  # without one event the fitted curve may decrease
+        """ln beta (1 + events,): from all observations, then without each event."""
+        with np.errstate(invalid="ignore"):  # a curve fitted without an event may decrease
             return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
 
 
@@ -163,9 +163,9 @@ def fit_stripes(
 def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 0.9) -> Curve:
     """Fit a fragility curve to observations of any kind; options and errors as in :func:`fit_capacities`.
 
-    The band of eta = a + b ln x, of ln median and of ln beta is the estimate plus or minus Student's t with K - 1
-    degrees of freedom times the jackknife error over the K events, s^2 = (K - 1)/K sum (estimate without event k -
-    estimate)^2 (MacKinnon, Nielsen & Webb 2023, arXiv:2301.04527).
+    Bands of eta = a + b ln x, of ln median and of ln beta are the estimate plus or minus t s. t is a quantile of
+    Student's t with K - 1 degrees of freedom, and s the jackknife error over K events, s^2 = (K - 1)/K sum (estimate
+    without event k - estimate)^2 (MacKinnon, Nielsen & Webb 2023, arXiv:2301.04527).
     """
     if model not in FAMILIES:
         raise ConfigError(f"fragility: model: expected one of {', '.join(FAMILIES)}, got {model!r}")
@@ -221,7 +221,7 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
 
 
 def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Scale values (n,), not all equal, to zero mean and unit deviation; return them, the mean and the deviation."""
+    """Return values (n,) scaled to mean zero and standard deviation one, their mean and their standard deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
 

@@ -28,7 +28,7 @@ from rockpulse.studies.fragility.statements import missing
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """Return beta divided by beta of a reference measure [-], with jackknife limits over the same events; or NaN."""
+    """Return beta divided by the beta of a reference curve, with both jackknife limits; NaN if not determined."""
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
@@ -36,7 +36,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
-    """Return the slope d ln median/d ln u [-] for a property u, and its p-value (jackknife over events); or NaN."""
+    """Return the slope d ln median/d ln u for a property u of the records, and its p-value; NaN if not determined."""
     nothing = np.nan, np.nan
     known = rows.with_property(column)
     if not np.all(known):
@@ -62,22 +62,22 @@ def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tu
 
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """Capacities of n records and m lanes, in k measures, for s limit states."""
+    """The capacities of m bodies under n records, for s limit states, in k intensity measures."""
 
-    ids: list[str]  # n, ids of the records
-    clusters: list[str]  # n, their events
-    sources: list[str]  # n, their files
-    measures: np.ndarray  # (n, k, m), intensity measures of the unscaled records
-    qualities: np.ndarray  # (n, c), in the order of QUALITIES
-    facts: dict[str, np.ndarray]  # (n,) each, properties of earthquake and site by the names in FACTS
-    factors: np.ndarray  # (n, s, m) first to reach each limit state, or (n, r, m) all analysed [-]
-    step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan for first factors
-    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was reached
-    weight: np.ndarray | None  # (n, r), weight of each factor [-]
+    ids: list[str]  # (n,) ids of the records
+    clusters: list[str]  # (n,) events of the records
+    sources: list[str]  # (n,) files of the records
+    measures: np.ndarray  # (n, k, m) intensity measures of the unscaled records
+    qualities: np.ndarray  # (n, c) properties in the order of QUALITIES
+    facts: dict[str, np.ndarray]  # (n,) properties of earthquake and site by name
+    factors: np.ndarray  # (n, s, m) first to reach a limit state, or (n, r, m) all analysed scale factors [-]
+    step: np.ndarray | None  # (n, m) ratio of successive scale factors in the search for the first
+    reached: np.ndarray | None  # (n, s, r, m) 1 if the limit state was reached, 0 if not, or NOT_KNOWN
+    weight: np.ndarray | None  # (n, r) weight of each scale factor [-]
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Return the observations of one limit state in one measure, both by index, for one or several lanes."""
+        """Return the observations of one limit state in one measure for some of the bodies; all are indices."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -102,21 +102,21 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """Properties (n, c) stated in record files, in the order of STATED, with exp(magnitude); NaN if not stated."""
+        """Properties (n, c) in the order of STATED, with exp(magnitude); NaN if the file does not state them."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
 
     def quality_counts(self) -> tuple[list[int], list[int]]:
-        """Return the number of records with each property in the order of TESTED, and the number of their events."""
-        every = np.ones((len(self.ids), 1))  # the measure before scaling is known for every record
+        """Return the number of records and of events for which each property in TESTED is known."""
+        every = np.ones((len(self.ids), 1))  # the intensity measure is known for every record
         values = np.column_stack([self.qualities, every, self.stated])
         known, clusters = np.isfinite(values) & (values > 0.0), np.array(self.clusters, dtype=str)
         return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
 def gather_ensemble(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
-    """Collect the capacities of all records, sorted by id."""
+    """Join the capacities of all records, sorted by id, into one ensemble."""
     done = joined([empty_capacity(lanes, config, selection), *parts])
     return Ensemble(
         ids=done["record"].tolist(),
@@ -134,7 +134,7 @@ def gather_ensemble(parts: Sequence[Part], lanes: int, config: Config, selection
 
 
 def stored_ensemble(tree: xr.DataTree) -> Ensemble:
-    """Read the capacities from the tree of a fragility file."""
+    """Return the capacities that are stored in a fragility file."""
     table = tree["capacities"].to_dataset()
     config = config_from_text(str(tree.attrs["configuration"]))
     factors, reached = (table[name].values for name in ("factor", "reached"))
@@ -156,19 +156,19 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """Curves (g, s, k) of g groups of lanes, with slopes and p-values (g, s, k, c) for the properties in TESTED."""
+    """Curves (g, s, k) of g groups of bodies, with slopes and p-values (g, s, k, c) for the properties in TESTED."""
 
     curves: np.ndarray
     slope: np.ndarray
     p_value: np.ndarray
 
     def of(self, attribute: str) -> np.ndarray:
-        """Return one attribute of every :class:`~rockpulse.studies.fragility.curves.Curve`: (g, s, k)."""
+        """Return one attribute of every curve as an array (g, s, k)."""
         return np.vectorize(lambda curve: getattr(curve, attribute), otypes=[object])(self.curves)
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit curves and test sufficiency for all limit states and measures, for groups only in dimensionless measures."""
+    """Fit all curves and test their sufficiency; groups of several bodies are fitted only in dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

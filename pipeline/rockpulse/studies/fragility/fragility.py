@@ -23,9 +23,9 @@ from rockpulse.selection.tables import selection_of
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables import fragility as stored
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble
-from rockpulse.studies.fragility.motion_capacity import BodyLanes, empty_capacity, motion_capacity
+from rockpulse.studies.fragility.motion_capacity import FragilityBodies, empty_capacity, motion_capacity
 
-#: Number of points of a curve, its extent beyond the outermost medians of a body in dispersions, and largest absolute
+#: Number of points of a curve, its extent beyond the medians of a body in dispersions, and the largest absolute
 #: logarithm of a level, which prevents overflow for a nearly flat curve.
 POINTS, REACH, FARTHEST = 41, 3.0, 600.0
 
@@ -83,7 +83,7 @@ def fragility(
 
 
 class FragilityAnalysis(Analysis):
-    """Computes the capacity of every body under every record, and fits the curves."""
+    """The fragility analysis: computes the capacity of every body under every record, and fits the curves."""
 
     name = "fragility"
     doing = "scaling"
@@ -93,21 +93,21 @@ class FragilityAnalysis(Analysis):
         super().__init__(config)
         gathered = gather_bodies(config.bodies if bodies is None else bodies, config.records)
         self.block_names, block, owner = gathered.apart()
-        self.lanes = BodyLanes(block, gathered, owner)
+        self.lanes = FragilityBodies(block, gathered, owner)
         self.selection = selection_of(config)
 
     @property
     def work(self) -> Work:
-        """Return the function that computes the capacities of all bodies under one record."""
+        """The function that computes the capacities of all bodies under one record."""
         return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
 
     @cached_property
     def empty_part(self) -> Part:
-        """Return empty arrays of capacities, for a record without results."""
+        """Empty arrays in place of the capacities under a record without results."""
         return empty_capacity(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Fit the curves and build the tree."""
+        """Fit the curves to the results of all records, and return the tree of a fragility file."""
         block, names, settings = self.lanes.block, self.block_names, self.config.fragility
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
@@ -128,7 +128,7 @@ class FragilityAnalysis(Analysis):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan the records, limited to those of a selection; raise ConfigError if a required selection is missing."""
+        """Plan the records in [fragility] selection, or all records; raise ConfigError if a selection is required."""
         plan = super().plan(records, failures)
         if self.selection is None:
             return plan
@@ -160,7 +160,7 @@ def _curves(
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return levels common to all limit states of a body, and the curves and bands at these levels."""
+    """Return levels that all limit states of a body have in common, and the curves with their bands at these levels."""
     groups, states, measures = fits.curves.shape
     level = np.full((groups, measures, POINTS), np.nan)
     tables = [np.full((groups, states, measures, POINTS), np.nan) for _ in range(3)]
@@ -213,7 +213,7 @@ def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr
             values[f"{prefix}beta_ratio{end}"] = table[shown]
         values |= {f"{prefix}slope": fits.slope[shown], f"{prefix}p_value": fits.p_value[shown]}
     beta = single.of("beta").astype(float)
-    # For one body PGA and PGA/(g tan alpha_c) differ only by rounding: the first of equal measures is chosen.
+    # For one body PGA and PGA/(g tan alpha_c) differ only by rounding: the first of equal dispersions is chosen.
     best = [
         "" if np.all(np.isnan(row)) else measures[int(np.nanargmin(np.round(row, 9)))]
         for row in beta.reshape(-1, len(measures))

@@ -15,13 +15,13 @@ from scipy.special import expit, log_expit, log_ndtr, ndtr
 
 from rockpulse.errors import ConfigError
 
-#: Kinds of observations: the capacity is known, above a level, or not above it.
+#: Kinds of observations: the capacity equals the level, is above it, or is not above it.
 EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observations of capacities, in the unit of one intensity measure, in ascending order."""
+    """Observations of capacities in one intensity measure, in the order of their levels."""
 
     level: np.ndarray  # (n,) the capacity, or the level with which it is compared; positive
     kind: np.ndarray  # (n,) EXACT, ABOVE or NOT_ABOVE
@@ -35,7 +35,7 @@ class Observations:
     def of(
         cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None, weight: Any = None
     ) -> Self:
-        """Create observations from arrays; by default each row has weight one and its own event and record.
+        """Create observations from arrays; by default each row has weight one, its own event and its own record.
 
         Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
         """
@@ -50,7 +50,7 @@ class Observations:
                 f"{rows[0].size} and {rows[1].size}"
             )
         (events, cluster), (_, record) = (np.unique(labels, return_inverse=True) for labels in rows)
-        order = np.lexsort((record, cluster, kind, level))  # exact sums, independent of the order of the rows
+        order = np.lexsort((record, cluster, kind, level))  # makes sums independent of the given order of the rows
         beside = np.empty((level.size, 0)) if qualities is None else np.asarray(qualities, dtype=float)
         counts = (
             np.ones(level.size)
@@ -62,22 +62,22 @@ class Observations:
 
     @property
     def records(self) -> int:
-        """Number of records."""
+        """Number of different records."""
         return int(np.unique(self.record).size)
 
     def with_property(self, column: int) -> np.ndarray:
-        """Return a mask (n,) of the rows whose property in a column has a finite logarithm."""
+        """Return a mask (n,) of the rows in which the property in a column is known and positive."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
 
     def only(self, kept: np.ndarray) -> "Observations":
-        """Select the rows of a mask (n,), and only their events."""
+        """Return the observations in a mask (n,), with only their events."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Return weights (1 + events, n): for all rows, then with each event left out."""
+        """Return weights in rows (1 + events, n): for all observations, then without each event."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 
@@ -90,7 +90,7 @@ ROUNDING, LARGEST_CONDITION = 1e-12, 1e14
 
 @dataclass(frozen=True)
 class Family:
-    """A symmetric distribution of the logarithm of capacity."""
+    """A symmetric distribution for the logarithm of capacity."""
 
     cdf: Callable[[np.ndarray], np.ndarray]  # F(z)
     # z -> value and first two derivatives of log f
@@ -128,11 +128,11 @@ FAMILIES: dict[str, Family] = {
 
 
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return a mask (q,) of data sets whose likelihood has a maximum at finite a and b, so that a curve can be fitted.
+    """Return a mask (q,) of the data sets whose likelihood has a maximum at finite a and b, so that a curve exists.
 
-    `x` (n,) are logarithms of levels of a `kind` (n,), `weights` (q, n) the weights of q data sets. Without exact
-    capacities the levels reached and not reached must overlap (Albert & Anderson 1984). With exact capacities, b is
-    unbounded only if they are all equal and no other row contradicts that value.
+    `x` (n,) are the logarithms of levels and `kind` (n,) their kinds; `weights` (q, n) are the weights of q data sets.
+    Without exact capacities, the levels reached and not reached must overlap (Albert & Anderson 1984). With exact
+    capacities, there is no maximum only if these are all equal and no other row contradicts their value.
     """
 
     def extremes(of: int) -> tuple[np.ndarray, np.ndarray]:
@@ -149,10 +149,10 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the log-likelihood of each row and its first two derivatives by z, each (q, n), without the log b terms.
+    """Return the log-likelihood of each row without its term log b, and the first two derivatives by z, each (q, n).
 
-    `design` (n, k) has the columns 1, ln x and any covariates, z = design @ theta; `theta` (q, k) are the parameters
-    (a, b, ...) of q data sets, b > 0 if a row is EXACT.
+    `design` (n, k) has the columns 1, ln x and any covariates; z = design @ theta. `theta` (q, k) are the parameters
+    (a, b, ...) of q data sets; b must be positive if a row is EXACT.
     """
     z = theta @ design.T
     value, slope, bend = np.empty_like(z), np.empty_like(z), np.empty_like(z)
@@ -167,7 +167,7 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return maximum-likelihood parameters (q, k) for weights (q, n) and centred columns; NaN without a maximum."""
+    """Return the maximum-likelihood parameters (q, k) for q rows of weights (q, n); NaN if there is no maximum."""
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0
     exact = np.where(kind == EXACT, 1.0, 0.0)

@@ -38,13 +38,13 @@ def scale_capacities(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Run the incremental dynamic analysis of one record: find the first scale factor that reaches each limit state.
 
-    The `states` are "uplift" (in closed form), values of theta_max/alpha_c, and "overturning"; each of the (m,) lanes
-    is scanned at `points` factors up to `factor_max`. A factor that the model cannot resolve (free flight) counts as
-    reached.
+    The `states` are "uplift" (in closed form), values of theta_max/alpha_c, and "overturning". Each of m blocks is
+    computed at `points` scale factors up to `factor_max`. If the model cannot resolve a scale factor (free flight), the
+    limit state counts as reached.
 
-    Returns factors (s, m) [-], inf if none is found; larger factors may not reach the limit state. The step (m,) is the
-    ratio of neighbouring factors of the scan [-]; narrower intervals may be missed, which makes the factor larger. It
-    is 1 for uplift alone.
+    Returns the scale factors (s, m), inf if none reaches the state; larger ones need not reach it. The step (m,) is the
+    ratio of successive scale factors [-]: an interval narrower than the step may be missed, which makes the first scale
+    factor larger. The step is 1 for uplift alone.
     """
     record = scene.record
     solved, vertical = _acting(scene, equation)
@@ -71,7 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Return (s, r, m) whether a record reaches the states at factors (r, m): 1, 0 or :data:`NOT_KNOWN`."""
+    """Return (s, r, m) whether a record reaches the states at scale factors (r, m): 1, 0 or :data:`NOT_KNOWN`."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)
@@ -92,33 +92,33 @@ def reached_at(
 
 
 def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
-    """Return the equation of motion of a model, and the vertical acceleration that it uses, if any."""
+    """Return the equation of motion of a model, and the vertical acceleration that it uses or None."""
     equation = MODELS[model].equation
     assert equation is not None
     return equation, MODELS[model].vertical_of(scene)
 
 
-class BodyLanes(NamedTuple):
-    """The (m,) lanes of all bodies."""
+class FragilityBodies(NamedTuple):
+    """The blocks of all bodies: a body with several restitutions has several blocks."""
 
     block: Block
     bodies: Bodies
-    owner: np.ndarray  #: (m,) index of the body of each lane
+    owner: np.ndarray  #: (m,) index of the body of each block
 
 
 def motion_capacity(
-    motion: Motion, watch: Watch, lanes: BodyLanes, config: Config, selection: Selection | None = None
+    motion: Motion, watch: Watch, lanes: FragilityBodies, config: Config, selection: Selection | None = None
 ) -> Part:
-    """Compute the capacities of (m,) lanes under one record, as arrays by name.
+    """Compute the capacities of (m,) blocks under one record, as arrays by name.
 
     "measures" (1, k, m) are the intensity measures of the unscaled ground motion in the direction of each body, in the
-    order of ``[fragility] measures``, "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
-    "factors" (1, s, m), the first factor that reaches each limit state, else inf, and "step" (1, m) of its scan; other
-    methods add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), for the rows of the record in a
-    `selection`. An incremental analysis ends at the limits of ``[fragility] factors``, and a stripe beyond them is
+    order of ``[fragility] measures``, and "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
+    "factors" (1, s, m), the first scale factor that reaches each limit state (inf if none), and "step" (1, m). Other
+    analyses add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), for the rows of the record in a
+    `selection`. An incremental analysis ends at the limits of ``[fragility] factors``, and a stripe beyond these is
     unknown.
 
-    For a body beside a wall the record and its reverse are two rows of one earthquake. Raises ValueError for a record
+    For a body beside a wall, the record and its reverse are two rows of one earthquake. Raises ValueError for a record
     without an intense phase or rejected by the model, TooWeak below the smallest PGA or outside the selection.
     """
     with watch("condition"):
@@ -137,7 +137,7 @@ def motion_capacity(
         for place, numbers in places_of(lanes.bodies, record, pair, config):
             with watch("condition"):
                 ground = turned(scene, place, pair, config)
-                # A body beside a wall falls to one side only, and either direction of the record is possible.
+                # A body beside a wall falls to one side only, so that the direction of the record matters.
                 ground = _reversed(ground) if reverse else ground
                 there = floor_scene(ground, place, config)
             own = np.flatnonzero(np.isin(lanes.owner, numbers))
@@ -154,13 +154,13 @@ def motion_capacity(
 
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
-    """Return the k named measures of an unscaled record, (k, m) in the unit of each, for (m,) lanes."""
+    """Return the named intensity measures (k, m) of an unscaled record for (m,) blocks, each in its own unit."""
     on = RecordOnBodies.slender(scene.record, lambda: scene.waves, block.weaker)
     return np.stack([np.broadcast_to(MEASURES[name].value(on), block.shape) for name in names])
 
 
 def record_qualities(scene: Scene) -> dict[str, float]:
-    """Return the properties in QUALITIES of a record; capacity in a sufficient measure does not depend on them."""
+    """Return the properties of a record that QUALITIES names."""
     sizes = np.abs(scene.waves.between(scene.phase.start, scene.phase.end).impulse)
     return {
         "duration": scene.phase.duration,
@@ -170,20 +170,20 @@ def record_qualities(scene: Scene) -> dict[str, float]:
 
 
 def _reversed(scene: Scene) -> Scene:
-    """Return the scene with the record reversed in sign."""
+    """Return the scene with the sign of the record reversed."""
     waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
 def _stripes(config: Config, selection: Selection | None) -> int:
-    """Return the number r of scale factors applied to a record."""
+    """Return the number of scale factors that are applied to each record."""
     if selection is not None:
         return selection.most
     return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
 
 
 def _weights(record: str, config: Config, selection: Selection | None) -> dict[str, np.ndarray]:
-    """Return the weight (r,) of each factor, 0 for a missing one; empty for an incremental analysis."""
+    """Return the weight (r,) of each scale factor of a record; empty for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
     if selection is None:
@@ -195,7 +195,7 @@ def _weights(record: str, config: Config, selection: Selection | None) -> dict[s
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
 ) -> dict[str, np.ndarray]:
-    """Return the arrays of (m,) lanes for one scene, with the measures of its ground motion, also for a floor."""
+    """Return the measures of `ground` and the capacities of (m,) blocks under the motion `there`."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
@@ -213,13 +213,13 @@ def _capacity(
         factors = np.asarray(settings.stripe_levels)[:, None] / own
     least, most = settings.factors if settings.data == "stripes" and selection is None else (0.0, np.inf)
     near = (factors >= least) & (factors <= most)
-    # A record at factor zero moves no body and takes no time.
+    # The scale factor zero replaces those that are not computed, as it takes no time.
     looked = reached_at(there, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
 def empty_capacity(lanes: int, config: Config, selection: Selection | None = None) -> Part:
-    """Return the arrays of :func:`motion_capacity`, and "event", with zero rows."""
+    """Return the arrays of :func:`motion_capacity` and "event" without rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
     stripes = _stripes(config, selection)

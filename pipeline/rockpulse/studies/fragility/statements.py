@@ -1,4 +1,4 @@
-"""Tests of whether the data determine a fragility curve and its band, and statements of the reason if not."""
+"""Checks of whether the data determine a fragility curve and its band, and statements of why they do not."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """Return the status of a curve that follows from its data alone, before a fit."""
+    """Return the status of the curve of these data, as far as it is known before the fit."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -26,7 +26,7 @@ def missing(rows: Observations) -> Status:
         return Status.NOTHING_REACHED
     if np.all(rows.kind == NOT_ABOVE):
         return Status.EVERYTHING_REACHED
-    if np.unique(rows.record[reached]).size == 1:  # with several rows per record: levels, or several bodies
+    if np.unique(rows.record[reached]).size == 1:  # a record may have several rows
         return Status.ONE_REACHED
     if known.size and np.ptp(known) <= EQUAL * known[0]:
         above, below = rows.level[rows.kind == ABOVE], rows.level[rows.kind == NOT_ABOVE]
@@ -38,7 +38,7 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
-    """State why a band is missing; `slopes` (1 + events,) are b from all rows, then with each event left out."""
+    """Return a statement of why a band is missing; `slopes` are b from all data, then without each event."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:
@@ -48,7 +48,7 @@ def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[W
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Return whether the median of a curve, in the unit of the measure, is above or below all levels."""
+    """Return whether the median of a curve is above or below all levels of the observations."""
     if median > np.max(rows.level):
         return Extrapolated.ABOVE
     if median < np.min(rows.level):
@@ -57,7 +57,7 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
 
 
 def extrapolation_statement(median: float, rows: Observations) -> list[WarningText]:
-    """Return a statement on a median outside the range of levels; empty if it is inside."""
+    """Return a statement if the median of a curve is outside the levels of the observations; else none."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return []

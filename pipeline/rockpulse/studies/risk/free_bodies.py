@@ -26,18 +26,18 @@ AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
-    """Probability of overturning of m bodies under r records at l levels each; logarithms are of SI values."""
+    """The probability of overturning of m bodies at l levels under each of r records; logarithms are of SI values."""
 
-    at: np.ndarray  #: (m, r, l) logarithms of the levels, with the same step for all
+    at: np.ndarray  #: (m, r, l) logarithms of the levels; the step is the same for all bodies and records
     probability: np.ndarray  #: (m, r, l) probability of overturning [-]
     log_s: np.ndarray  #: (m, r) logarithms of the overturning spectra
-    own: np.ndarray  #: (r,) logarithms of the measure of the unscaled records
+    own: np.ndarray  #: (r,) logarithms of the intensity measure of the unscaled records
     speed: np.ndarray  #: (m,) logarithms of g tan(alpha)/p
     floor: np.ndarray  #: (m,) logarithms of g tan(alpha), the acceleration that lifts a body
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Read the curves of (m,) bodies from the spectra; raise ResultsError if a spectrum is missing at their p."""
+        """Create the curves of (m,) bodies from stored spectra; raise ResultsError if the spectra have gaps."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -53,29 +53,29 @@ class BodyCurves(NamedTuple):
 
     @property
     def spacing(self) -> float:
-        """Step between the logarithms of successive levels."""
+        """Step between the logarithms of successive stored levels."""
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the index (m, r) of the interval between stored levels nearest to a level (m or 1, r or 1)."""
+        """Return the index (m, r) of the interval between stored levels that contains a level, or is nearest to it."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
-        """Interpolate values (m, r, l) at levels (m or 1, r or 1), constant beyond the ends; return (m, r)."""
+        """Interpolate values (m, r, l) at a level of each body and record; constant beyond the stored levels."""
         step = self.step_of(log_level)
         share = np.clip((log_level - values_at(self.at, step)) / self.spacing, 0.0, 1.0)
         low = values_at(values, step)
         return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean ln level (m,) at which S = g tan(alpha)/p, and deviation of ln S, both weighted over records."""
+        """Return the mean over records of the ln level (m,) that overturns each body, and its standard deviation."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Return logarithms (m,) of the levels at which the mean P over records, with weights (r,), is 1/2."""
+        """Return the ln levels (m,) at which the mean probability over records, with weights (r,), is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -85,15 +85,15 @@ class BodyCurves(NamedTuple):
 
 
 def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Pick values (m, r, l) at indices (m, r) of the last axis."""
+    """Return the values of (m, r, l) whose indices along the last axis are `place` (m, r)."""
     return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return the overturning spectra of results and the summary of their records; ConfigError for other measures."""
+    """Return the spectra and the summary of their records; ConfigError for a measure that is not stored."""
     measured = [one.name for one in STORED_LEVELS]
     if measure not in measured:
-        raise ConfigError(f"measure: expected one of {' or '.join(measured)}, which results hold, got {measure}")
+        raise ConfigError(f"measure: expected one of {' or '.join(measured)}, found {measure}")
     if "spectra" not in results.children:
         raise ResultsError("results: expected those of rockpulse assess with overturning spectra, found none")
     spectra = results["spectra"].to_dataset()
@@ -103,7 +103,7 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 def curves_in_parts(
     spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
 ) -> Iterator[tuple[np.ndarray, BodyCurves]]:
-    """Yield the indices and the curves of the bodies that the spectra cover, in parts of limited size."""
+    """Yield indices and curves of the bodies that the spectra cover, in parts of limited size."""
     own = np.log(summary[measure].values.astype(float))
     covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
     for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):

@@ -44,27 +44,27 @@ DATA = {
     "cloud": "records as they are, not scaled (cloud)",
 }
 
-#: A larger share of the frequency from levels beyond the data gives a warning.
+#: Largest share of the frequency from levels outside the data without a warning.
 OUTSIDE = 0.1
 #: Number of bins of the contributions by level, and the share of the frequency that they cover.
 BINS, HELD = 16, 0.998
-#: A and B in the fragility F(A + B ln x) that is 1 at every level above the floor.
+#: A and B of a fragility F(A + B ln x) that is 1 at every level.
 CERTAIN = (40.0, 1e-9)
 
 
 def several_events(count: int) -> str:
-    """Format the number of earthquakes."""
+    """Return the number of earthquakes in words."""
     return f"{count} earthquake{'' if count == 1 else 's'}"
 
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
-    """Return the warnings on a hazard, and the ground and component to which it must refer."""
+    """Return the warnings on a hazard in words, with the ground and the component to which it must refer."""
     wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
-    """Describe the data and the distribution of a fragility."""
+    """Return a description of the records and the distribution of a fragility."""
     settings, chosen = config.fragility, config.fragility.selection is not None
     of, alike = (
         ("records chosen elsewhere", "weighted as given") if chosen else (DATA[settings.data], "equally weighted")
@@ -74,7 +74,7 @@ def fragility_assumed(config: Config, model: str, records: int, events: int) -> 
 
 
 class _RiskOptions(NamedTuple):
-    """The arguments that are the same for every body."""
+    """The options that are the same for every body."""
 
     family: Family
     hazard: Hazard
@@ -94,7 +94,7 @@ def fragility_frequency(
     resamples: int,
     seed: int,
 ) -> xr.Dataset:
-    """Compute the annual frequency at which each body reaches a limit state, see :func:`rockpulse.risk`."""
+    """Compute the annual frequency at which each body reaches a limit state; see :func:`rockpulse.risk`."""
     if not isinstance(hazard, PowerLawHazard | HazardCurve):
         raise ConfigError(
             f"hazard: expected the hazard of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}"
@@ -143,7 +143,7 @@ def fragility_frequency(
 
 
 def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Compute the variables of one body, which stays at rest below the level exp(floor)."""
+    """Return the variables of one body, which stays at rest below the level exp(floor)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
@@ -151,7 +151,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
         with np.errstate(divide="ignore"):
             low, high = np.log(asked.hazard.covered).tolist()
         whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
-        told = "every ground motion above the acceleration that lifts it does: exact, no band"
+        told = "every ground motion above the uplift PGA lifts the body, so that the frequency is exact and has no band"
         return found | _frequency(whole, low, high, asked) | {"statement": told}
     status = missing(rows)
     if status != Status.FITTED:
@@ -174,7 +174,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return a frequency by level, and a warning of large contributions from beyond ln levels `low` and `high`."""
+    """Return the variables of a frequency, whose data cover levels with logarithms from `low` to `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -189,7 +189,7 @@ def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) ->
 
 
 def _warning(below: float, above: float, low: float, high: float, hazard: Hazard) -> str:
-    """Warn of large shares of the frequency from levels beyond the data; empty for small shares."""
+    """Return a warning if much of the frequency comes from levels outside the data; empty if not."""
     told = []
     ends = zip((below, above), (low, high), ("below", "above"), hazard.covered, strict=True)
     for share, limit, side, end in ends:
@@ -202,7 +202,7 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
 
 
 def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the limits of the frequency and of the probability, and a statement of the reason if they are missing."""
+    """Return the limits of the frequency and the probability, or a statement of why there are none."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
         return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}
@@ -225,14 +225,14 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
 
 
 def _uplift_level_known(rows: Observations, floor: float) -> bool:
-    """Return whether the uplift level is known and no observation contradicts it."""
+    """Return whether the level of uplift is known, and agrees with all observations."""
     lifted, level = math.exp(floor), rows.level
     against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
     return lifted > 0.0 and not np.any(against)
 
 
 def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
-    """Return logarithms of the levels below which each body stays at rest; -inf if unknown or not in PGA."""
+    """Return the logarithm of the level below which each body stays at rest; -inf if unknown or not in PGA."""
     if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
     lifting = np.log(table["uplift_acceleration"].values)
@@ -240,7 +240,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:
-    """Return bins, equal in the logarithm of the level, that cover nearly all of a frequency, and their shares."""
+    """Return bins of equal width in ln level that cover nearly all of the frequency, and the share of each."""
     summed = np.cumsum(whole.contribution) / np.sum(whole.contribution)
     low, high = np.interp([0.5 - 0.5 * HELD, 0.5 + 0.5 * HELD], summed, whole.log_level).tolist()
     edges = np.linspace(low, high, BINS + 1)

@@ -21,7 +21,7 @@ from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
-    """Return the factor from a unit of a measure to SI; raise ConfigError for an unknown unit."""
+    """Return the factor that converts a unit of a measure to SI; raise ConfigError if the unit is unknown."""
     known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
@@ -29,7 +29,7 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """Return the measure; raise ConfigError if it is not a known measure of a hazard."""
+    """Return the name of a measure; raise ConfigError if a hazard cannot have this measure."""
     if measure not in HAZARD:
         told = f"found {measure!r}{hint(measure, HAZARD)}"
         raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {told}")
@@ -37,14 +37,14 @@ def known_measure(measure: str, where: str) -> str:
 
 
 class _Hazard(ABC):
-    """The base class of a power law and a curve."""
+    """The base class of hazards of one site: an annual rate of exceedance over levels of a measure."""
 
     measure: str
     unit: str
     soil_factor: float
 
     def _check(self, where: str, **positive: float) -> None:
-        """Set the default unit; raise ConfigError for an unknown measure or unit, or a number that is not positive."""
+        """Set the default unit; raise ConfigError for an unknown measure or unit, or a value that is not positive."""
         known_measure(self.measure, f"{where} measure")
         object.__setattr__(self, "unit", self.unit or MEASURES[self.measure].shown_unit)
         unit_factor(self.measure, self.unit, f"{where} unit")
@@ -68,7 +68,7 @@ class _Hazard(ABC):
 
     @abstractmethod
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the rate at logarithms of levels in SI units."""
+        """Return the logarithm of the rate at logarithms of levels in SI units."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class PowerLawHazard(_Hazard):
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazard, between which it is valid."""
+        """First and last level for which the hazard is given: 0 and infinity for a power law."""
         return 0.0, math.inf
 
     @property
@@ -129,11 +129,11 @@ class PowerLawHazard(_Hazard):
 
     @property
     def slopes(self) -> np.ndarray:
-        """The log-log slopes, from low levels to high ones."""
+        """Log-log slopes from low to high levels."""
         return np.array([self.k])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the rate at logarithms of levels in SI units."""
+        """Return the logarithm of the rate at logarithms of levels in SI units."""
         one = math.log(self.unit_in_si * self.soil_factor)
         return np.asarray(math.log(self.k0) - self.k * (log_level - one))
 
@@ -184,7 +184,7 @@ class HazardCurve(_Hazard):
     soil_factor: float = 1.0
     warnings: tuple[str, ...] = ()
     knots: np.ndarray = field(init=False, repr=False)  #: Logarithms of the levels at which the slope changes
-    slopes: np.ndarray = field(init=False, repr=False)  #: The slopes in the logarithms, from low levels to high ones
+    slopes: np.ndarray = field(init=False, repr=False)  #: Log-log slopes from low to high levels
 
     def __post_init__(self) -> None:
         level, rates = np.asarray(self.level, dtype=float), np.asarray(self.rates, dtype=float)
@@ -209,7 +209,7 @@ class HazardCurve(_Hazard):
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazard, at the ground surface of the site."""
+        """First and last level of the table, multiplied by the soil factor."""
         return float(self.level[0] * self.soil_factor), float(self.level[-1] * self.soil_factor)
 
     @property
@@ -221,7 +221,7 @@ class HazardCurve(_Hazard):
         return np.clip(np.searchsorted(self.knots, log_level, side="right") - 1, 0, self.slopes.size - 1)
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the rate at logarithms of levels in SI units."""
+        """Return the logarithm of the rate at logarithms of levels in SI units."""
         piece = self._piece(log_level)
         return np.asarray(np.log(self.rates[piece]) - self.slopes[piece] * (log_level - self.knots[piece]))
 
@@ -234,7 +234,7 @@ class HazardCurve(_Hazard):
         """Return the integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
         piece = self._piece(log_level)
         ends = np.append(self.knots[1:-1], np.inf)
-        level = self.slopes == 0.0  # excludes the last piece
+        level = self.slopes == 0.0  # never in the last piece
         slopes = np.where(level, 1.0, self.slopes)
 
         def of_piece(start: np.ndarray, number: np.ndarray) -> np.ndarray:
@@ -297,7 +297,7 @@ class SiteHazards:
 
     @classmethod
     def distinct(cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None) -> Self:
-        """Create the hazards of m bodies by calling `hazard` for each distinct row of the keys (m, k)."""
+        """Create the hazards of m bodies from keys (m, k); `hazard` is called once for each distinct key."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
         return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)
@@ -309,7 +309,7 @@ class SiteHazards:
 
     @property
     def unit(self) -> str:
-        """Unit of levels in messages."""
+        """Unit of the levels in messages."""
         return self.hazards[0].unit
 
     @property
@@ -319,14 +319,14 @@ class SiteHazards:
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazards; NaN if the hazards differ in them."""
+        """First and last level of the hazards; NaN if these differ between the hazards."""
         ends = np.array([one.covered for one in self.hazards])
         low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
         return low, high
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings on the hazards, and the largest distance of their grid points."""
+        """Warnings on the hazards, and the largest distance of a body from the point of its hazard."""
         told = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
             return told
@@ -340,15 +340,15 @@ class SiteHazards:
         return f"{len(self.hazards)} hazards of {self.measure} in {self.unit}, such as {self.hazards[0].words}"
 
     def chosen(self, bodies: np.ndarray) -> "SiteHazards":
-        """Select the hazards of bodies by index."""
+        """Return the hazards of some of the bodies, given by their indices."""
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return ln of the annual rate of each body at logarithms (m, ...) of levels in SI units."""
+        """Return the ln rate for each body's hazard at logarithms (m, ...) of levels in SI units."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of each rate over ln x from logarithms (m, ...) of SI levels to infinity [1/year]."""
+        """Return the integral of each body's rate over ln x from ln levels (m, ...) to infinity [1/year]."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
@@ -359,14 +359,14 @@ class SiteHazards:
         return found
 
     def log_ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return logarithms (m, 1) of the first and the last level of the hazard of each body."""
+        """Return the logarithms (m, 1) of the first and the last level of each body's hazard."""
         with np.errstate(divide="ignore"):
             ends = np.log([self.hazards[number].covered for number in self.of_body.tolist()])
         return ends[:, :1], ends[:, 1:]
 
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
-    """Return positive numbers (count,), one for each body or one for all; raise ConfigError for other values."""
+    """Return one positive number for each of `count` bodies, from as many or from a single one; else ConfigError."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

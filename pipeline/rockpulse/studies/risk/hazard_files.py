@@ -1,4 +1,4 @@
-"""Readers of hazard curves at one or many points: levels with rates or probabilities, OpenQuake, return periods."""
+"""Readers of hazard curves for one or many points: rates or probabilities of levels, OpenQuake, return periods."""
 
 import re
 from collections.abc import Callable
@@ -32,12 +32,12 @@ EXPECTED = (
 
 #: Default unit of a_g in the grid of NTC 2008 (annex B).
 ANNEX = "g/10"
-#: Heading of a column of the grid: a_g of a return period, as "T475ag", "ag_475" or "ag TR=475", also with its unit.
+#: Heading of a column with a_g for a return period: "T475ag", "ag_475" or "ag TR=475", with or without a unit.
 OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """Levels in the unit of the file and annual rates [1/year], (k,) for all points or (n, k)."""
+    """The content of a hazard file: levels in its unit and annual rates [1/year], for one or n points."""
 
     path: str
     measure: str
@@ -49,7 +49,7 @@ class _Sheet(NamedTuple):
     rock: bool = False  #: whether the levels are for rock
 
     def curve(self, row: int, soil_factor: float, warnings: tuple[str, ...] = ()) -> HazardCurve:
-        """Return the curve of a row in SI units, without points of probability 1 or 0."""
+        """Return the hazard curve in one row in SI units, without levels of probability 1 or 0."""
         in_si = unit_factor(self.measure, self.unit, self.path)
         where = self.path if self.places is None else f"{self.path}, place {place_in_words(*self.places[row])}"
         level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
@@ -62,11 +62,11 @@ class _Sheet(NamedTuple):
             )
         warnings += self.warnings
         if self.rock and soil_factor == 1.0:
-            warnings += ("a_g is that on rock: soil_factor brings it to other ground",)
+            warnings += ("a_g is that on rock: for other ground, set soil_factor",)
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """Return the row of the point nearest to a site, and its distance in words; raise ConfigError for none."""
+        """Return the row of the point nearest to a site, with its distance in words; ConfigError without a point."""
         if self.places is None:
             if site is None:
                 return 0, ()
@@ -162,7 +162,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Return longitude and latitude (m, 2) of one or more bodies; raise ConfigError for invalid ones."""
+    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if one is invalid."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)
@@ -178,14 +178,14 @@ def _checked_sites(sites: ArrayLike) -> np.ndarray:
 
 
 def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
-    """Return the hazard of a configuration, its file relative to `folder`; raise ConfigError if it has none."""
+    """Return the hazard that the section [hazard] describes; file names are relative to `folder`."""
     return _of_factor(settings, folder)(settings.soil_factor)
 
 
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """Return the hazards of several bodies; sites and soil factors are those of the bodies or of the configuration."""
+    """Return the hazards of `count` bodies; sites and soil factors that are None come from [hazard]."""
     for key, told, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil_factor != 1.0, soil_factor),
@@ -198,13 +198,13 @@ def site_hazards_of(
     if settings.file is None:
         raise ConfigError(
             "[hazard] file: the bodies have sites of their own, so expected a file with the curves of many places, "
-            "found none; or take longitude and latitude out of the table of bodies"
+            "found none; or remove longitude and latitude from the table of bodies"
         )
     return load_site_hazards(folder / settings.file, sites, factors)
 
 
 def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Hazard]:
-    """Return the hazard of a configuration as a function of the soil factor."""
+    """Return a function that creates the hazard of [hazard] for a given soil factor."""
     site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
     if settings.k0 is not None and settings.k is not None:
         if site is not None:
@@ -243,7 +243,7 @@ def _measure_of(path: str, told: str) -> str:
 
 
 def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
-    """Convert probabilities in a number of years to annual rates, -ln(1 - probability)/years (Poisson); inf for 1."""
+    """Convert probabilities in a number of years to annual rates of a Poisson process; inf for probability 1."""
     if not years > 0.0 or np.any((probability < 0.0) | (probability > 1.0)):
         raise ConfigError(f"{path}: expected probabilities from 0 to 1 in a positive number of years")
     with np.errstate(divide="ignore"):
@@ -278,7 +278,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
 
 
 def _with_one_heading(lines: list[str]) -> str:
-    """Join the return periods of the first line ("TR = 30") to the column names of the second line."""
+    """Return the lines with one heading: return periods in a first line ("TR = 30") are joined to the column names."""
     above = lines[0] if lines else ""
     if len(lines) < 2 or len(re.findall(r"\bTR\s*=\s*\d+", above, re.IGNORECASE)) < 2:
         return "\n".join(lines)
@@ -310,7 +310,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
-    # A spreadsheet may write a row of commas before the comment.
+    # A spreadsheet may add commas to the end of the comment line.
     told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[^\s,\"']+)", lines[0]))
     if set(told) != {"investigation_time", "imt"}:
         raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
@@ -331,7 +331,7 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
     try:
         level = np.array([float(heads[place].removeprefix("poe-")) for place in columns])
     except ValueError as error:
-        raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
+        raise ConfigError(f"{path}, line 2: expected a number after poe-: {error}") from None
     probability = np.stack([column_numbers(path, table, heads[place]) for place in columns], axis=1)
     return _Sheet(path, measure, unit, level, _rates(path, probability, years), places)
 
@@ -341,7 +341,7 @@ FARTHEST = 50.0
 
 
 def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
-    """Return longitude and latitude (n, 2) of each row [degrees], None without these columns; ConfigError if empty."""
+    """Return longitude and latitude (n, 2) of the rows [degrees]; None without these columns."""
     columns = {str(name).lower(): str(name) for name in table.columns}
     if not {"lon", "lat"} <= columns.keys():
         return None
@@ -351,7 +351,7 @@ def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return index (m,) and distance [m] of the point (n, 2) nearest to each site (m, 2); ConfigError above 50 km."""
+    """Return the index (m,) of the place nearest to each site, and its distance [m]; ConfigError above 50 km."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 
@@ -368,12 +368,12 @@ def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np
 
 
 def place_in_words(longitude: float, latitude: float) -> str:
-    """Format a longitude and a latitude."""
+    """Return a longitude and a latitude in words."""
     return f"{longitude:.4g} E {latitude:.4g} N"
 
 
 def _on_sphere(places: np.ndarray) -> np.ndarray:
-    """Convert longitudes and latitudes (n, 2) to points (n, 3) on the unit sphere, without a jump at the date line."""
+    """Convert longitudes and latitudes (n, 2) to points (n, 3) on the unit sphere."""
     longitude, latitude = np.radians(places).T
     level = np.cos(latitude)
     return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

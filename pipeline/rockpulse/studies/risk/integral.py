@@ -23,28 +23,28 @@ from rockpulse.studies.fragility.curves import standardised
 from rockpulse.studies.fragility.likelihood import Family, Observations, maximise
 from rockpulse.studies.risk.hazard import Hazard
 
-#: Number of nodes of a piece, and its length divided by the shortest scale of fragility and hazard.
+#: Number of nodes in a piece, and length of a piece times the steepest slope of the fragility or the hazard.
 NODES, SHARE = 8, 0.5
-#: Logarithm at which tails are truncated, and standard deviations beyond which a distribution rounds to 0 or 1.
+#: Logarithm at which tails are truncated, and arguments beyond which the distributions round to 0 or 1.
 TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
 #: Logarithm of the largest level; if levels below its reciprocal contribute, the frequency is undetermined.
 FARTHEST = 300.0
 #: Smallest number of earthquakes for a band with correct coverage, and for any band.
 LEAST_EVENTS, FEWEST_EVENTS = 14, 4
-#: Arguments of the distribution at which the frequencies of bootstrap samples are summed.
+#: Arguments of the fragility at which the integral for bootstrap samples is summed, and their step.
 STEP = 0.1
 CAPACITY = np.arange(-60.0, 40.0, STEP)
 
 
 class Integral(NamedTuple):
-    """An annual frequency with its contributions by level."""
+    """An annual frequency, and the contribution of each level to it."""
 
-    frequency: float  #: [1/year]; inf if towards low levels the hazard rises faster than the fragility falls
-    log_level: np.ndarray  #: (n,) nodes
-    contribution: np.ndarray  #: (n,) contribution of each node to the frequency [1/year]
+    frequency: float  #: [1/year]; inf if the integral diverges at low levels
+    log_level: np.ndarray  #: (n,) logarithms of the levels
+    contribution: np.ndarray  #: (n,) contribution of each level to the frequency [1/year]
 
     def between(self, low: float, high: float) -> float:
-        """Return the share of the frequency from levels between two logarithms [-]."""
+        """Return the share of the frequency from levels whose logarithms are between `low` and `high`."""
         inside = (self.log_level >= low) & (self.log_level <= high)
         return float(np.sum(self.contribution[inside]) / np.sum(self.contribution))
 
@@ -52,13 +52,13 @@ class Integral(NamedTuple):
 def integrate(
     family: Family, line: tuple[float, float], hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
 ) -> Integral:
-    """Integrate the fragility F(A + B ln x) of `line` (A, B), 0 below exp(floor), over a hazard split at `breaks`."""
+    """Integrate the fragility F(A + B ln x), which is 0 below exp(floor), over a hazard; `line` is (A, B)."""
     a, b = line
     lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
     logistic, middle = family.deviation != 1.0, -a / b
     if logistic and floor == -math.inf and b <= lowest:
         return Integral(math.inf, np.zeros(0), np.zeros(0))
-    # Below the median the integrand decreases at least as exp((k - b) t), or exp(k t - (b t)^2/2).
+    # At t below the median the integrand is at most exp((k - b) t), or exp(k t - (b t)^2/2).
     below = LOGISTIC_REACH / b if logistic else (lowest + math.sqrt(lowest**2 + 2.0 * TAIL * b**2)) / b**2
     above = (LOGISTIC_REACH if logistic else NORMAL_REACH) / b
     outer = [middle, *hazard.knots[:1], *hazard.knots[-1:], *(cut for cut in breaks if math.isfinite(cut))]
@@ -81,7 +81,7 @@ def integrate(
     def fragility(at: np.ndarray) -> np.ndarray:
         return family.log_cdf(a + b * at)[0]
 
-    # In logarithms, as in the tails one of the two factors is outside the range of floats.
+    # The sum is in logarithms, as one of the two factors is outside the range of floats in the tails.
     parts = (0.5 * widths * weights).ravel() * np.exp(fragility(u) + hazard.log_density(u))
     tops = np.array([first, last])
     low, high = np.exp(fragility(tops) + np.stack([hazard.log_density(tops)[0], hazard.log_rate(tops)[1]]))
@@ -91,27 +91,27 @@ def integrate(
 
 
 def _decay(rate: float, length: float) -> float:
-    """Return the integral of exp(-rate t) over t from 0 to a length, which may be inf if the rate is positive."""
+    """Return the integral of exp(-rate t) from 0 to `length`, which may be inf if the rate is positive."""
     if rate == 0.0:
         return length
     return 1.0 / rate if length == math.inf else -math.expm1(-rate * length) / rate
 
 
 def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
-    """Return A and B (1 + events, 2) of F(A + B ln x), fitted to all rows, then with each earthquake left out."""
+    """Return A and B of F(A + B ln x) in rows (1 + events, 2): fitted to all data, then without each earthquake."""
     events = len(rows.events)
     return _lines(rows, family, np.vstack([np.ones(events), 1.0 - np.eye(events)]))
 
 
 def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
-    """Return A and B (q, 2) of F(A + B ln x), fitted with weights (q, events) of earthquakes; NaN without a fit."""
+    """Return A and B (q, 2) of F(A + B ln x), fitted for each of q rows of earthquake weights; NaN without a fit."""
     u, centre, spread = standardised(np.log(rows.level))
     theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
     return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
 
 
 def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """Return ln of the frequencies of q fits, integral of H(exp((z - A)/B)) f(z) dz, to 1e-4; NaN for B <= 0."""
+    """Return the logarithms of the frequencies that belong to q fitted lines (A, B), to 1e-4; NaN for B <= 0."""
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
     density = family.log_density(CAPACITY)[0] + math.log(STEP)
@@ -132,14 +132,14 @@ def band_of(
     seed: int,
     floor: float = -math.inf,
 ) -> Limits:
-    """Return limits of the frequency exp(estimate), from the samples of :func:`fitted_lines` with a standard error."""
+    """Return the bootstrap limits of the frequency exp(estimate); `lines` is from :func:`fitted_lines`."""
     events = len(rows.events)
     error = jackknife_error(_frequencies(family, lines, hazard, floor)[:, np.newaxis])[0]
     counts = draw_earthquakes(events, resamples, seed)
     fewer = np.maximum(counts[:, np.newaxis] - np.eye(events, dtype=int), 0)
     weights = np.concatenate([counts[:, np.newaxis], fewer], axis=1).reshape(-1, events)
     drawn = _frequencies(family, _lines(rows, family, weights), hazard, floor).reshape(resamples, -1)
-    # Earthquakes that are not in a sample do not count.
+    # Only earthquakes in a sample count.
     moved = np.where(counts > 0, drawn[:, 1:] - drawn[:, :1], 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt((events - 1) / events * np.sum(counts * moved**2, axis=1))

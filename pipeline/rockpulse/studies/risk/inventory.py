@@ -36,14 +36,14 @@ class Inventory(NamedTuple):
     """A table of free bodies with their sites."""
 
     names: list[str]
-    block: Block  #: (m,)
+    block: Block  #: (m,) bodies
     sites: np.ndarray | None  #: (m, 2) longitude and latitude [degrees]; None without these columns
     soil_factor: np.ndarray | None  #: (m,) factor on the levels of the hazard [-]; None without this column
-    passed_over: tuple[str, ...]  #: other columns
+    passed_over: tuple[str, ...]  #: names of columns that are not used
 
 
 def read_inventory(path: str | Path) -> Inventory:
-    """Read free rectangular bodies from a CSV table with the columns NEEDED and OPTIONAL, or raise ConfigError."""
+    """Read free rectangular bodies from a CSV table; raise ConfigError if a column is missing or a value is invalid."""
     where = Path(path)
     if not where.exists() or where.is_dir():
         raise ConfigError(f"{path}: no such file; expected a table of bodies")
@@ -169,8 +169,8 @@ def inventory_frequency(
 def _of_bodies(
     curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
-    """Return variables of (m,) bodies that the spectra cover; `events` (k, r) are the weights of records by event."""
-    # P is linear in ln x between two levels: its increase is multiplied by the mean of H between them.
+    """Return the variables of (m,) bodies; `events` (k, r) are the weights of r records in each of k earthquakes."""
+    # P is linear in ln x between two levels, so that its increase is multiplied by the mean of H between them.
     whole_above = hazards.integral_above(curves.at)
     slope = np.diff(curves.probability, axis=2) / curves.spacing
     rising = slope * -np.diff(whole_above, axis=2)
@@ -179,7 +179,7 @@ def _of_bodies(
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
-        """Return the frequency (m, r) from levels above a limit (m or 1, r or 1) at which the body moves."""
+        """Return the frequency (m, r) that comes from levels above a limit."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)

@@ -106,7 +106,7 @@ def risk(
         known = given or hazard_of(settings, folder)
         return fragility_frequency(tree, known, limit_state, years, confidence, resamples, seed)
     if limit_state != OVERTURNING:
-        raise ConfigError(f"limit_state: the spectra hold the probability of overturning alone, found {limit_state!r}")
+        raise ConfigError(f"limit_state: with bodies, expected overturning, found {limit_state!r}")
     table = bodies if isinstance(bodies, Inventory) else read_inventory(Path(bodies))
     count, level = len(table.names), 0.9 if confidence is None else confidence
     hazards = given or site_hazards_of(settings, table.sites, table.soil_factor, count, folder)

@@ -1,8 +1,8 @@
 """The reference method for errors and run times: scipy's ``solve_ivp``, restarted after each impact.
 
-It is tuned for speed: rest is skipped up to the next sample above the threshold, overturning stops the run, tiny hops
-start with a step of the length of the hop, and the motion after the record follows from energy. ``max_step`` is dt, as
-longer steps would miss changes of slope in the record.
+It is tuned for speed. Time at rest is skipped up to the next sample above the threshold, a run ends when the block
+overturns, the first step of a tiny hop has the length of the hop, and the peak after the end of the record follows from
+the energy. ``max_step`` is dt, as longer steps would miss changes of slope in the record.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-__all__ = ["Baseline", "response"]
+__all__ = ["Baseline", "baseline_response"]
 MOST_HOPS = 100_000
 
 
@@ -23,7 +23,7 @@ class Baseline(NamedTuple):
     active_samples: int  #: number of samples in which the block moves
 
 
-def response(
+def baseline_response(
     p: float,
     alpha: float,
     restitution: float,
@@ -41,8 +41,8 @@ def response(
 
     `p` is the frequency parameter [1/s], `alpha` the critical angle [rad], `restitution` the velocity ratio C [-]. The
     tolerance atol [rad, rad/s] is rtol x alpha/1000 by default. The block comes to rest after an impact slower than
-    `rest_speed` times p alpha while the ground is below the threshold: such hops reach 1e-8 of alpha, less than the
-    error of RK45 at rtol 1e-6.
+    `rest_speed` times p alpha while the ground acceleration is below the threshold of uplift. The hops that are
+    neglected reach 1e-8 of alpha, less than the error of RK45 at rtol 1e-6.
     """
     linear = equation == "linear"
     threshold = alpha if linear else math.tan(alpha)
@@ -132,7 +132,7 @@ def response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Return peak/alpha after the record and whether the block overturns, from x > 0, u = x'/p and the energy."""
+    """Return peak/alpha after the record, and whether the block overturns, from x = theta/alpha > 0 and u = x'/p."""
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

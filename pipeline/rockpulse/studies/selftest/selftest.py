@@ -1,7 +1,7 @@
-"""The stored cases of `rockpulse selftest`: results with 24 digits, and errors and run times on this machine.
+"""The stored cases of `rockpulse selftest`: reference results, and the errors and run times on this machine.
 
-The ground motion of a case is made of parabolic half-waves with samples exact in binary; ``cases.csv`` has the results,
-computed by ``benchmarks/selftest_cases.py`` with 42 digits, and the largest allowed error of each.
+The ground motion of a case consists of parabolic half-waves with exact binary samples. ``cases.csv`` has the reference
+results, computed by ``benchmarks/selftest_cases.py`` with 42 digits, and the largest allowed error of each case.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rocking.body.restraint import Tie
 from rocking.body.supports import floor_motion
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rockpulse.studies.selftest.baseline import response as by_solve_ivp
+from rockpulse.studies.selftest.baseline import baseline_response
 
 __all__ = ["COLUMNS", "TABLE", "AnsweredCase", "Case", "CaseResult", "solve_case", "stored_cases"]
 TABLE = Path(__file__).with_name("cases.csv")
@@ -30,8 +30,8 @@ FACTORS = np.linspace(0.9, 1.1, 64)
 FEW_SAMPLES = 200
 
 
-def lobes(peaks: str, samples: int, quiet: int) -> np.ndarray:
-    """Return parabolic half-waves with given peaks [m/s2] and number of samples, then `quiet` half-waves of zeros."""
+def synthetic_motion(peaks: str, samples: int, quiet: int) -> np.ndarray:
+    """Return a parabolic half-wave for each peak [m/s2] in a row, then `quiet` half-waves of zeros."""
     place = np.arange(samples) / samples
     shape = 4.0 * place * (1.0 - place)
     return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])
@@ -39,42 +39,42 @@ def lobes(peaks: str, samples: int, quiet: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Case:
-    """A body under a ground motion."""
+    """One case of the self-test: a body and the ground motion that acts on it."""
 
-    MASS: ClassVar[float] = 1000.0  # mass of a body with ties [kg]
+    MASS: ClassVar[float] = 1000.0  # mass of every body with ties [kg]
 
     case: str
     kind: str
     equation: Any  # "nonlinear" or "linear"
     width: float  # [m]
     height: float  # [m]
-    restitution: float  # C, or beside a wall e [-]
+    restitution: float  # C, or for a body beside a wall the rebound e [-]
     dt: float  # [s]
-    samples: int  # samples of a half-wave; a power of two
-    ground: str  # peaks of the half-waves [m/s2]
-    quiet: int  # number of half-waves of zeros after them
-    vertical: str  # peaks of the vertical motion, same number; empty for none
-    scale: float  # factor on the record [-]
+    samples: int  # number of samples of a half-wave; a power of two
+    ground: str  # peaks of the half-waves of the ground motion [m/s2]
+    quiet: int  # number of half-waves of zeros after these
+    vertical: str  # peaks of as many vertical half-waves [m/s2]; empty without vertical motion
+    scale: float  # scale factor [-]
     wall: int  # 1 for a body beside a wall
     floor: float  # period of the building whose top carries the body [s]; 0 on the ground
     stiffness: float  # stiffness of elastic ties on both sides [N/m]; 0 for none
     tie_height: float  # [m]
 
     def motions(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the horizontal and the vertical ground acceleration [m/s2], (n,) each."""
-        both = [lobes(peaks, self.samples, self.quiet) for peaks in (self.ground, self.vertical or self.ground)]
+        """Return the horizontal and the vertical ground acceleration (n,) [m/s2]."""
+        both = [synthetic_motion(one, self.samples, self.quiet) for one in (self.ground, self.vertical or self.ground)]
         return both[0], both[1] if self.vertical else np.zeros(both[0].size)
 
     def with_scale(self, scale: float) -> Case:
-        """Return the case with another scale factor on the record."""
+        """Return the case with another scale factor."""
         return replace(self, scale=scale)
 
     def row(self) -> dict[str, Any]:
-        """Return the columns of the case in the table."""
+        """Return the values of the case by column of the table."""
         return asdict(self)
 
     def block(self) -> Block:
-        """Return the body as a block."""
+        """Return the block of the case."""
         size: dict[str, Any] = {"width": self.width, "height": self.height, "log": False}
         if self.wall:
             return Block(**size, one_sided=True, rebound=self.restitution)
@@ -83,7 +83,7 @@ class Case:
 
 
 class AnsweredCase(NamedTuple):
-    """A case with its reference result."""
+    """A case with its reference result and the largest allowed error."""
 
     case: Case
     peak: Decimal
@@ -97,13 +97,13 @@ class CaseResult(NamedTuple):
     stored: AnsweredCase
     outcome: str
     error: float  #: error of theta_max/alpha_c [-]; 0 if both overturn, inf if the outcomes differ
-    cost: float  #: time per active sample [ns], many factors in one call; NaN without active samples
-    error_of_solve_ivp: float  #: NaN if it does not solve the case
+    cost: float  #: time per active sample [ns] for many scale factors in one call; NaN without active samples
+    error_of_solve_ivp: float  #: NaN if the case is not solved with solve_ivp
     cost_of_solve_ivp: float
 
     @property
     def passed(self) -> bool:
-        """True if the error is within its limit."""
+        """True if the error does not exceed the largest allowed error."""
         return self.error <= self.stored.bound
 
 
@@ -111,7 +111,7 @@ COLUMNS = (*(one.name for one in fields(Case)), "peak", "outcome", "bound")
 
 
 def stored_cases(path: Path = TABLE) -> list[AnsweredCase]:
-    """Read the stored cases in the order of the file."""
+    """Read the stored cases with their reference results, in the order of the file."""
     kinds = {one.name: {"float": float, "int": int}.get(str(one.type), str) for one in fields(Case)}
     with path.open(encoding="utf-8", newline="") as file:
         return [
@@ -126,7 +126,7 @@ def stored_cases(path: Path = TABLE) -> list[AnsweredCase]:
 
 
 def solve_case(stored: AnsweredCase) -> CaseResult:
-    """Solve a case on this machine with one thread."""
+    """Solve a case on this machine with one thread, and compare the result with the reference."""
     case, block = stored.case, stored.case.block()
     ground, up = case.motions()
     dt = case.dt
@@ -144,7 +144,7 @@ def solve_case(stored: AnsweredCase) -> CaseResult:
         return CaseResult(stored, outcome, error, cost, np.nan, np.nan)
     start = time.perf_counter()
     given = float(block.p), float(block.alpha_c), case.restitution
-    other = by_solve_ivp(*given, ground, dt, case.equation, case.scale, block.gravity)
+    other = baseline_response(*given, ground, dt, case.equation, case.scale, block.gravity)
     spent = _cost(start, other.active_samples)
     return CaseResult(stored, outcome, error, cost, _error(stored, other.outcome, other.peak_rotation_ratio), spent)
 
@@ -155,7 +155,7 @@ def _cost(start: float, active: int) -> float:
 
 
 def _error(stored: AnsweredCase, outcome: str, peak: float) -> float:
-    """Return abs(peak - stored) with the precision of a float; the stored result has more digits."""
+    """Return the error of the peak, computed with all digits of the reference; inf if the outcomes differ."""
     if outcome != stored.outcome:
         return np.inf
     return float(abs(Decimal(peak) - stored.peak)) if stored.peak.is_finite() else 0.0

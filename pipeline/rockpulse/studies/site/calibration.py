@@ -21,7 +21,7 @@ from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
-from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.hdf5.results_file import load_tree
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.sequence_design import sequence_design
@@ -89,7 +89,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """Computes the overturning spectrum or the sequence of every record, and from them the design of the site."""
+    """The calibration of a site: computes the spectrum or sequence of every record, and from them the design."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -103,25 +103,25 @@ class SiteCalibration(Analysis):
 
     @property
     def work(self) -> Work:
-        """Return the function that computes the spectrum or the sequence of one record."""
+        """The function that computes the spectrum or the sequence of one record."""
         if self.lanes is None or self.by_spectrum:
             return partial(site_spectrum_record, config=self.config)
         return partial(site_record, blocks=self.lanes, config=self.config)
 
     @property
     def by_spectrum(self) -> bool:
-        """True if the site has overturning spectra instead of sequences."""
+        """True if the design is an overturning spectrum instead of a sequence."""
         return self.config.calibration.method == "spectrum"
 
     @cached_property
     def empty_part(self) -> Part:
-        """Return empty arrays of spectra or sequences, for a record without results."""
+        """Empty arrays in place of the results of a record, for records without results."""
         if self.lanes is None or self.by_spectrum:
             return empty_spectrum_record()
         return empty_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
-        """Return names and lanes of the bodies, or 100 standard bodies for a sequence if no bodies are given."""
+        """Return names and blocks of the bodies; without bodies, a sequence is designed for 100 standard blocks."""
         if not blocks and self.by_spectrum:
             return [], None
         if not blocks:
@@ -140,7 +140,7 @@ class SiteCalibration(Analysis):
         return names, lanes
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan the records; reject a record without a weight as soon as its id is known."""
+        """Plan the records, and reject a record that has no weight before any record is processed."""
         plan = super().plan(records, failures)
         known = [name for one in plan.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
@@ -148,7 +148,7 @@ class SiteCalibration(Analysis):
         return plan
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Compute the distribution over the records and the design."""
+        """Compute the design of the site from the results of all records."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
@@ -199,7 +199,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     >>> design.p.size, design.restitution.tolist()
     (24, [0.75, 0.8, 0.85, 0.9, 0.95, 1.0])
     """
-    tree = load(path)
+    tree = load_tree(path)
     kind = tree.attrs.get("kind", ASSESSMENT)
     if kind != SITE_KIND:
         raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {kind_in_words(kind)}")

@@ -21,39 +21,39 @@ from rockpulse.errors import RecordRefused
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
-#: Code of a recorded rotation of a block that the sequence overturns, in addition to 1 (covered) and 0 (not covered).
+#: Code for a block that the sequence overturns, in addition to 1 (rotation covered) and 0 (not covered).
 BEYOND = 2.0
-#: Number of main impulses in a grid, from the weakest to one that overturns every block, and number of refinements.
+#: Numbers of main impulses in the first grid and in each refined grid, and number of refinements.
 GRID, REFINED, ROUNDS = 256, 17, 3
-#: Weakest main impulse of the grid, divided by the smallest I_1c; it gives peaks of about 1e-8 alpha_c.
+#: Weakest main impulse of the grid, divided by the smallest I_1c; it causes peaks of about 1e-8 alpha_c.
 WEAKEST = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class SiteSample:
-    """Sequences of n records (NaN if none) and peaks [-] of m blocks to be covered: inf if overturned, NaN at rest."""
+    """The sequences of n records, and the peak rotations of m blocks under these records."""
 
-    values: np.ndarray  # (n, 5) in the order and unit of PARAMETERS
-    peaks: np.ndarray  # (n, m)
-    weights: np.ndarray  # (n,) not negative, not all zero
+    values: np.ndarray  # (n, 5) in the order and units of PARAMETERS; NaN without a sequence
+    peaks: np.ndarray  # (n, m) theta_max/alpha_c; inf if overturned, NaN at rest
+    weights: np.ndarray  # (n,) at least 0, not all 0
     events: np.ndarray  # (n,) index of each record's event
     blocks: Block  # (m,)
     spacing: str  # spacing of the secondary impulses of all sequences
 
     @property
     def logarithms(self) -> np.ndarray:
-        """Logarithms of the values (n, 5); NaN for a missing sequence or a secondary impulse of zero."""
+        """Logarithms (n, 5) of the parameters; NaN if a record has no sequence or the parameter is zero."""
         with np.errstate(divide="ignore"):
             logarithms = np.log(self.values)
         return np.where(np.isfinite(logarithms), logarithms, np.nan)
 
     @property
     def counted(self) -> np.ndarray:
-        """Mask (n, m) of the pairs of record and block that are counted."""
+        """Mask (n, m) of the pairs of record and block that count: the record has weight and lifts the block."""
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> "SiteSample":
-        """Return the sample of the records marked in `kept` (n,)."""
+        """Return the sample with only the records in the mask `kept` (n,)."""
         return replace(
             self,
             values=self.values[kept],
@@ -64,7 +64,7 @@ class SiteSample:
 
 
 def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
-    """Return the sequence that covers a share `quantile` of a sample; RecordRefused if no record lifts a block."""
+    """Return the sequence that covers the share `quantile` of the rotations; RecordRefused without rotations."""
     shape = _sequence(_medians(sample), sample)
     if not np.any(sample.counted):
         raise RecordRefused(
@@ -76,7 +76,7 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
         reached = _reached(sample, shape, mains)
         hits, total = _event_sums(sample, reached, ~np.isinf(reached))
         short = np.flatnonzero(_falls_short(hits.sum(axis=0), total.sum(axis=0), quantile))
-        # The response is not monotonic in I: the largest main impulse that does not cover the quantile counts.
+        # The rotation need not increase with I: the design exceeds the largest I that does not cover the quantile.
         if short.size == 0:
             high = float(mains[0])
             break
@@ -90,7 +90,7 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
 
 
 def _medians(sample: SiteSample) -> np.ndarray:
-    """Return lognormal medians (5,), but the weighted median for the number of main impulses."""
+    """Return the median (5,) of each parameter, lognormal except for the number of main impulses."""
     once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
     medians = np.exp(log_moments(sample.logarithms, sample.weights, sample.events, once)[0][0])
     medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
@@ -112,7 +112,7 @@ def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
 
 
 def _range(sample: SiteSample) -> tuple[float, float]:
-    """Return the range of main impulses, from the weakest of the grid to one that overturns every block at once.
+    """Return the weakest main impulse of the grid, and a main impulse that overturns every block at once.
 
     Secondary impulses reduce the speed by at most half, unless they act at the same instant (spacing "start").
     """
@@ -121,20 +121,20 @@ def _range(sample: SiteSample) -> tuple[float, float]:
 
 
 def covered_rotations(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Return 1 for rotations (n, m) that a sequence covers, else 0; BEYOND if it overturns, NaN if not counted."""
+    """Return codes (n, m): 1 if a sequence covers the rotation, else 0; BEYOND if it overturns; NaN if not counted."""
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
     return np.where(np.isnan(sample.peaks), np.nan, marks)
 
 
 def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> np.ndarray:
-    """Return peaks (q, m) of the blocks under q sequences of one shape."""
+    """Return the peak rotations (q, m) of m blocks under sequences of one shape with q main impulses."""
     sequences = shape.scaled(mains / shape.main)
     return np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return covered and total weight (g, q) of every event under q sequences, for blocks in `stands` (q, m)."""
+    """Return the covered and the total weight (g, q) of g events under q sequences, for the blocks in `stands`."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
@@ -146,12 +146,12 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
 
 
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
-    """Return whether the covered share is below the quantile; False if every block overturns."""
+    """Return whether the covered share of the weight is below the quantile; False if every block overturns."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Return the blocks (m,) whose overturning sets a design's main impulse, and the share covered just below it."""
+    """Return the mask (m,) of blocks whose overturning sets the design, and the share covered just below it."""
     low, high = _range(sample)
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
     reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))
@@ -166,12 +166,12 @@ def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: f
 def main_impulse_interval(
     sample: SiteSample, sequence: ImpulseSequence, quantile: float, draws: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Return the event-clustered bootstrap interval [m/s] of the main impulse of a design with a fixed shape.
+    """Return the bootstrap interval [m/s], over events, of the main impulse of a design whose shape is fixed.
 
-    `draws` (b, g) are resamples of events. With a single event both ends are NaN; the upper end is inf if the share of
-    resamples that overturn every block exceeds the tail of the interval. The ends are NaN and inf if the design
-    overturns every block, or if the overturning of one block limits most resamples, since their spread then describes
-    only that block. Each end differs from the design by at least a step of the grid, about 2 %.
+    `draws` (b, g) are resamples of events. With a single event both ends are NaN. The upper end is inf if every block
+    overturns in more resamples than the interval leaves out. The ends are NaN and inf if the design overturns every
+    block, or if the overturning of one block determines the design in most resamples, as the interval would then
+    describe only that block. Each end differs from the design by at least one step of the grid, about 2 %.
     """
     middle = math.log(sequence.main)
     mains = np.geomspace(*_range(sample), GRID * 2)
@@ -184,7 +184,7 @@ def main_impulse_interval(
     counted = draws @ total
     short = _falls_short(draws @ hits, counted, quantile)
     step = np.where(short.any(axis=1), mains.size - np.argmax(short[:, ::-1], axis=1), 0)
-    # Below the quantile one step lower, but not on the blocks that also survive this step: overturning sets the limit.
+    # If the lower step covers enough on the blocks that survive this step, the overturning of a block sets the limit.
     kept_hits, kept = _event_sums(sample, reached[:-1], stands[:-1] & stands[1:])
     enough = ~_falls_short(draws @ kept_hits, draws @ kept, quantile)
     limited = (step > 0) & (step <= last) & enough[rows, np.clip(step - 1, 0, last - 1)]
@@ -200,7 +200,7 @@ def main_impulse_interval(
 
 
 def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the weighted correlation (p, p) of logarithms (n, p) over records with both; NaN without variation."""
+    """Return the weighted correlation (p, p) of logarithms (n, p); NaN for a pair without values or variation."""
     count = logarithms.shape[1]
     matrix = np.full((count, count), np.nan)
     for row in range(count):

@@ -26,22 +26,22 @@ from rockpulse.studies.site.design import (
     overturning_limit,
 )
 from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
-from rockpulse.studies.site.site_warnings import site_warnings
+from rockpulse.studies.site.site_warnings import sequence_design_warnings
 from rockpulse.warning_text import as_stored
 
-#: Value for a pair of record and block that is not counted.
+#: Code for a pair of record and block that is not counted.
 NOT_COUNTED = -1
 
 
 class Coverage(NamedTuple):
-    """Coverage of each earthquake by a design that was fitted without it; NaN without a design."""
+    """The test of each earthquake with a design that was fitted without it; NaN if there is no such design."""
 
     covered: np.ndarray  # (n, m) codes of :func:`rockpulse.studies.site.design.covered_rotations`
-    main: np.ndarray  # (n,) main impulse of that design [m/s]
+    main: np.ndarray  # (n,) main impulse of the design without the event of the record [m/s]
 
 
 def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
-    """Test the design fitted to all earthquakes but one on the records of the one left out, in turn."""
+    """Fit a design to all earthquakes but one, test it on the records of that earthquake, and repeat for each."""
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
         out = sample.events == event
@@ -58,7 +58,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
 
 
 def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Return a mask (n, m) of the pairs of record and block that :func:`coverage_of` counts."""
+    """Return a mask (n, m) of the pairs of record and block for which :func:`coverage_of` computes the share."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -68,7 +68,7 @@ def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) 
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Return the weighted share of covered pairs (of surviving blocks if `standing`), with its interval over events."""
+    """Return the weighted share of pairs that are covered, with its interval; `standing` excludes overturned blocks."""
     counted = counted_pairs(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
@@ -77,7 +77,7 @@ def coverage_of(
 
 
 def untested_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Return the events that could not be tested on surviving blocks, with the code of the reason."""
+    """Return the code of a reason for each event on which no design could be tested with a block left standing."""
     rests, lifts, counted = (
         counted_pairs(found.covered, sample).any(axis=1),
         ~np.isnan(sample.peaks),
@@ -103,7 +103,7 @@ def sequence_design(
     config: Config,
     warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Return distributions, design and coverage as nodes of a site file; raise RecordRefused without a design."""
+    """Return the group /site with distributions, design and coverage; raise RecordRefused if there is no design."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     peaks = done["peaks"]
@@ -147,7 +147,7 @@ def sequence_design(
     }
     unjudged = {str(names[event]): reason for event, reason in untested_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    warnings = [*warnings, *site_warnings(told, done["scale_factor"], done["event"], weights, unjudged)]
+    warnings = [*warnings, *sequence_design_warnings(told, done["scale_factor"], done["event"], weights, unjudged)]
     site |= {"site_warnings": "\n".join(warnings), "site_warning_values": as_stored(warnings)}
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
     columns = {**done, "weight": weights, "left_out_main": left_out.main}

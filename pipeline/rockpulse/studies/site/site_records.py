@@ -27,53 +27,53 @@ from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 from rockpulse.warning_text import WarningText, find
 
-#: Smallest recorded peak that enters a misfit [-]; just above uplift no sequence is comparable.
+#: Smallest theta_max/alpha_c that is compared [-]; the smallest rotations cannot be compared with a sequence.
 SMALLEST_PEAK = 0.01
 #: Usual range of scale factors; a record scaled by more or less would represent another kind of earthquake.
 USUAL_FACTORS = (0.25, 4.0)
 
 
 def measured_value(name: str, record: Record, config: Config) -> float:
-    """Compute a measure of a conditioned record."""
+    """Return the value of a named intensity measure of a conditioned record."""
     return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Return the factor [-] that scales a conditioned record to the configured target; RecordRefused for zeros."""
+    """Return the factor [-] that scales a record to the configured target; RecordRefused if its measure is zero."""
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
     measure = measured_value(settings.scale_to, record, config)
     if not (math.isfinite(measure) and measure > 0.0):
-        raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}: it cannot be scaled to a target")
+        raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}, so it cannot be scaled to a target")
     return settings.target / measure
 
 
 def scaled(record: Record, factor: float) -> Record:
-    """Return a record times a positive factor [-], with a line in its processing history."""
+    """Return a record multiplied by a positive factor [-], with a line in its processing history."""
     if factor == 1.0:
         return record
     return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
 
 
 def block_family() -> Block:
-    """Return 100 standard bodies: p from 1 to 5 1/s, slenderness from 12.5 to 3, C from 0.6 to 1 times Housner's."""
+    """Return 100 standard blocks: p from 1 to 5 1/s, slenderness from 12.5 to 3, C from 0.6 to 1 times Housner's C."""
     axes = np.geomspace(1.0, 5.0, 5), np.geomspace(0.08, 0.32, 5), [1.0, 0.9, 0.75, 0.6]
     p, alpha, share = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
     return Block.from_parameters(p, alpha, share * (1.0 - 1.5 * np.sin(alpha) ** 2))
 
 
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
-    """Return the rotation to be covered for peaks theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
+    """Return the rotations to cover, from peaks theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
     return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 
 def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
     """Scale a record, derive its sequence and apply the record to (m,) blocks; return arrays (1, ...) by name.
 
-    "value" (1, 5) are the parameters of the sequence, NaN for none; "peaks" (1, m) the recorded theta_max/alpha_c: inf
-    if overturned, 0 at rest, NaN if unresolved. Raises ValueError if the record cannot be scaled or has no sequence,
-    TooWeak if it moves no block.
+    "value" (1, 5) are the parameters of the sequence; NaN for a parameter that it does not have. "peaks" (1, m) are the
+    peak rotations theta_max/alpha_c under the record: inf if overturned, 0 at rest, NaN if unresolved. Raises
+    ValueError if the record cannot be scaled or has no sequence, TooWeak if it moves no block.
     """
     with watch("solve"):
         conditioned, factor = scaled_motion(motion, config)
@@ -97,7 +97,7 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
 
 
 def empty_site_record(blocks: Block) -> Part:
-    """Return the arrays of :func:`site_record` for (m,) blocks, and "event", with zero rows."""
+    """Return the arrays of :func:`site_record` and "event" without rows, for (m,) blocks."""
     return {
         **empty_facts(),
         **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
@@ -107,7 +107,7 @@ def empty_site_record(blocks: Block) -> Part:
 
 
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """Return the conditioned record scaled to the target, and the factor [-]; raise RecordRefused if impossible."""
+    """Return the record scaled to the target, and the factor [-]; raise RecordRefused if it cannot be scaled."""
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
@@ -118,7 +118,7 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
 
 
 def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, Any]:
-    """Return the variables of one scaled record in a site file."""
+    """Return the values of one scaled record that a site file stores, by variable."""
     return {
         "record": record.id,
         "source": record.source,
@@ -133,13 +133,13 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
 
 
 def empty_facts() -> dict[str, np.ndarray]:
-    """Return the arrays of :func:`facts_of_record`, and "event", with zero rows."""
+    """Return the arrays of :func:`facts_of_record` and "event" without rows."""
     facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
     return {"record": np.zeros(0, dtype=str), **facts}
 
 
 def parameters_of(sequence: ImpulseSequence) -> list[float]:
-    """Return the parameters of a sequence in the order of PARAMETERS; NaN for None."""
+    """Return the parameters of a sequence in the order of PARAMETERS; NaN for a parameter without a limit."""
     return [
         float(sequence.main),
         float(sequence.secondary / sequence.main),
@@ -150,7 +150,7 @@ def parameters_of(sequence: ImpulseSequence) -> list[float]:
 
 
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
-    """Return the rms of ln(peak by sequence/by record) of rocking blocks, and the uncovered share of lifted blocks."""
+    """Return the rms error of the ln peak rotations under the sequence, and the share of lifted blocks not covered."""
     reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
     needed = rotation_to_cover(peaks)
     lifted = ~np.isnan(needed) & ~np.isnan(reached)

@@ -9,22 +9,22 @@ import numpy as np
 from rockpulse.studies.site.site_records import USUAL_FACTORS
 from rockpulse.warning_text import WarningText
 
-#: Smallest number of records and events for usable intervals.
+#: Smallest numbers of records and events without a warning.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
-#: Coverage with a wider interval gets a warning [-].
+#: Largest width of the interval of the coverage without a warning [-].
 WIDE = 0.5
-#: Smallest number of records beyond a quantile.
+#: Smallest expected number of records beyond a quantile without a warning.
 FEWEST_BEYOND = 2.0
-#: Largest number of names in a warning.
+#: Largest number of events that a warning names.
 LISTED = 5
-#: A share of lifted pairs below this gets a warning [-].
+#: Smallest share of lifted pairs of record and block without a warning [-].
 FEW_LIFTED = 0.1
 
 
-def site_warnings(
+def sequence_design_warnings(
     site: Mapping[str, Any], factors: np.ndarray, events: np.ndarray, weights: np.ndarray, unjudged: Mapping[str, str]
 ) -> list[WarningText]:
-    """Return the warnings of a site, most serious first; `unjudged` has the reason code of each untested event."""
+    """Return the warnings on a design sequence, most serious first; `unjudged` has a reason for each untested event."""
     records, count, quantile = site["record_count"], site["event_count"], float(site["quantile"])
     warnings = []
     if count == 1:
@@ -59,7 +59,7 @@ def site_warnings(
 
 
 def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
-    """Return a warning of unusual scale factors (n,), if there are any."""
+    """Return a warning if records (n,) have unusual scale factors; empty if they have not."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if not odd:
@@ -69,7 +69,7 @@ def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
 
 
 def _tail(records: int, quantile: float) -> WarningText:
-    """Return a warning if few records lie beyond a quantile."""
+    """Return a text on how many records lie beyond a quantile."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
         return WarningText(f"tail_{side}", beyond=float(beyond), quantile=quantile)
@@ -77,7 +77,7 @@ def _tail(records: int, quantile: float) -> WarningText:
 
 
 def _coverage_warning(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[WarningText]:
-    """Return a warning if the coverage is based on few data."""
+    """Return a warning if the coverage is based on few earthquakes, or its interval is wide."""
     groups = []
     for reason in dict.fromkeys(unjudged.values()):
         every = [name for name, why in unjudged.items() if why == reason]

@@ -37,11 +37,11 @@ STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Return the overturning spectrum of a scaled record as arrays (1, ...) by name; RecordRefused if it is zero."""
+    """Return the overturning spectrum of a scaled record as arrays (1, ...) by name; RecordRefused for zeros only."""
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
         if record.pga == 0.0:
-            raise RecordRefused(f"{record.id}: nothing but zeros, which has no overturning spectrum")
+            raise RecordRefused(f"{record.id}: all samples are zero, so that there is no overturning spectrum")
         waves = half_waves(record, **config.half_waves)
         count, ratio, _ = lobe_shapes(waves.start, waves.centroid, waves.end, waves.impulse, RATES)
         lanes = LANES[config.calibration.spectrum](record, waves=waves)
@@ -55,7 +55,7 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
 
 
 def empty_spectrum_record() -> Part:
-    """Return the arrays of :func:`site_spectrum_record`, and "event", with zero rows."""
+    """Return the arrays of :func:`site_spectrum_record` and "event" without rows."""
     return {
         **empty_facts(),
         "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
@@ -64,7 +64,7 @@ def empty_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Return the smallest number of earthquakes for a quantile: at least five, and at least one beyond it."""
+    """Return the number of earthquakes that a quantile needs: at least five, with at least one beyond the quantile."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
@@ -76,7 +76,7 @@ def spectrum_design(
     config: Config,
     warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Compute the spectra of all records, their quantiles and the design of every body as nodes of a site file."""
+    """Return the groups /site and /spectra with the quantiles of the spectra and the design of every body."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     counted = weights > 0.0
@@ -129,7 +129,7 @@ def spectrum_design(
 def _interval_tables(
     quantiles: Callable[..., list[Quantiles]], of_records: Mapping[str, np.ndarray], quantile: float
 ) -> dict[str, np.ndarray]:
-    """Return the quantiles of /spectra with their intervals, by name."""
+    """Return the tables of /spectra by name: quantiles over records, and the ends of their intervals."""
     levels = {**STATED, "spectrum_design": quantile}
     of_levels = quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
     found = dict(zip(levels, of_levels, strict=True))
@@ -142,7 +142,7 @@ def _interval_tables(
 
 
 def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the design values of each body (m,) with intervals; NaN outside the spectrum or without weights."""
+    """Return the design values (m,) of the bodies by name; NaN outside the spectrum, or if all weights are zero."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}

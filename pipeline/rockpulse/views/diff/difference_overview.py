@@ -8,7 +8,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from rockpulse.storage.hdf5.results_file import ResultsFile, of_tree, open_results
+from rockpulse.storage.hdf5.results_file import ResultsFile, of_tree, open_results_file
 from rockpulse.views.diff.answer_changes import Changes
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn, compare_results
 from rockpulse.views.shared.formatting import ABSENT, paragraph, several, shortened
@@ -71,7 +71,7 @@ def diff(
     """
     with ExitStack() as stack:
         first, second = (
-            of_tree(one, name) if isinstance(one, xr.DataTree) else stack.enter_context(open_results(Path(one)))
+            of_tree(one, name) if isinstance(one, xr.DataTree) else stack.enter_context(open_results_file(Path(one)))
             for one, name in ((before, "before"), (after, "after"))
         )
         names = (ignore,) if isinstance(ignore, str) else ignore

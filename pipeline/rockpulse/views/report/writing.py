@@ -20,7 +20,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
-from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.hdf5.results_file import load_tree
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
@@ -232,7 +232,7 @@ def with_symbols(words: str) -> str:
 
 
 def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
-    tree = load(source) if isinstance(source, str | Path) else source
+    tree = load_tree(source) if isinstance(source, str | Path) else source
     groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # an unsaved tree may lack the attribute
     by_group = next((groups[name] for name in groups if name in tree.children), "")
     if (found := str(tree.attrs.get("kind", by_group))) != kind:

@@ -14,7 +14,7 @@ from record_writers import pulse
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.formats.miniseed import _held_rate, is_miniseed
-from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, obspy_notes, told_otherwise
+from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, contradicts_channel, obspy_notes
 from rockpulse.readers.source import NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
@@ -247,12 +247,12 @@ def test_station_metadata_contradict_a_channel_by_what_it_tells_at_its_time(tmp_
         write_stages(tmp_path, [corner * (-1.0 + 1.0j), corner * (-1.0 - 1.0j)], name=name)
     files = [("a.xml", (tmp_path / "a.xml").read_bytes())]
     channel = obspy.read_inventory(str(tmp_path / "b.xml"))[0][0][0]
-    assert not told_otherwise(files, "XX", "ABC", channel)  # other stages of the same sensitivity
+    assert not contradicts_channel(files, "XX", "ABC", channel)  # other stages of the same sensitivity
     channel.azimuth = 0.0
-    assert told_otherwise(files, "XX", "ABC", channel)
-    assert not told_otherwise(files, "XX", "DEF", channel)
+    assert contradicts_channel(files, "XX", "ABC", channel)
+    assert not contradicts_channel(files, "XX", "DEF", channel)
     channel.start_date, channel.end_date = obspy.UTCDateTime("2031-01-01"), None
-    assert not told_otherwise(files, "XX", "ABC", channel)
+    assert not contradicts_channel(files, "XX", "ABC", channel)
 
 
 def test_a_station_file_of_the_same_name_but_another_time_leaves_it_to_the_others(tmp_path):

@@ -14,7 +14,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage.export.long_table import long_table, results_table
 from rockpulse.storage.export.row_selection import Condition, RowSelection
 from rockpulse.storage.export.table_file import readme_of, write_table
-from rockpulse.storage.hdf5.results_file import open_results, save
+from rockpulse.storage.hdf5.results_file import open_results_file, save
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
 from rockpulse.storage.variables.summary import SUMMARY
 
@@ -52,7 +52,7 @@ def results(tmp_path_factory):
 @pytest.fixture(scope="module")
 def opened(results):
     """The results, open for all tests."""
-    with open_results(results) as file:
+    with open_results_file(results) as file:
         yield file
 
 
@@ -254,7 +254,7 @@ def test_a_line_of_the_file_is_a_row_whatever_ends_a_line_in_a_text(tmp_path):
     ends = ["a\r\nb", "a\rb\vc", "a\fb\x85c\u2028d\u2029e"]
     tree["site"] = xr.DataTree(xr.Dataset({"word": ("y", ends, tree["site"]["word"].attrs)}))
     save(tree, tmp_path / "site.h5")
-    with open_results(tmp_path / "site.h5") as file:
+    with open_results_file(tmp_path / "site.h5") as file:
         write_table(long_table(file, dims=["y"]), tmp_path / "t.csv", "")
     assert pd.read_csv(tmp_path / "t.csv")["word"].tolist() == ["a | b", "a | b | c", "a | b | c | d | e"]
     assert len((tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()) == 4
@@ -265,7 +265,7 @@ def test_results_that_cannot_be_read_are_no_fault_of_the_table(results, tmp_path
     def unread(table, size=0):
         raise OSError("Can't synchronously read data")
 
-    with open_results(results) as file:
+    with open_results_file(results) as file:
         table = long_table(file, dims=["record"])
         monkeypatch.setattr(type(table), "frames", unread)
         with pytest.raises(ResultsError, match=r"results\.h5: the results file is damaged"), file.reading():

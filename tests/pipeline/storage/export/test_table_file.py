@@ -11,7 +11,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage.export import table_file as typed_table
 from rockpulse.storage.export.long_table import LongTable, long_table
 from rockpulse.storage.export.table_file import write_table
-from rockpulse.storage.hdf5.results_file import open_results, save
+from rockpulse.storage.hdf5.results_file import open_results_file, save
 
 TEXTS = ["=1+1", "a\x1b[2Jb", "-2.5 and more\nline"]
 
@@ -24,7 +24,7 @@ def opened(tmp_path_factory):
     warnings = xr.Variable("record", TEXTS, tree["summary"]["warnings"].attrs)
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().assign(warnings=warnings))
     save(tree, path)
-    with open_results(path) as file:
+    with open_results_file(path) as file:
         yield file
 
 

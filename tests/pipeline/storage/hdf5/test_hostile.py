@@ -22,7 +22,7 @@ from results_tree import results_bytes
 from rockpulse.cli import main
 from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5 import layout
-from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.hdf5.results_file import load_tree
 
 #: Longest that a verb may take with a file, in time of the processor and of the clock, which other work stretches [s].
 SECONDS, PATIENCE = 10, 120
@@ -232,10 +232,10 @@ def many(file, pipe):
         (virtual, "/more: its values are kept in another file"),
         (
             dataset((10**6, 10**6), chunks=(1000, 1000)),
-            "/more: declares 8,000,000,000,000 bytes of values, of which the file holds 0",
+            "/more: declares 8,000,000,000,000 bytes of values, but the file contains 0",
         ),
-        (named_type, "/more: expected a group or a variable, found a type"),
-        (dataset((100,), compression="lzf"), "/more: packed by lzf, which results are not"),
+        (named_type, "/more: expected a group or a variable, found an HDF5 type"),
+        (dataset((100,), compression="lzf"), "/more: compressed by lzf, which results files never are"),
         (many, f"more than {FEW} groups and variables"),
     ],
 )
@@ -244,7 +244,7 @@ def test_a_file_that_leads_out_of_itself_or_has_no_end_is_refused(small, place, 
     with h5py.File(small, "r+") as file:
         change(file, os.fspath(place / "pipe"))
     with pytest.raises(ResultsError, match=re.escape(message)):
-        load(small)
+        load_tree(small)
     assert told(["verify", str(small), "--no-inputs"])[0] == 2
 
 
@@ -253,7 +253,7 @@ def test_a_long_dimension_without_values_is_no_endless_array(small):
     with h5py.File(small, "r+") as file:
         scale = file["records"].create_dataset("instants", (10**7,), ">f4", chunks=(10**6,))
         scale.make_scale("This is a netCDF dimension but not a netCDF variable.  10000000")
-    assert "summary" in load(small).children
+    assert "summary" in load_tree(small).children
 
 
 @pytest.mark.sweep

@@ -15,7 +15,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5 import atomic as target_file
 from rockpulse.storage.hdf5 import results_file as store
 from rockpulse.storage.hdf5.atomic import check_target
-from rockpulse.storage.hdf5.results_file import load, save
+from rockpulse.storage.hdf5.results_file import load_tree, save
 
 
 def assert_same_nodes(one, other):
@@ -34,7 +34,7 @@ def assert_same_nodes(one, other):
 def test_the_tree_comes_back_the_same(tmp_path):
     tree = results_tree(2)
     save(tree, tmp_path / "results.h5")
-    back = load(tmp_path / "results.h5")
+    back = load_tree(tmp_path / "results.h5")
     assert_same_nodes(tree, back)
     assert back.attrs["title"] == "Borgo"
     assert back.attrs["configuration"] == CONFIGURATION
@@ -43,10 +43,10 @@ def test_the_tree_comes_back_the_same(tmp_path):
 @pytest.mark.sweep
 def test_a_tree_that_was_loaded_is_saved_and_loaded_again_the_same(tmp_path):
     (tmp_path / "first.h5").write_bytes(results_bytes())
-    first = load(tmp_path / "first.h5")
+    first = load_tree(tmp_path / "first.h5")
     assert_same_nodes(results_tree(), first)
     save(first, tmp_path / "second.h5")
-    second = load(tmp_path / "second.h5")
+    second = load_tree(tmp_path / "second.h5")
     assert_same_nodes(first, second)
     assert {**second.attrs, "history": ""} == {**first.attrs, "history": ""}
     assert second.attrs["history"].startswith(first.attrs["history"] + "\n")
@@ -57,7 +57,7 @@ def loaded(tmp_path_factory):
     """The tree, saved and loaded."""
     path = tmp_path_factory.mktemp("loaded") / "results.h5"
     path.write_bytes(results_bytes())
-    return load(path)
+    return load_tree(path)
 
 
 def test_provenance_is_complete(loaded):
@@ -73,7 +73,7 @@ def test_a_file_name_in_an_odd_encoding_does_not_spoil_the_results(tmp_path):
     tree = small_tree()
     tree["site"]["word"].values[:] = np.array([os.fsdecode(b"caf\xe9.txt"), ""])
     save(tree, tmp_path / "results.h5")
-    assert load(tmp_path / "results.h5")["site"]["word"].values[0] == "caf\ufffd.txt"
+    assert load_tree(tmp_path / "results.h5")["site"]["word"].values[0] == "caf\ufffd.txt"
 
 
 @pytest.mark.parametrize("attribute", ["units", "long_name"])
@@ -113,7 +113,7 @@ def test_truncated_results_are_refused_and_replaced(tmp_path, part):
     whole = old_results(target)
     target.write_bytes(whole[: int(part * len(whole))])
     with pytest.raises(ResultsError, match=r"results\.h5: "):
-        load(target)
+        load_tree(target)
     if part:  # an empty file might be anything
         save(small_tree(), target, overwrite=True)
         assert attribute(target, "title") == "Borgo"
@@ -136,7 +136,7 @@ def test_results_with_a_damaged_byte_load_or_say_so(tmp_path, count):
     for offset in range(8, len(whole), len(whole) // count):
         target.write_bytes(whole[:offset] + bytes([whole[offset] ^ 0xFF]) + whole[offset + 1 :])
         try:
-            load(target)
+            load_tree(target)
         except ResultsError:
             refused += 1
     assert refused >= count // 8
@@ -214,7 +214,7 @@ def test_two_writers_at_once_leave_one_whole_file(tmp_path):
         writer.start()
     for writer in writers:
         writer.join()
-    assert_same_nodes(small_tree(), load(target))
+    assert_same_nodes(small_tree(), load_tree(target))
     assert list(tmp_path.iterdir()) == [target]
 
 
@@ -230,7 +230,7 @@ def test_another_schema_is_refused_with_what_to_do(tmp_path, version):
     with pytest.raises(
         ResultsError, match=rf"expected schema version 2\.0, found {version}; run 'rockpulse calibrate' again"
     ):
-        load(tmp_path / "results.h5")
+        load_tree(tmp_path / "results.h5")
 
 
 @pytest.mark.parametrize(("kind", "verb"), [("site calibration", "calibrate"), ("fragility", "fragility")])
@@ -240,7 +240,7 @@ def test_a_refused_file_names_the_verb_that_makes_it(tmp_path, kind, verb):
     with h5py.File(tmp_path / "f.h5", "a") as file:
         file.attrs["schema_version"] = "1.5"
     with pytest.raises(ResultsError, match=f"run 'rockpulse {verb}' again"):
-        load(tmp_path / "f.h5")
+        load_tree(tmp_path / "f.h5")
 
 
 def test_files_that_are_not_ours_are_refused(tmp_path):
@@ -251,12 +251,12 @@ def test_files_that_are_not_ours_are_refused(tmp_path):
     with h5py.File(numbered, "w") as file:
         file.attrs["schema_version"] = "1.0"
     with pytest.raises(ResultsError, match=r"notes\.txt: not a rockpulse results file"):
-        load(text)
+        load_tree(text)
     for path in (foreign, numbered):
         with pytest.raises(ResultsError, match="not written by rockpulse"):
-            load(path)
+            load_tree(path)
     with pytest.raises(FileNotFoundError):
-        load(tmp_path / "none.h5")
+        load_tree(tmp_path / "none.h5")
 
 
 @pytest.mark.sweep
@@ -264,7 +264,7 @@ def test_files_that_are_not_ours_are_refused(tmp_path):
 def test_load_closes_the_file(tmp_path):
     target = tmp_path / "results.h5"
     target.write_bytes(results_bytes())
-    tree = load(target)
+    tree = load_tree(target)
     opened = [str(link.readlink()) for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
     assert str(target) not in opened
     assert tree["summary"]["pga"].values[0] == 5.5574

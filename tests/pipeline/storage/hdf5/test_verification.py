@@ -16,7 +16,7 @@ import rockpulse as rp
 from rockpulse import ModelSettings, RecordSettings
 from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5 import results_file as store
-from rockpulse.storage.hdf5.results_file import load, save
+from rockpulse.storage.hdf5.results_file import load_tree, save
 from rockpulse.storage.hdf5.verification import verify
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, TreeWriter, VariableChecksum
 
@@ -146,7 +146,7 @@ def test_a_change_of_attributes_or_names_is_found(tmp_path, name):
 )
 def test_any_damaged_byte_is_found_or_changes_nothing(results, count):
     whole = results.read_bytes()
-    untouched = load(results)
+    untouched = load_tree(results)
     found = 0
     for offset in range(8, len(whole), len(whole) // count):
         results.write_bytes(whole[:offset] + bytes([whole[offset] ^ 0x10]) + whole[offset + 1 :])
@@ -158,7 +158,7 @@ def test_any_damaged_byte_is_found_or_changes_nothing(results, count):
         if differences:
             found += 1
         else:
-            xr.testing.assert_identical(load(results), untouched)
+            xr.testing.assert_identical(load_tree(results), untouched)
     assert found > count // 8
 
 
@@ -294,7 +294,7 @@ def test_a_coordinate_beside_the_dimensions_comes_back_as_one(tmp_path):
         tree["site"].to_dataset().assign_coords(row=("y", np.arange(2), described), scalar=((), 2.5, described))
     )
     save(tree, tmp_path / "site.h5")
-    back = load(tmp_path / "site.h5")["site"].to_dataset()
+    back = load_tree(tmp_path / "site.h5")["site"].to_dataset()
     assert {"row", "scalar"} <= set(back.coords)
     xr.testing.assert_identical(back, tree["site"].to_dataset())
     assert verify(tmp_path / "site.h5").differences == ()

@@ -10,7 +10,7 @@ from nominal import Config
 import rockpulse as rp
 from rockpulse.models import Block
 from rockpulse.record.record import Record
-from rockpulse.storage.hdf5.results_file import load, save
+from rockpulse.storage.hdf5.results_file import load_tree, save
 from rockpulse.storage.variables.summary import FACTS, facts_of
 
 TIME = 0.01 * np.arange(400)
@@ -51,7 +51,7 @@ def test_every_fact_is_a_field_of_a_record():
 @pytest.mark.sweep
 def test_an_assessment_stores_the_facts_of_each_record(assessed, tmp_path):
     save(assessed, tmp_path / "results.h5")
-    summary = load(tmp_path / "results.h5")["summary"].to_dataset()
+    summary = load_tree(tmp_path / "results.h5")["summary"].to_dataset()
     assert {name: summary[name].sel(record="known").item() for name in FACTS} == STORED
     for name, fact in FACTS.items():
         np.testing.assert_equal(summary[name].sel(record="unknown").item(), fact.absent)

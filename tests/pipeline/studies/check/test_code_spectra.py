@@ -78,7 +78,7 @@ def test_a_table_is_read_in_its_unit_and_ends_where_it_ends(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("period [s],sa [g]\n0.1,0.2\n0.5,0.5\n", "expected a first period of 0 s"),
+        ("period [s],sa [g]\n0.1,0.2\n0.5,0.5\n", "expected 0 s as the first period"),
         ("period [s],sa [g]\n0,0.2\n", "two or more"),
         ("period [s],sa [g]\n0,0.2\n0.5,x\n", "row 2 of column 'sa \\[g\\]': expected a number, found 'x'"),
         ("period [s],sa [g]\n0,0.2\n0.5,-1\n", "expected positive accelerations"),

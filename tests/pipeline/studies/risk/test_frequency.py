@@ -158,7 +158,7 @@ def test_uplift_in_pga_is_the_rate_of_the_acceleration_that_lifts(tree):
     """g b/h = 9.80665 0.3/2.4 = 1.22583 m/s2 for the wall, half of g for the rock, whatever records were scaled to."""
     found = rp.risk(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), "uplift")
     assert found["frequency"].values == pytest.approx([2e-3 * 1.2258312**-2.0, 2e-3 * 4.903325**-2.0], rel=1e-6)
-    assert "exact, no band" in str(found["statement"].values[0])
+    assert "is exact and has no band" in str(found["statement"].values[0])
     curve = rp.HazardCurve("pga", [0.5, 2.0], [8e-3, 5e-4])
     wall = rp.risk(tree, curve, "uplift").sel(block="wall")
     assert float(wall["above"]) == pytest.approx(5e-4 / float(wall["frequency"]), rel=1e-6)

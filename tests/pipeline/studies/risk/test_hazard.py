@@ -106,7 +106,7 @@ def test_a_site_is_chosen_among_several(tmp_path):
         ("pga [g],probability in 50 years\n0.1,1.2\n0.2,0.01\n", "probabilities from 0 to 1"),
         ("TR [years],PGA\n30,0.1\n", 'expected the column "ag'),
         ("# investigation_time=1.0, x=2\nlon,lat,poe-0.1\n0,0,0.1\n", "line 1: expected investigation_time"),
-        ("# investigation_time=1.0, imt='PGA'\nlon,lat,poe-low\n0,0,0.1\n", "line 2: expected a level behind poe-"),
+        ("# investigation_time=1.0, imt='PGA'\nlon,lat,poe-low\n0,0,0.1\n", "line 2: expected a number after poe-"),
         ("# investigation_time=1.0, imt='PGA'\nx,y\n0,0\n", "line 2: expected lon, lat and poe-LEVEL"),
     ],
 )

@@ -12,7 +12,7 @@ from synthetic import synthetic_lanes, synthetic_motion
 
 
 def answer(block, ground, dt, equation, **options):
-    return baseline.response(
+    return baseline.baseline_response(
         block.p, block.alpha_c, block.restitution, ground, dt, equation, gravity=block.gravity, **options
     )
 
@@ -68,6 +68,6 @@ def test_motion_after_the_record_is_decided_by_energy(equation):
 def test_uplift_by_a_hair_does_not_repeat_itself_for_ever():
     lanes = synthetic_lanes(0, 24)
     motion = synthetic_motion(0, pga=0.3 * 9.80665)
-    answer = baseline.response(lanes.p[8], lanes.alpha[8], 0.9, motion, 0.01, "linear", 0.7)
+    answer = baseline.baseline_response(lanes.p[8], lanes.alpha[8], 0.9, motion, 0.01, "linear", 0.7)
     assert answer.outcome == "ROCKS"
     assert 0.0 <= answer.peak_rotation_ratio < 1e-9

@@ -10,7 +10,7 @@ from rocking.body.supports import floor_motion
 from rocking.march.recorded import recorded_response
 from rockpulse.cli import main
 from rockpulse.studies.selftest import selftest
-from rockpulse.studies.selftest.selftest import COLUMNS, TABLE, lobes, solve_case, stored_cases
+from rockpulse.studies.selftest.selftest import COLUMNS, TABLE, solve_case, stored_cases, synthetic_motion
 
 STORED = {one.case.case: one for one in stored_cases()}
 
@@ -43,7 +43,7 @@ def test_every_case_is_within_its_bound():
 
 
 def test_the_samples_of_a_case_are_exact_in_binary():
-    motion = lobes("4 -6", 32, 1)
+    motion = synthetic_motion("4 -6", 32, 1)
     assert motion.size == 3 * 32 + 1
     assert (motion[16], motion[48], motion[64:].any()) == (4.0, -6.0, False)
     assert np.array_equal(motion * 2.0**12, np.round(motion * 2.0**12))

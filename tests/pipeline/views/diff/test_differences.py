@@ -10,7 +10,7 @@ from compared_trees import compare
 from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.storage.hdf5.results_file import open_results, save
+from rockpulse.storage.hdf5.results_file import open_results_file, save
 from rockpulse.storage.variables import FAILURE
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
 from rockpulse.storage.variables.site import SITE_KIND
@@ -53,7 +53,7 @@ def compare_files(tmp_path):
     def compared(first, second, **options):
         save(first, tmp_path / "a.h5", overwrite=True)
         save(second, tmp_path / "b.h5", overwrite=True)
-        with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+        with open_results_file(tmp_path / "a.h5") as one, open_results_file(tmp_path / "b.h5") as other:
             found = compare_results(one, other, **options)
             return found, difference_overview(found, one, other, "rtol 1e-09")
 
@@ -269,14 +269,14 @@ def test_values_that_another_program_has_changed_are_found_though_the_checksums_
     with h5py.File(tmp_path / "b.h5", "a") as file:
         for path, place in places.items():
             file[path][place] = "other" if "source" in path else 0
-    with open_results(saved) as one, open_results(tmp_path / "b.h5") as other:
+    with open_results_file(saved) as one, open_results_file(tmp_path / "b.h5") as other:
         found = compare_results(one, other)
     assert {one.name: one.differing for one in found.variables} == {f"/{path}": 1 for path in places}
     assert found.sides[OUTCOME].compared == 27
     shutil.copy(saved, tmp_path / "b.h5")
     with h5py.File(tmp_path / "b.h5", "a") as file:
         file["half_cycles/record_index"][0] = 2
-    with open_results(saved) as one, open_results(tmp_path / "b.h5") as other:
+    with open_results_file(saved) as one, open_results_file(tmp_path / "b.h5") as other:
         assert not compare_results(one, other).same
 
 
@@ -310,7 +310,11 @@ def test_files_of_different_kinds_are_refused(saved, tmp_path):
     other.attrs["kind"] = "site calibration"
     save(other, tmp_path / "b.h5")
     told = r"two files of one kind, found .*results\.h5 \(assessment\) and .*b\.h5 \(site"
-    with open_results(saved) as one, open_results(tmp_path / "b.h5") as two, pytest.raises(ResultsError, match=told):
+    with (
+        open_results_file(saved) as one,
+        open_results_file(tmp_path / "b.h5") as two,
+        pytest.raises(ResultsError, match=told),
+    ):
         compare_results(one, two)
 
 

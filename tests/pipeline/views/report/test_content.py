@@ -11,7 +11,7 @@ from rockpulse import ModelSettings, ReportSettings, SearchSettings
 from rockpulse.cli import main
 from rockpulse.config.study_settings import LOGO_LIMIT, PNG
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.hdf5.results_file import load_tree
 from rockpulse.views.report.content import logo, parties
 from rockpulse.views.report.writing import report_page
 
@@ -37,7 +37,7 @@ def test_they_are_stored_in_the_results_and_a_configuration_takes_their_place(gi
     given = replace(given, models=ModelSettings(use=("linear",)), search=SearchSettings(models=()))
     rp.save(rp.assess(bursts[:1], given, {"stele": bodies["stele"]}), tmp_path / "results.h5")
     (tmp_path / "logo.png").unlink()
-    tree = load(tmp_path / "results.h5")
+    tree = load_tree(tmp_path / "results.h5")
     assert [fact.lines for fact in parties(tree)] == [("Torre",), ("Comune di <Vasto>",), ("A. Rossi",)]
     assert logo(tree) == base64.b64encode(PIXEL).decode()
     tree.attrs["report_logo"] = base64.b64encode(b"GIF89a").decode()
