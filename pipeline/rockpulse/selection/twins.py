@@ -19,7 +19,7 @@ from rockpulse.warning_text import WarningText, find
 #: Largest ratio of the peaks, and smallest correlation, of two records of one motion.
 LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
 #: Largest ratio of the peaks of the two horizontal components of one instrument.
-COMPONENTS_RATIO = 10.0
+COMPONENTS_RATIO = 5.0
 #: Smallest correlation of two components of which one is a copy of the other, whatever its sign and scale.
 COPY_CORRELATION = 0.999
 #: Smallest angle between the lines of the two components of a pair [degrees].

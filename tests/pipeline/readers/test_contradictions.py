@@ -199,3 +199,13 @@ def test_the_hint_for_files_of_one_suffix_is_a_row_of_the_configuration(put):
         read(path, units="gal")
     chosen = FileSettings(match="*.dat", units="gal", dt=0.01)
     assert len(read_all(path, files=[chosen])[0]) == 1
+
+
+@pytest.mark.parametrize(("sign", "turned"), [(1.0, ""), (-1.0, " with the opposite sign")])
+def test_a_component_whose_samples_are_those_of_another_file_is_told(put, sign, turned):
+    put("time (s),acc E (g)\n" + table(0.003 * VALUES), "e.csv")
+    path = put("time (s),acc N (g)\n" + table(0.003 * sign * VALUES), "n.csv")
+    records, failures = read_all(path.parent)
+    assert (len(records), failures) == (2, [])
+    for record, other in zip(records, ("n.csv", "e.csv"), strict=True):
+        assert f"the samples are those of {other}{turned}: one of them is a copy" in record.warnings

@@ -105,6 +105,15 @@ def test_a_few_equal_spikes_do_not_hide_each_other():
     assert find(defects(record(motion)), "spike").values["count"] == 4
 
 
+def test_samples_of_zero_amid_strong_motion_are_told():
+    motion = shaking()
+    motion[at(motion, 0.2) : at(motion, 0.8) : 25] = 0.0
+    assert find(defects(record(motion)), "spike").values["count"] > 5
+    spread = np.zeros(2 * motion.size)
+    spread[::2] = shaking()
+    assert [one.code for one in deciding(condition(record(spread, 0.5 * DT)))] == ["spike"]
+
+
 def test_coarse_samples_decide_where_the_motion_goes_on_beyond_their_frequencies():
     slow = np.interp(np.arange(0.0, 5990.0, 10.0), np.arange(6000), np.convolve(shaking(), np.hanning(120), "same"))
     assert [one.values["decides"] for one in defects(record(slow, 0.1)) if one.code == "coarse_sampling"] == [False]

@@ -10,7 +10,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.integrals import of_unstated_kind
+from rockpulse.readers.integrals import with_slopes
 from rockpulse.readers.kit.column_statements import column_directions, column_units, same_directions, stated_peak
 from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
 from rockpulse.readers.kit.headings import ColumnHeading, column_headings
@@ -167,9 +167,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             zip(columns.table.T, headings, units, facing, strict=True), 1
         )
     ]
-    worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
-    stated = worded or kit.kind_of_name(file)
-    return records if stated else [of_unstated_kind(record) for record in records]
+    return [with_slopes(record) for record in records]
 
 
 def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:

@@ -70,11 +70,10 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
     said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
     named = [(unit, line) for unit, line in said if line.value]
     asked = None if options.units is None else canonical_unit(options.units, "option units")
-    says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
 
     def against(stated: str) -> str:
         right = f"--units {stated}, or {for_such_files(name, f'units = {stated!r}')} in the configuration"
-        return f"{says}. If the header is right, give {right}"
+        return f"{options.said_by('units')} says {asked}; correct the wrong one; if the header is right, give {right}"
 
     for heading in headings:
         where = f"{name}: column {heading.name!r}"
