@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 
 from rockpulse.errors import Failure, last_part
-from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.readers.integrals import without_integrals
+from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id

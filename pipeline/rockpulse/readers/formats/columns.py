@@ -359,7 +359,8 @@ def _sizes(columns: _Columns) -> list[int]:
     if columns.width < _COMPONENTS:
         headed = [means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
         return [index for index, size in enumerate(headed) if size and np.all(columns.table[:, index] >= 0.0)]
-    squares = columns.table**2
+    with np.errstate(over="ignore"):
+        squares = columns.table**2
     found = []
     for index in np.flatnonzero(np.all(columns.table >= 0.0, axis=0) & np.any(columns.table > 0.0, axis=0)):
         named = bool(columns.headings) and means_size(columns.headings[index].name)
