@@ -23,7 +23,7 @@ MOST_IMPACTS = 100_000
 
 @njit()
 def _turning(grow, fall, slope, growth, lowest):
-    """Return e^tau at the top (or `lowest` point) of u = grow e^tau + fall e^-tau + a line in a piece; 0 for none."""
+    """Return e^tau at the maximum (or minimum, if `lowest`) of u inside a piece; 0 if there is none."""
     if grow == 0.0:
         roots = (fall / slope if slope != 0.0 else 0.0, 0.0)
     else:
@@ -67,7 +67,7 @@ def _pushes(ground, wall):
 
 @njit()
 def _march(begin, strength, restitution, length, growth, ground, left, wall):
-    """Return the largest u of one lane at rest until piece `begin`, inf if it overturns; with a wall, C is e."""
+    """Return the largest u of one lane, inf if it overturns; the block rests until the piece `begin`."""
     peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
     for j in range(begin, length.shape[0]):
         start, end = strength * ground[j, 0], strength * ground[j, 1]
@@ -137,7 +137,7 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
 
 @njit()
 def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
-    """Write the largest u of lanes `first` to `last` - 1, inf if they overturn.
+    """Write the largest u of the lanes `first` to `last` - 1, inf for a lane that overturns.
 
     The lanes (n,) have the index `place` of their p, the `strength` x/p [s2/m] and C; `length` and `growth` (a, k) are
     the lengths of the pieces in tau and their e^tau, `ground` (k, 2) is the acceleration at both ends [m/s2], and
@@ -145,7 +145,7 @@ def march_pieces(first, last, place, strength, restitution, length, growth, grou
     """
     for lane in range(first, last):
         k = place[lane]
-        begin = np.searchsorted(past, 1.0 / strength[lane])  # it is not lifted before
+        begin = np.searchsorted(past, 1.0 / strength[lane])  # the block does not lift before
         peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
 
 

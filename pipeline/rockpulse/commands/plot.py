@@ -17,7 +17,7 @@ class _List(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         from rockpulse.views.plots.kinds import kind_list
 
-        tell(kind_list())  # standard output may be closed, as in `| head`
+        tell(kind_list())  # works also if standard output is closed, as by `| head`
         parser.exit()
 
 
@@ -61,15 +61,15 @@ VERB = Verb(
             "--record ID": "one record, by its id or a pattern (* and ?) that matches it alone",
             "--block NAME": "one body, by its name or a pattern (* and ?) that matches it alone",
             "--model MODEL ...": ("a model; repeatable; default: all", {"default": None}),
-            "--demand NAME": "a demand of the file; default: the records as recorded",
-            "--case K": ("number of the restitution in a list of several, from 1", {"type": int}),
-            "--factor F": ("scale factor on the record of a rotation history; default: 1", {"type": float}),
+            "--demand NAME": "a demand of the results; default: the records as recorded",
+            "--case K": ("number, from 1, of the restitution if a body has a list of them", {"type": int}),
+            "--factor F": ("scale factor [-] on the record of a rotation history; default: 1", {"type": float}),
             "--measure NAME": "intensity measure; default: velocity_ratio",
             "--limit-state STATE ...": (
                 "a limit state of the file; repeatable; default: all",
                 {"default": None},
             ),
-            "--restitution C": 'restitution of the bodies of a spectrum: a number; default: "housner"',
+            "--restitution C": 'restitution [-] of the bodies of a spectrum, from 0 to 1; default: "housner"',
             "--overwrite": "replace an existing picture",
             "--quiet": "do not print the name of the file",
         },

@@ -95,8 +95,9 @@ def _without_duplicates(
     alike: dict[str, list[Record]] = defaultdict(list)
     signs: dict[int, str] = {}
     for record in records:
-        *samples, signs[id(record)] = digest(record)
-        alike["".join(samples)].append(record)
+        known = digest(record)
+        alike[known[:-1]].append(record)
+        signs[id(record)] = known[-1]
     copies: dict[int, Failure] = {}
     twins: dict[int, WarningText] = {}
     for group in alike.values():

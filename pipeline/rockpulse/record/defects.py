@@ -28,13 +28,14 @@ DEFECTS = (
     "same_samples",
     "same_direction",
 )
-#: Shortest record that is checked for all defects [samples]; shorter ones are only checked for being dead.
+#: Shortest record that is checked for all defects [samples]; shorter ones are only checked for equal samples.
 FEWEST = 100
 #: Shortest straight line that is reported [s] and [samples]; digitised film has shorter ones.
 LINE_LENGTH, LINE_SAMPLES = 0.12, 8
 #: Smallest ratio of the second differences on both sides of a straight line to those within it.
 LINE_CONTRAST = 20.0
-#: Share of equal neighbours in the strong part that is reported, if a step is this many times the resolution.
+#: Smallest share of repeated samples in the strong part that is reported, and smallest median step for this check, in
+#: steps of the resolution.
 REPEATED_SHARE, STEP_CONTRAST = 0.3, 10.0
 #: Shortest repeated block of samples that is reported [samples].
 BLOCK_SAMPLES = 32
@@ -64,8 +65,8 @@ SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
 DRIFT, DECIDING_DRIFT = 1.25, 1.5
 
 
-def checked(record: Record) -> Record:
-    """Return the record with a warning for each defect of its samples; unchanged if it was checked before."""
+def with_defects(record: Record) -> Record:
+    """Return the record with a warning on each defect of its samples; a record is checked only once."""
     if record.stage != "read":
         return record
     known = {code_of(warning) for warning in record.warnings}
@@ -74,11 +75,11 @@ def checked(record: Record) -> Record:
 
 
 def deciding(record: Record) -> list[WarningText]:
-    """Return the defects of a conditioned record that may change its results: it is used only if confirmed."""
+    """Return the defects of a conditioned record that may change its results, and must be confirmed before use."""
     found = [one for one in record.warnings if isinstance(one, WarningText) and one.values.get("decides")]
     if find(record.warnings, "dead_channel"):
         found += [WarningText("dead_channel")]
-    # What a filter or a baseline has taken out makes no velocity any more.
+    # A drift that the filter or the baseline has removed no longer affects the velocity.
     left = find(record.warnings, "baseline_drift")
     decides = left is not None and left.values["slow"] > DECIDING_DRIFT * left.values["rest"]
     return [one for one in found if one.code != "velocity_drift" or decides]
@@ -124,7 +125,7 @@ def defects(record: Record) -> list[WarningText]:
 
 
 def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
-    """Return the largest slow velocity (mean over 10 s or a quarter of the record), and the largest rest [m/s]."""
+    """Return the largest moving mean of the ground velocity over 10 s, and the largest deviation from it [m/s]."""
     velocity = np.concatenate(([0.0], np.cumsum(0.5 * dt * (acceleration[1:] + acceleration[:-1]))))
     size = velocity.size
     half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
@@ -136,7 +137,7 @@ def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
 
 
 def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | None:
-    """Return a warning on a channel that spans only a few steps of its resolution, or never exceeds its noise."""
+    """Return a warning on a channel that is dead or contains only noise; None for other channels."""
     span = float(np.ptp(samples))
     if span <= DEAD_STEPS * resolution:
         return WarningText("noise_only", reason=f"the samples span {span / resolution:.0f} steps only", decides=True)
@@ -156,12 +157,12 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
 
 
 def _runs(mask: np.ndarray) -> np.ndarray:
-    """Return the first index of each run of True and the index after its last, as (k, 2)."""
+    """Return the start and the end (exclusive) of each run of True, as rows (k, 2)."""
     return np.flatnonzero(np.diff(np.concatenate(([0], mask.view(np.int8), [0])))).reshape(-1, 2)
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on the longest constant part and the longest straight line between curved parts."""
+    """Return warnings on the longest constant part, and on the longest straight line between curved parts."""
     bend = np.abs(np.diff(centred, 2))
     straight = max(2.1 * resolution, 1e-6 * float(np.max(np.abs(centred))))
     clipped = find(record.warnings, "clipped") is not None
@@ -176,7 +177,7 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
         level = float(np.abs(centred[begin]))
         peak = float(np.max(np.abs(centred)))
         if min(side.size for side in sides) < LINE_SAMPLES // 2:
-            # At an end of the record: zeros before the motion are sound, a recorder that hangs is not.
+            # At an end of the record zeros are no defect, but a constant strong acceleration is.
             sides = [side for side in sides if side.size >= LINE_SAMPLES // 2]
             if not sides or level < END_SHARE * peak:
                 continue
@@ -199,7 +200,7 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
     if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:
         return []
     share = 1.0 - moved.size / change.size
-    # One long hold is a gap, reported as such: runs count by their number, each as its median length.
+    # One long run is reported as a gap; repeated samples form many runs.
     runs = _runs(change == 0.0)
     longest = int(np.max(runs[:, 1] - runs[:, 0], initial=0))
     share = share if len(runs) > 2 * longest else 0.0
@@ -246,7 +247,7 @@ def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[Warning
         centred[SPIKE_HALF:-SPIKE_HALF] - np.partition(windows, SPIKE_HALF, axis=1)[:, SPIKE_HALF]
     )
     peak, largest = float(np.max(np.abs(centred))), int(np.argmax(np.abs(centred)))
-    # A cubic through the four samples beside it follows the band; the median also sees spikes of two or three samples.
+    # A cubic through its four neighbours finds a spike of one sample; the median finds spikes of up to three samples.
     curved = np.zeros(centred.size)
     curved[2:-2] = np.abs(centred[2:-2] - (4.0 * (centred[1:-3] + centred[3:-1]) - centred[:-4] - centred[4:]) / 6.0)
     spikes = sorted({*_outliers(beyond, peak), *_outliers(curved, peak)})

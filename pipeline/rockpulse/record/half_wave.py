@@ -25,7 +25,7 @@ class HalfWaves(Shown):
     Attributes
     ----------
     impulse : (k,) ndarray
-        Integral of the acceleration over the wave [m/s], positive where the ground acceleration is.
+        Integral of the acceleration over the wave [m/s], positive for positive acceleration.
     centroid : (k,) ndarray
         Centre of the impulse in time [s] from the first sample, inside [start, end].
     start, end : (k,) ndarray
@@ -155,11 +155,10 @@ def _lobes(record: Record) -> HalfWaves:
     positive, negative = acceleration > 0.0, acceleration < 0.0
     crossing = np.flatnonzero((positive[:-1] & negative[1:]) | (negative[:-1] & positive[1:]))
     before, after = acceleration[crossing], acceleration[crossing + 1]
-    # Both parts of the interval come from the values, for 1 - fraction would lose the digits of a short second part.
+    # Both parts of an interval are computed from the samples, as 1 - fraction loses digits of a short second part.
     fraction, rest = before / (before - after), after / (after - before)
 
-    # Points: the samples and, between them, the crossings; pieces: what lies between two points. Lengths are in units
-    # of dt.
+    # Points are the samples and the crossings between them; pieces connect two points; lengths are in units of dt.
     value = np.insert(acceleration, crossing + 1, 0.0)
     whole = np.insert(np.arange(acceleration.size), crossing + 1, crossing)
     part = np.insert(np.zeros(acceleration.size), crossing + 1, fraction)
@@ -173,7 +172,7 @@ def _lobes(record: Record) -> HalfWaves:
     first = np.flatnonzero(np.concatenate(([True], sign[1:] != sign[:-1])))
     last = np.append(first[1:], value.size - 1)
     lobe = np.repeat(np.arange(first.size), last - first)
-    # Offsets count from the start of the lobe: measured from the start of the record the moments would cancel.
+    # Offsets are relative to the start of the lobe, as moments about the start of the record would lose digits.
     offset = (whole[:-1] - whole[first][lobe]) + (part[:-1] - part[first][lobe])
     piece_impulse = 0.5 * length * (left + right)
     piece_moment = piece_impulse * offset + length**2 * (left + 2.0 * right) / 6.0
@@ -181,10 +180,10 @@ def _lobes(record: Record) -> HalfWaves:
     impulse = np.add.reduceat(piece_impulse, first)
     moment = np.add.reduceat(piece_moment, first)
     peak = sign[first] * np.maximum.reduceat(np.maximum(np.abs(left), np.abs(right)), first)
-    kept = impulse != 0.0  # neither the stretches at zero nor slivers whose impulse underflows
+    kept = impulse != 0.0  # omits parts at zero, and parts whose impulse underflows
     start = dt * (whole[first][kept] + part[first][kept])
     end = dt * (whole[last][kept] + part[last][kept])
-    # A sliver may be shorter than the rounding of its time.
+    # A lobe may be shorter than the rounding error of its time.
     centroid = np.clip(start + dt * (moment[kept] / impulse[kept]), start, end)
     return HalfWaves(dt * impulse[kept], centroid, start, end, peak[kept], np.ones(start.size), dt, record.id)
 
@@ -206,7 +205,7 @@ def _merge(lobes: HalfWaves, floor: float, min_duration: float) -> HalfWaves:
 
     for wave in range(count):
         offer(wave)
-    while queue:  # every merger takes two waves away and offers at most three
+    while queue:  # every merger removes two waves and offers at most three
         _, middle, valid = heapq.heappop(queue)
         if stamp[middle] != valid:
             continue

@@ -176,7 +176,7 @@ def test_what_is_told_of_a_floor_is_a_warning_of_the_record_once():
              for number, floors in enumerate(((FLOOR,), (rp.FloorSettings(period=0.3),), ()))]  # fmt: skip
     for blocks in (squat[:2], squat):
         told = rp.assess([RECORD], replace(asked, bodies=tuple(blocks)))["summary"]["warnings"].item()
-        assert told.count("1 of 1 bodies lie outside the range") == 1
+        assert told.count("1 of 1 bodies are outside the range") == 1
 
 
 def test_a_stiff_building_is_the_ground():

@@ -193,9 +193,9 @@ def test_the_example_of_the_hint_typed_above_the_file_names_its_columns(put, cou
 
 def test_the_hint_for_files_of_one_suffix_is_a_row_of_the_configuration(put):
     path = put("".join(f"{value:.5f}\n" for value in VALUES), "a.dat")
-    with pytest.raises(UnitError, match=r"match = '\*.dat', units = 'g'"):
+    with pytest.raises(UnitError, match=r'\[\[records.file\]\]\nmatch = "\*.dat"\nunits = "g"'):
         read(path)
-    with pytest.raises(RecordFormatError, match=r"match = '\*.dat', dt = 0.01"):
+    with pytest.raises(RecordFormatError, match=r'\nmatch = "\*.dat"\ndt = 0.01'):
         read(path, units="gal")
     chosen = FileSettings(match="*.dat", units="gal", dt=0.01)
     assert len(read_all(path, files=[chosen])[0]) == 1

@@ -9,7 +9,7 @@ from shaking import DT, MADE, at, coarse, held, repeated, shaking, spike, step
 
 from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import BASELINES, condition
-from rockpulse.record.defects import checked, deciding, defects, drifts
+from rockpulse.record.defects import deciding, defects, drifts, with_defects
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText, code_of, find
 
@@ -151,10 +151,10 @@ def test_a_velocity_that_comes_back_to_zero_by_the_mean_is_still_seen_to_drift()
 
 
 def test_samples_are_judged_once_as_they_came():
-    one = checked(record(*held(shaking(), DT, 1.0)))
+    one = with_defects(record(*held(shaking(), DT, 1.0)))
     assert one.stage == "checked"
-    assert checked(one) is one
+    assert with_defects(one) is one
     conditioned = condition(condition(one, highpass_hz=0.5), "linear")
     assert [code_of(text) for text in conditioned.warnings].count("held_value") == 1
     known = replace(record(np.zeros(300)), warnings=(WarningText("dead_channel"),))
-    assert [code_of(text) for text in checked(known).warnings] == ["dead_channel"]
+    assert [code_of(text) for text in with_defects(known).warnings] == ["dead_channel"]

@@ -91,7 +91,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
             stated = named[0][0]
         if stated is None and asked is None:
             found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
-            alone = for_such_files(name, "units = 'g'")
+            alone = for_such_files(name, 'units = "g"')
             raise UnitError(
                 f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
                 f"{', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "

@@ -38,7 +38,7 @@ def check(
     results : xarray.DataTree or path, optional
         Results of :func:`rockpulse.assess` for the same bodies, for comparison.
     config : Config or path, optional
-        Configuration with [[block]] and [check]; by default that of the results.
+        Configuration with [[block]] and [check]; by default from the results.
     code : str or sequence of str
         Codes to check: "circolare_2009", "circolare_2019", "en_1998".
 

@@ -68,7 +68,7 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
     shape = _sequence(_medians(sample), sample)
     if not np.any(sample.counted):
         raise RecordRefused(
-            "no record sets any block rocking, so there is no rotation to cover: take other blocks or scale the records"
+            "no record lifts a block, so that there is no rotation to cover: take other blocks or scale the records"
         )
     low, high = _range(sample)
     for number in (GRID, *[REFINED] * ROUNDS):

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rocking.body.block import Block
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
 from rockpulse.assessment.scene import acting, floor_record
 from rockpulse.config.block_settings import floors_from_text
@@ -51,7 +51,7 @@ class ModelHistory(NamedTuple):
     warning: str = ""  # doubts about the motion
 
     def __repr__(self) -> str:
-        return one_line(self)
+        return short_repr(self)
 
 
 def histories(

@@ -84,6 +84,8 @@ def shortened(words: str, width: int) -> str:
 
 
 def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
-    """Wrap running text."""
+    """Wrap running text, and keep its line breaks."""
     options: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
-    return textwrap.fill(words, WIDTH, initial_indent=indent if first is None else first, **options)
+    begin, *further = words.split("\n")
+    first_line = textwrap.fill(begin, WIDTH, initial_indent=indent if first is None else first, **options)
+    return "\n".join([first_line, *(textwrap.fill(one, WIDTH, initial_indent=indent, **options) for one in further)])
