@@ -111,8 +111,8 @@ def _without_duplicates(
                 if twin is not None and not find(record.warnings, "dead_channel"):
                     turned = SIGNS[1.0 if signs[id(twin)] == sign else -1.0]
                     for one, other in ((twin, record), (record, twin)):
-                        told = WarningText("same_samples", other=last_part(other.source), turned=turned)
-                        twins.setdefault(id(one), told)
+                        copy = WarningText("same_samples", other=last_part(other.source), turned=turned)
+                        twins.setdefault(id(one), copy)
                 kept.append(record)
                 continue
             told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
