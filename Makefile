@@ -99,18 +99,8 @@ types:  ## mypy on both packages
 doctest:  ## the examples in the docstrings
 	$(PYTHON) -m pytest -q -n 2 --doctest-modules pipeline models
 
-# obspy finds its plugins in the metadata of what is installed: only a wheel, away from this folder, shows what users get.
-wheel: PACKAGE := $(shell mktemp -d)
-wheel:  ## the wheel alone in a fresh environment: obspy.read on every sample (a minute)
-	cp -r pyproject.toml hatch_build.py README.md LICENSE pipeline models $(PACKAGE)
-	mkdir $(PACKAGE)/tests $(PACKAGE)/elsewhere
-	cp -r tests/read_by_obspy.py tests/make_format_samples.py tests/record_writers $(PACKAGE)/tests
-	cp -r data/samples $(PACKAGE)
-	$(PYTHON) -m pip wheel -q --no-deps --wheel-dir $(PACKAGE)/wheel $(PACKAGE)
-	$(PYTHON) -m venv $(PACKAGE)/fresh
-	$(PACKAGE)/fresh/bin/python -m pip install -q $(PACKAGE)/wheel/*.whl
-	cd $(PACKAGE)/elsewhere && ../fresh/bin/python ../tests/read_by_obspy.py ../samples/*/
-	rm -rf $(PACKAGE)
+wheel:  ## the wheel alone with the lowest versions, away from this folder: obspy.read on every sample, four verbs
+	.ci/versions lowest short
 
 versions:  ## the default tests with the lowest and the newest versions of the dependencies (LOWEST_PYTHON, NEWEST_PYTHON)
 	.ci/versions lowest

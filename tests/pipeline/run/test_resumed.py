@@ -67,7 +67,7 @@ def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypa
     assert sorted(row.stage for row in report.failures) == ["assess", "read"]
     again = f"the same command with --resume tries them again, for which {output}.journal is kept"
     assert told == [f"2 files or records could not be finished: {again}"]
-    with pytest.raises(ResultsError, match=r"the file exists; .*--overwrite together with --resume goes on"):
+    with pytest.raises(ResultsError, match=r"the file exists; .*--overwrite together with --resume continues"):
         assess_files(paths, CONFIG, output, BatchOptions(workers=1))
     # Resumed, what broke off is done in place of the file that lacks it, and the journal ends.
     report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))

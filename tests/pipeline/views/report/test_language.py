@@ -17,13 +17,13 @@ from rockpulse.errors import ConfigError
 from rockpulse.model_table import MODELS
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
-from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import REFERENCE, page_content
 from rockpulse.views.report.report_pictures import Pictures
+from rockpulse.views.report.site_and_fragility import matched_file
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import between, ratio
-from rockpulse.views.shared.shown_columns import columns, filled
+from rockpulse.views.shared.table_columns import columns, filled
 from rockpulse.views.shared.words import LANGUAGES, in_numerals, result_texts, say, table, warning_words, writing
 from rockpulse.warning_text import TEMPLATES, WARNINGS, WarningText, with_codes
 
@@ -181,7 +181,7 @@ def test_no_english_word_is_left_on_a_page(request, language, case, site, fragil
 
 @pytest.mark.sweep
 def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, fragility):
-    beside = paired(results, fragility, "fragility", "it")
+    beside = matched_file(results, fragility, "fragility", "it")
     with writing("it"):
         pictures = Pictures(results, None, beside, page_content(results).found)
         drawn = [str(one.svg) for one in (pictures.body(0), pictures.strip(0), pictures.fragility("stele"))]
@@ -191,5 +191,5 @@ def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, 
 
 
 def test_a_language_without_words_is_named():
-    with pytest.raises(ConfigError, match="no words for 'fr'"), writing("fr"):
+    with pytest.raises(ConfigError, match="unknown code 'fr'"), writing("fr"):
         pass
