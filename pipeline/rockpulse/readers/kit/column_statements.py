@@ -72,7 +72,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
     asked = None if options.units is None else canonical_unit(options.units, "option units")
 
     def against(stated: str) -> str:
-        right = f"--units {stated}, or {for_such_files(name, f'units = {stated!r}')} in the configuration"
+        right = f"--units {stated}, or in " + for_such_files(name, f'units = "{stated}"')
         return f"{options.said_by('units')} says {asked}; correct the wrong one; if the header is right, give {right}"
 
     for heading in headings:

@@ -167,7 +167,7 @@ def test_the_unit_of_the_prose_has_to_agree_and_answers_only_with_the_word_for_i
     found = r"record.txt:1: the header says '.*', the option units says g; correct the wrong one"
     with pytest.raises(UnitError, match=found) as caught:
         read(path, units="g")
-    (hint,) = re.findall(r"if the header is right, give --units (\S+), or .* units = '\1'", str(caught.value))
+    (hint,) = re.findall(r"(?s)if the header is right, give --units (\S+), or .*units = \"\1\"", str(caught.value))
     assert read(path, units=hint)[0].source_unit == hint
     if "uni" in header.lower():  # the word "unit" makes it a statement
         assert read(path)[0].source_unit in ("gal", "cm/s2")
