@@ -262,7 +262,7 @@ def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complet
 
 
 def _other_count(said: Collection[int], found: int, what: str) -> str:
-    return f"the header speaks of {min(said)} samples, the file has {found} {what}; is it whole?"
+    return f"the header mentions {min(said)} samples, the file has {found} {what}; is it whole?"
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
@@ -284,7 +284,7 @@ def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
 
 def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> RecordFormatError:
     if width <= _NO_STATION and "last row" not in found:
-        series = f"Rows of up to {_NO_STATION} numbers are not taken for one series, for they may be those of a station"
+        series = f"Rows of up to {_NO_STATION} numbers are not read as one series: they may be channels of a station"
     elif lacking:
         series = f"Give {' and '.join(lacking)}: then one series is read if its values run on from row to row"
     else:
@@ -338,16 +338,16 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
     if others and not all(headings[index].kind for index in kept):
         where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
-            found = f"the header speaks of {listed} only; {kit.ACCELERATION_FILE}"
+            found = f"the header mentions {listed} only; {kit.ACCELERATION_FILE}"
             raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
-        expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
+        expected, found = "to know which columns are accelerations", f"a header that mentions {listed}"
         raise kit.unexpected(where, expected, found, _name_them(columns.width, False))
     by_name = kit.kind_of_name(file)
     if by_name not in ("", "acceleration"):
         if not said and not any(headings[index].kind for index in kept):
             raise kit.other_kind(name, by_name)
         if not all(headings[index].kind for index in kept):
-            found = f"a header that speaks of acceleration under a name that says {by_name}"
+            found = f"a header that mentions acceleration under a name that says {by_name}"
             raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
         told = f"the name of the file says {by_name}, the headings acceleration; check which is right"
         columns = replace(columns, warnings=(*columns.warnings, told))

@@ -90,7 +90,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
         if stated is None and asked is None and named:
             stated = named[0][0]
         if stated is None and asked is None:
-            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
+            found = f"; line {said[0][1].line} of its header mentions {said[0][1].wording!r}" if said else ""
             alone = for_such_files(name, 'units = "g"')
             raise UnitError(
                 f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "

@@ -172,7 +172,7 @@ def test_the_unit_of_the_prose_has_to_agree_and_answers_only_with_the_word_for_i
     if "uni" in header.lower():  # the word "unit" makes it a statement
         assert read(path)[0].source_unit in ("gal", "cm/s2")
     else:
-        with pytest.raises(UnitError, match="do not state their unit; line 1 of its header speaks of"):
+        with pytest.raises(UnitError, match="do not state their unit; line 1 of its header mentions"):
             read(path)
     assert read(path, units="gal")[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
 

@@ -102,7 +102,7 @@ def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
     path.write_text("t [s],acc [g]\n" + rows(pulse()).replace(" ", ","), encoding="ascii")
     assert any("says velocity" in note for note in read(path)[0].warnings)
     path.write_text("Acceleration record of a station\n" + rows(pulse()), encoding="ascii")
-    with pytest.raises(RecordFormatError, match="speaks of acceleration under a name that says velocity"):
+    with pytest.raises(RecordFormatError, match="mentions acceleration under a name that says velocity"):
         read(path, units="g")
 
 
