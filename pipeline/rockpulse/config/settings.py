@@ -214,7 +214,9 @@ class DemandSettings(Section):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.acceleration is None and self.value is None:
-            raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found neither")
+            raise ConfigError(
+                f"{self.where} {self.name}: no level is given; state 'value', or 'acceleration' for a PGA"
+            )
         if self.acceleration is not None and (self.measure != PGA or self.value not in (None, self.acceleration)):
             raise ConfigError(
                 f'{self.where} {self.name}: acceleration is the value of measure = "{PGA}"; found measure = '

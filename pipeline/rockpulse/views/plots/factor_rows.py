@@ -144,7 +144,7 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 
 
 def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None:
-    """Write into a row that no scale factor was found, at the end of the search or next to the line at 1."""
+    """Label a row with "none found", at the upper limit of the search or beside the line of the scale factor 1."""
     words, (where, side) = (
         say("plot.rows.none_up_to", factor=six_digits(end)),
         (end, "right") if at_end else (1.0, "left"),

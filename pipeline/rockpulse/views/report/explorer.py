@@ -187,7 +187,7 @@ def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
 
 
 def _packed_motion(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
-    """Return outcome, largest rotation, time of overturning, and the rotation in the columns of the window."""
+    """Return outcome, largest rotation and time of overturning, and the extreme rotations in each time column."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
     if ends == "rocks":

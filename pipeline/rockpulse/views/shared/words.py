@@ -48,7 +48,7 @@ def language() -> str:
 def table(code: str) -> Mapping[str, str]:
     """Return the texts of a language by their keys; a key in a section is "section.key"."""
     if code not in LANGUAGES:
-        available = f"there are {', '.join(LANGUAGES)}"
+        available = f"expected one of {', '.join(LANGUAGES)}"
         raise ConfigError(f"language: unknown code {code!r}{hint(code, LANGUAGES, available)}")
     return dict(_flat(tomllib.loads(_FOLDER.joinpath(f"{code}.toml").read_text(encoding="utf-8"))))
 

@@ -161,7 +161,7 @@ def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site
     rp.save(site, tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")
     words = " ".join(site_of(rp.assess_sequence(design, bodies=bodies), site).statements)
-    assert "The verdict of this report is that of its design sequence." in words
+    assert "The verdict in this report is based on the design sequence of this calibration." in words
     assert "among the" not in words
     for other in (replace(design, main=1.01 * design.main), replace(design, spacing="middle")):
         with pytest.raises(ResultsError, match="is not the design of this site: I "):
