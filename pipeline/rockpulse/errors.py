@@ -58,7 +58,7 @@ class ConfigError(RockpulseError):
 
     >>> rp.BlockSettings("pier", width=1.0, height=-3.0)
     Traceback (most recent call last):
-    rockpulse.errors.ConfigError: [[block]] "pier" height: expected a number in m > 0, found -3.0
+    rockpulse.errors.ConfigError: [[block]] "pier" height: expected a positive number of metres, found -3.0
     """
 
 
