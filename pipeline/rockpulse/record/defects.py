@@ -45,7 +45,7 @@ SPIKE_HALF, SPIKE_AROUND = 3, 50
 #: exceeds all other deviations by another ratio, and a larger share of the peak.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
-#: Smallest number of samples of zero, each between two of one sign above `SPIKE_NEAR_SHARE`, that are lost ones.
+#: Smallest number of zero samples, each between two of one sign above `SPIKE_NEAR_SHARE`, that are taken as lost.
 DROPOUTS = 3
 #: Length of the two ends of a record [s], and ratio of their root mean square to the peak above which one is in strong
 #: motion; it must also exceed that of the quietest such window by a ratio, or weak motion in noise would be included.
@@ -210,7 +210,7 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
 
 
 def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningText]:
-    """Return a warning on a block of samples that occurs exactly twice, unlike in a periodic signal."""
+    """Return a warning if a block of samples occurs exactly twice; in a periodic signal it would occur more often."""
     width = 8
     bits = samples.view(np.uint64)
     if samples.size < 4 * BLOCK_SAMPLES:
@@ -240,7 +240,7 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningTex
 
 
 def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return a warning on samples far from their neighbours, which include several of zero in strong motion."""
+    """Return a warning on samples far from their neighbours, including zero samples in strong motion."""
     windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
     beyond = np.zeros(centred.size)
     beyond[SPIKE_HALF:-SPIKE_HALF] = np.abs(

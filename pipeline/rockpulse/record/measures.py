@@ -26,13 +26,13 @@ UNITS = {
 #: Measures that the code uses by name: the PGA alone determines whether a body on the ground lifts, a drifting baseline
 #: makes the PGV doubtful, and the reference makes bodies of all sizes comparable.
 PGA, PGV, IMPULSE, REFERENCE = "pga", "pgv", "impulse", "velocity_ratio"
-#: Number of the largest lobes of E whose root mean square is a measure.
+#: Number of the largest lobes of E (`RecordOnBodies.demand`) whose root mean square is a measure.
 LARGEST_LOBES = 6
 
 
 @dataclass(frozen=True)
 class RecordOnBodies:
-    """The input of a measure: a conditioned record, its half-waves, and (m,) bodies if it depends on them."""
+    """The input of a measure: a conditioned record, its half-waves, and (m,) bodies if the measure depends on them."""
 
     record: Record
     waves: Callable[[], HalfWaves]
@@ -46,7 +46,7 @@ class RecordOnBodies:
 
     @property
     def demand(self) -> Demand:
-        """Return the lobes of E, each divided by the value that overturns the body."""
+        """Return the lobes of E (:mod:`rocking.march.demand`), each divided by the value that overturns the body."""
         from rocking.march.demand import ground_demand  # compiled
 
         return ground_demand(self.block, self.record.acceleration, self.record.dt)
@@ -54,7 +54,7 @@ class RecordOnBodies:
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure, or a family of measures over the period."""
+    """An intensity measure, or a family of measures with one for each period."""
 
     name: str
     unit: str  # in SI, as in the files of results

@@ -231,7 +231,7 @@ class Record(Shown):
 
 
 def outline_of(record: Record) -> tuple[float, ...]:
-    """Return number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % of the energy [s]."""
+    """Return number of samples, peak about the mean [m/s2], and times [s] of 5, 25, 50, 75 and 95 % of the energy."""
     if _spread(record.acceleration):
         return record.outline if record.outline[:1] == (record.npts,) else ()
     if not np.ptp(record.acceleration):
