@@ -49,7 +49,7 @@ class UnitError(RockpulseError):
 
     >>> rp.read("records/burst.2.AT2", units="ft")
     Traceback (most recent call last):
-    rockpulse.errors.UnitError: option units: unknown unit of acceleration 'ft' (displacement)...
+    rockpulse.errors.UnitError: option units: unknown unit of acceleration 'ft', which is...
     """
 
 
