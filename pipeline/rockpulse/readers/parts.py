@@ -57,7 +57,7 @@ class PartRule:
 
 def sample_digest(record: Record) -> str:
     """Return the SHA-256 of the samples and the sampling interval of a record."""
-    digest = hashlib.sha256(record.acceleration.tobytes())
+    digest = hashlib.sha256(np.ascontiguousarray(record.acceleration).data)
     digest.update(f"{record.dt:.9g}".encode())
     return digest.hexdigest()
 
