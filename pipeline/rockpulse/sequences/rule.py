@@ -7,10 +7,10 @@ sequence overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety fac
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -236,10 +236,16 @@ def sequence_of_demand(
     )
 
 
-@lru_cache(maxsize=2)
+#: Demand of half-waves on blocks, for both working points, the sequence and the safety factor, while they are in use.
+_DEMANDS: WeakKeyDictionary[HalfWaves, dict[Block, HalfWaveDemand]] = WeakKeyDictionary()
+
+
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Return the demand of half-waves, cached for both working points, the sequence and the safety factor."""
-    return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
+    """Return the demand of half-waves, computed once."""
+    known = _DEMANDS.setdefault(waves, {})
+    if block not in known:
+        known[block] = demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
+    return known[block]
 
 
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
