@@ -6,7 +6,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations ste
 	hard_crossings) tests/models/impulses
 LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories experiments reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -60,6 +60,9 @@ site:  ## the methods of rockpulse calibrate on earthquakes left out, on RECORDS
 check-histories:  ## the checks of codes against time histories of RECORDS
 	$(LABORATORY).histories $(RECORDS) -o build/check-histories $(OPTIONS)
 
+experiments:  ## overturning tests on a shake table (TESTS=FOLDER with the runs of Chen et al. 2022) against the response
+	$(LABORATORY).experiments $(TESTS)
+
 reference:  ## the stored reference of make accuracy, in 140-bit numbers (hours; goes on where it stopped)
 	$(PYTHON) benchmarks/make_reference.py
 
@@ -99,18 +102,8 @@ types:  ## mypy on both packages
 doctest:  ## the examples in the docstrings
 	$(PYTHON) -m pytest -q -n 2 --doctest-modules pipeline models
 
-# obspy finds its plugins in the metadata of what is installed: only a wheel, away from this folder, shows what users get.
-wheel: PACKAGE := $(shell mktemp -d)
-wheel:  ## the wheel alone in a fresh environment: obspy.read on every sample (a minute)
-	cp -r pyproject.toml hatch_build.py README.md LICENSE pipeline models $(PACKAGE)
-	mkdir $(PACKAGE)/tests $(PACKAGE)/elsewhere
-	cp -r tests/read_by_obspy.py tests/make_format_samples.py tests/record_writers $(PACKAGE)/tests
-	cp -r data/samples $(PACKAGE)
-	$(PYTHON) -m pip wheel -q --no-deps --wheel-dir $(PACKAGE)/wheel $(PACKAGE)
-	$(PYTHON) -m venv $(PACKAGE)/fresh
-	$(PACKAGE)/fresh/bin/python -m pip install -q $(PACKAGE)/wheel/*.whl
-	cd $(PACKAGE)/elsewhere && ../fresh/bin/python ../tests/read_by_obspy.py ../samples/*/
-	rm -rf $(PACKAGE)
+wheel:  ## the wheel alone with the lowest versions, away from this folder: obspy.read on every sample, four verbs
+	.ci/versions lowest short
 
 versions:  ## the default tests with the lowest and the newest versions of the dependencies (LOWEST_PYTHON, NEWEST_PYTHON)
 	.ci/versions lowest

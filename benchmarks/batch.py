@@ -1,10 +1,11 @@
 """A batch of thousands of records, from files to one results file: ``python benchmarks/batch.py --records 5000``.
 
-Synthetic records (seeded; PEER AT2 files of 6,000 samples, 0.2 to 0.6 g, 20 events x stations) are assessed by
-:func:`rockpulse.run.batch.assess_files`, each run in a fresh process. Printed are the records a second, the memory of
-the parent as the records are done, the time of reading, conditioning and writing against the solver's, two workers
-against one, and what ``inspect``, ``export`` and ``diff`` take on the file. Beside the default configuration stand an
-inventory of ``--inventory`` bodies, and every model with its safety factors, which was the default once.
+Synthetic records (with a seed; PEER AT2 files of 6,000 samples, 0.2 to 0.6 g, 20 earthquakes x stations) are assessed
+by :func:`rockpulse.run.batch.assess_files`, each run in a new process. The output gives the records per second, the
+memory of the parent process during the run, the time for reading, conditioning and writing compared with that of the
+solvers, two workers compared with one, and the time of ``inspect``, ``export`` and ``diff``. In addition to the default
+configuration, an inventory of ``--inventory`` bodies and a configuration with every model and its safety factors are
+measured.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Run time of bodies other than free-standing symmetric blocks, relative to the plain kernel in the same run.
 
-``python benchmarks/bodies.py`` prints the time of an active sample (one in which the body moves) of each kind over that
-of the plain block of the same size, medians of several interleaved runs on one thread, by the peak of the ground over
-the acceleration that lifts the plain block. Just above 1 bodies rest most of the time, and short hops with many impacts
-and waiting for the next one cost most of what is counted there.
+``python benchmarks/bodies.py`` prints the time of an active sample (one in which the body moves) for each kind of body,
+divided by that of the plain block of the same size. The times are medians of several interleaved runs on one thread.
+The columns are the peak ground acceleration divided by the acceleration that lifts the plain block. Just above 1 the
+bodies rest most of the time, and the time is mainly that of short motions with many impacts.
 """
 
 import argparse

@@ -1,9 +1,9 @@
-"""Cost and error of the critical scales, all in one run: ``python benchmarks/critical_scale.py``.
+"""Cost and error of the critical scale factors, all in one run: ``python benchmarks/critical_scale.py``.
 
-100 blocks (p 1 to 8 1/s, alpha 0.05 to 0.3, C = 0.9) under seeded synthetic motions of 60 s at 0.01 s, PGA 3 m/s2.
-Times are medians of whole calls in processor time of one thread. The baseline is a brute-force scan 16 times as fine
-without refinement, on the same blocks in the same run; it is also what the intervals are compared with. ``--motions``
-and ``--runs`` set how many.
+100 blocks (p 1 to 8 1/s, alpha 0.05 to 0.3, C = 0.9) are computed under seeded synthetic motions of 60 s at 0.01 s, PGA
+3 m/s2. Times are medians of whole calls in processor time of one thread. The reference for time and intervals is a scan
+without refinement, 16 times as fine, on the same blocks in the same run. ``--motions`` and ``--runs`` set the number of
+motions and calls.
 """
 
 import argparse

@@ -1,10 +1,10 @@
-"""Speed of the impulse models: kernels over lanes against a plain march of the same equations in the same run.
+"""Speed of the impulse models: kernels with many lanes compared with a plain march of the same equations.
 
     python benchmarks/impulse_models.py [--runs 5] [--seed 1]
 
-Medians of whole calls. The plain march is the Python one of tests/models/impulsive_march.py, on a few of the lanes; the
-search for safety factors is compared with one call per block. Input: the half-waves of seeded synthetic motions, and
-random impulses; blocks and factors that differ from lane to lane.
+Times are medians of whole calls in the same run. The plain march is the Python program tests/models/impulsive_march.py,
+on a few of the lanes. The search for safety factors is compared with one call for each block. The input consists of the
+half-waves of seeded synthetic motions, and of random impulses. Blocks and scale factors differ from lane to lane.
 """
 
 import argparse

@@ -1,10 +1,10 @@
-"""Make the stored reference table: ``python benchmarks/make_reference.py``; it continues a stopped run.
+"""Make the stored reference table: ``python benchmarks/make_reference.py``. The command continues an interrupted run.
 
-Every case is answered by :mod:`precise_rocking` three times: as it is, with C lowered by a factor 1 - 1e-13, and with
-the record scaled by 1 + 1e-13, so that how well a case is conditioned is known from the table itself.
+:mod:`precise_rocking` solves every case three times: unchanged, with C multiplied by 1 - 1e-13, and with the record
+scaled by 1 + 1e-13. The table therefore shows how well a case is conditioned.
 
-Cases: synthetic motions under synthetic lanes, and the sample records of ``data/samples`` (conditioned with the default
-options, rounded as in ``sample_motion``) under the bodies of ``site.toml`` and some more.
+The cases are synthetic motions with synthetic blocks, and the sample records of ``data/samples`` (conditioned with the
+default options, rounded as in ``sample_motion``) with the bodies of ``site.toml`` and some more.
 """
 
 import argparse

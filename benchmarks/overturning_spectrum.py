@@ -1,11 +1,12 @@
-"""Error of the overturning spectrum against marches of each body, and its run time.
+"""Error of the overturning spectrum compared with marches of each body, and its run time.
 
-``python benchmarks/overturning_spectrum.py FOLDER [--units g] [--pairs 500]`` draws bodies of slenderness 3.5 to 18, R
-0.3 to 8 m (p inside the default grid) and C of 0.93 to 1 times Housner's for the strong horizontal channels of a
-folder, by the protocol of the rule (docs/decisions/009), and compares what a body reads from the spectrum with the same
-quantities from lanes of its own: 4096 draws of (C, alpha) in a scrambled Sobol set, the exact factor of each on levels
-that fill 2.2 in ln f about the capacity, and the uncertainty of the factor as a normal kernel. ``--wall`` draws bodies
-before a wall, with Sorrentino's rebound. ``--cost`` times the spectrum of one record against the solver's lanes alone.
+``python benchmarks/overturning_spectrum.py FOLDER [--units g] [--pairs 500]`` uses the strong horizontal channels of a
+folder, by the protocol of the rule (docs/decisions/009). It draws bodies of slenderness 3.5 to 18, R 0.3 to 8 m (p
+inside the default grid) and C of 0.93 to 1 times Housner's. The values of a body from the spectrum are compared with
+those from separate marches of the body: 4096 draws of (C, alpha) in a scrambled Sobol set, with exact scale factors on
+levels that cover 2.2 in ln f about the capacity, and the uncertainty of the scale factor as a normal kernel. ``--wall``
+draws bodies in contact with a wall, with Sorrentino's rebound. ``--cost`` compares the time of the spectrum of one
+record with that of the marches alone.
 """
 
 import argparse

@@ -1,8 +1,9 @@
-"""Time to read 1 MB of each layout, beside ``numpy.loadtxt`` on the same numbers: ``python benchmarks/parse.py``.
+"""Time to read 1 MB of each format, beside ``numpy.loadtxt`` on the same numbers: ``python benchmarks/parse.py``.
 
-Medians of whole calls of `rockpulse.read` on bytes in memory, in processor time (so that other work on the machine
-counts little): recognising the format, every check, the digest and the conversion to m/s2. ``numpy.loadtxt`` gets the
-same numbers with blanks between them, and does nothing else. The numbers are noise: no field is easier than another.
+Times are medians of whole calls of `rockpulse.read` on bytes in memory, in processor time (so that other work on the
+machine has little influence). They include the recognition of the format, every check, the digest and the conversion to
+m/s2. ``numpy.loadtxt`` only reads the same numbers, separated by blanks. The numbers are random, so that no field is
+easier to read than another.
 """
 
 import argparse

@@ -6,18 +6,18 @@ s = sgn theta, phi = s theta >= 0, tau = p t and G = s a/g
     linear      phi'' = phi - alpha - G
     nonlinear   phi'' = -[(1 + a_v/g) sin(alpha - phi) + G cos(alpha - phi) + kappa sin(phi) cos(phi)]
 
-a_v is a vertical acceleration, positive up; kappa = K z^2/(M g R) stands for elastic ties of stiffness K at a height z
-above both corners, taut at rest. The block at rest lifts off where abs(a)/g passes alpha, or (1 + a_v/g) tan(alpha),
-strictly, to theta > 0 for a < 0. At an impact phi' becomes C phi' on the other side; of a body before a wall, which
-turns to theta > 0 only, on the same side. Everything below is written from these lines in numbers of `BITS` bits and
-shares nothing with the kernels of ``models/``.
+a_v is a vertical acceleration, positive upwards. kappa = K z^2/(M g R) represents elastic ties of stiffness K at a
+height z above both corners, without slack at rest. A block at rest lifts if abs(a)/g exceeds alpha, or (1 + a_v/g)
+tan(alpha), and to theta > 0 for a < 0. At an impact phi' becomes C phi' on the other side. A body in contact with a
+wall rotates only to theta > 0, and phi' becomes C phi' on the same side. The program is written from these lines in
+numbers of `BITS` bits and shares nothing with the kernels of ``models/``.
 
-Steps are whole samples, divided where p dt > 0.08. Linear motion goes from sample to sample by the exact exponential
-map. Nonlinear motion, and the inside of a sample with an event, is a Taylor series continued until two of its terms in
-a row are below `TERM` of the largest. Events are sign changes of the series, isolated between those of its derivatives
-and refined by a bracketed Newton iteration to the last bits.
+Steps are whole samples, divided if p dt > 0.08. Linear motion uses the exact exponential solution from sample to
+sample. Nonlinear motion, and the inside of a sample with an event, uses a Taylor series, which ends when two of its
+terms in a row are below `TERM` of the largest. Events are sign changes of the series. They are isolated between those
+of its derivatives and refined by a bracketed Newton iteration to the last bits.
 
-The numbers are gmpy2's where that is installed, else mpmath's (ten times slower); the answers are the same.
+The numbers are those of gmpy2 if it is installed, otherwise those of mpmath (ten times slower, with equal results).
 """
 
 from __future__ import annotations

@@ -2,18 +2,19 @@
 
     ROCKPULSE_RECORDS=FOLDER python benchmarks/probability_coverage.py [--cases 200] [--whole 5] [--threads 2]
 
-Cases: horizontal channels of data/samples and, where ROCKPULSE_RECORDS names a folder, of its FEMA P-695 set, by bodies
-drawn at random (R 0.3 to 8 m, slenderness 2 to 18, C 0.95 or 1 times Housner's); those whose true `factor_50` is 10 or
-less count, 200 of them. The lanes were tuned on the even ones of 200 cases of data/samples alone; P-695 had no say.
+The cases combine horizontal channels of data/samples (and, if ROCKPULSE_RECORDS names a folder, of its FEMA P-695 set)
+with random bodies (R 0.3 to 8 m, slenderness 2 to 18, C 0.95 or 1 times Housner's). The first 200 cases with a
+reference `factor_50` of at most 10 are used. The marches were tuned only on the even ones of 200 cases of data/samples,
+and not on P-695.
 
-The truth is the crossing of the isotonic fit of P, P from 4096 independent draws of factor, C and alpha at each of many
-levels. Here the draws of the factor are integrated over instead of drawn: lanes at independent uniform places of ln f,
-C and alpha drawn for each alone, with the normal density of ln F as the weight of a lane at a level. That is the mean
-of the verdict over F in closed form, so that its expectation is P itself; 20480 lanes over 2.5 in ln f are 2900
-effective draws at each level (8192 times 2 sqrt(pi) 0.1), with an error of 0.009 in P and 0.2 % in the crossing,
-against 3 % of what is judged. `--whole` cases are worked out by the whole definition too: 4096 draws, each at all
-levels 2 % apart.
-The lanes of the truth know nothing of those that are judged: other seeds, other places, no Sobol set, whole marches.
+The reference values are crossings of the isotonic fit of P, with P from 4096 independent draws of scale factor, C and
+alpha at each of many levels. The draws of the scale factor are replaced by an integral: marches at independent uniform
+values of ln f, with independent draws of C and alpha, are weighted at each level by the normal density of ln F. This is
+the mean of the verdict over F in closed form, whose expected value is P. 20480 marches over 2.5 in ln f are equivalent
+to 2900 draws at each level (8192 times 2 sqrt(pi) 0.1). Their error is 0.009 in P and 0.2 % in the crossing, while the
+tested values have an error of 3 %. For `--whole` cases the complete definition is computed too: 4096 draws, each at all
+levels 2 % apart. The marches of the reference are independent of the tested ones, with other seeds and values, without
+a Sobol set, and to the end of the motion.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """Coverage of the band of an annual frequency, by synthetic capacities with a known distribution.
 
-``python benchmarks/risk_coverage.py [--cases 200] [--seed 1]``: capacities with a lognormal scatter between and within
-earthquakes of one to four records, looked at on six stripes; the true frequency by a power law in closed form.
+``python benchmarks/risk_coverage.py [--cases 200] [--seed 1]`` draws capacities with a lognormal scatter between and
+within earthquakes of one to four records, and uses six stripes. The true frequency for a power law has a closed form.
 """
 
 import argparse

@@ -1,9 +1,10 @@
 """Run time per record for 1,000 to 100,000 short records: ``python benchmarks/scale.py``.
 
-Synthetic records of ``--seconds`` (seeded; PEER AT2 files, 0.2 to 0.6 g, events of 20 stations) on three bodies by the
-nonlinear model alone, nothing stored but the answers: next to no work for the solvers, so that what a record costs
-beside them shows: survey, plan, journal, assembly, and with dask the scheduler. Each run is a process of its own.
-Printed are the rates, the steps, the memory of the parent, its slope, and what follows on paper for ``--cores``.
+Synthetic records of ``--seconds`` (with a seed; PEER AT2 files, 0.2 to 0.6 g, earthquakes of 20 stations) are assessed
+for three bodies by the nonlinear model alone, and only the results are stored. The solvers take little time, so the
+output shows the cost of everything else: survey, plan, journal, assembly and, with dask, the scheduler. Each run is a
+separate process. The output gives the rates, the steps, the memory of the parent process and its slope, and an estimate
+for ``--cores`` cores.
 """
 
 import argparse

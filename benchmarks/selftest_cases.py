@@ -1,7 +1,7 @@
 """Make the stored cases of ``rockpulse selftest``: ``python benchmarks/selftest_cases.py`` (``make selftest-cases``).
 
-Every case is answered by :mod:`precise_rocking` in numbers of 42 digits as it is, with C lowered and with the record
-raised by 1e-13. The bound of its error is three times what these changes move, at least 1e-12, rounded up to a power
+:mod:`precise_rocking` solves every case with 42 digits: unchanged, with C reduced by 1e-13, and with the record
+increased by 1e-13. The allowed error is three times the effect of these changes, at least 1e-12, rounded up to a power
 of ten.
 """
 

@@ -1,11 +1,11 @@
-"""Coverage of design sequences on records of events left out (`[calibration] method = "statistics"`).
+"""Coverage of design sequences on records of earthquakes left out (`[calibration] method = "statistics"`).
 
     python benchmarks/site_coverage.py --records FOLDER ... [--pga 0.15] [--scale-to pga --target 4]
 
-The horizontal channels above the PGA [g] (mean removed, high-pass 0.1 Hz), with the sequences of their half-waves, and
-12 blocks: slenderness 4, 6, 8, 12 by R = 1, 2, 4 m, Housner's restitution. One line a quantile: I of the design of all
-records, share of the pairs of record and block that count on blocks left standing, coverage with its 90 % interval on
-blocks left standing, coverage of all blocks.
+The records are the horizontal channels above the PGA [g] (mean removed, high-pass 0.1 Hz), with the sequences of their
+half-waves. The 12 blocks have slenderness 4, 6, 8, 12, R of 1, 2, 4 m and Housner's restitution. One line for each
+quantile gives I of the design of all records, the share of the counted pairs of record and block on blocks that survive
+the design, the coverage on these blocks with its 90 % interval, and the coverage of all blocks.
 """
 
 import argparse

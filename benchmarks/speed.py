@@ -1,8 +1,8 @@
-"""Speed of the rocking solvers against stated baselines, all in one run: ``python benchmarks/speed.py``.
+"""Speed of the rocking solvers compared with solve_ivp and a plain recurrence: ``python benchmarks/speed.py``.
 
-Medians of whole calls, in processor time of the calling thread (so that other work on the machine counts little), on
-the same cases for both sides. ``--only`` takes some of the sections, ``--runs`` sets the number of calls. The error of
-the same kernels is the business of ``rockpulse accuracy``.
+All times are measured in one run, on the same cases for both sides. They are medians of whole calls, in processor time
+of the calling thread (so that other work on the machine has little influence). ``--only`` selects sections, ``--runs``
+sets the number of calls. ``make accuracy`` measures the error of the same kernels.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Seeded synthetic motions and blocks, the same on every machine: for measuring solvers, not assessing sites."""
+"""Seeded synthetic motions and blocks, equal on every machine, for measuring solvers and not for assessing sites."""
 
 from typing import NamedTuple
 

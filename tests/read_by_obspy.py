@@ -1,6 +1,6 @@
 """Read records by ``obspy.read`` where rockpulse is installed and nothing of its source tree is in sight.
 
-``make wheel`` runs this from a folder of its own with the interpreter of a fresh environment:
+``make wheel`` (.ci/versions) runs this from a folder of its own with the interpreter of a fresh environment:
 
     python read_by_obspy.py FOLDER...
 

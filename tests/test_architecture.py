@@ -262,3 +262,9 @@ def test_the_short_names_are_the_packages_themselves():
         assert set(dir(short)) >= set(package.__all__)
         assert all(getattr(short, name) is getattr(package, name) for name in package.__all__)
     assert not hasattr(models, "no_such_name")
+
+
+def test_the_tests_that_judge_mutants_exist():
+    for tests in tomllib.loads((ROOT / "tests" / "mutants" / "tests.toml").read_text()).values():
+        for path, _, name in (test.partition("::") for test in tests):
+            assert f"def {name}" in (ROOT / path).read_text(), (path, name)

@@ -1,1 +1,1 @@
-"""Studies for the development of the package, not installed with it; ``make help`` names the command of each."""
+"""Studies for the development of the package, which are not installed; ``make help`` names the command of each."""

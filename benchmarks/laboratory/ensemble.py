@@ -1,9 +1,10 @@
 """Ensemble of strong records and bodies, with one protocol for the rule and the code checks.
 
-.. note:: The protocol: channels whose conditioned peak is above 0.15 g; mean removed, no taper, pads of zeros,
-   Butterworth of order 2 from 0.1 to 25 Hz, zero phase (no low-pass where the Nyquist frequency is no higher); 60 s
-   from 25 s before the peak, then 8 s of zeros; PGA and PGV of that stretch; slenderness 4, 6, 8, 12 by R 1, 2, 4 m
-   with Housner's restitution.
+.. note:: The protocol: channels whose conditioned peak is above 0.15 g. The mean is removed, there is no taper, and the
+   record is padded with zeros. The filter is a Butterworth of order 2 from 0.1 to 25 Hz with zero phase (without a
+   low-pass if the Nyquist frequency is not higher). The record is 60 s long from 25 s before the peak, followed by 8 s
+   of zeros; PGA and PGV refer to this part. The blocks have slenderness 4, 6, 8, 12, R of 1, 2, 4 m and Housner's
+   restitution.
 """
 
 import argparse

@@ -1,13 +1,13 @@
-"""Unsafe and overly conservative cases of the code checks, against time histories of recorded strong motion.
+"""Missed and false cases of the code checks, compared with time histories of recorded strong motion.
 
 ``python -m laboratory.histories PATHS -o FOLDER`` (``make check-histories RECORDS=FOLDER``) prints missed and false
 cases of each check, and writes them as CSV and as a picture.
 
-.. note:: Strong channels and bodies of :mod:`laboratory.ensemble`. Each channel is its own code: its PGA stands for
-   a_g S and its spectrum of 5 % damping for S_e. The ratio of a check falls as the factor on the record grows, so one
-   number a case tells the largest factor that it allows. A case at a factor overturns where the probability of
-   overturning is 0.5 or more (from f_50 on). Missed: cases that overturn and pass; false: cases that stand and do not.
-   Earthquakes are resampled for the intervals (BCa).
+.. note:: The strong channels and bodies are those of :mod:`laboratory.ensemble`. The demand of a check is that of the
+   channel itself: a_g S is its PGA, and S_e its spectrum with 5 % damping. The ratio of a check decreases as the scale
+   factor on the record increases, so one number for each case gives the largest scale factor that the check allows. A
+   case overturns if the probability of overturning is 0.5 or more (from `factor_50`). Missed cases overturn and pass;
+   false cases survive and fail. Intervals come from resampling earthquakes (BCa).
 """
 
 import argparse

@@ -1,18 +1,18 @@
-"""Checks of the arguments of the models, and the types of their results: numbers for one lane, arrays for several."""
+"""Checks of the arguments of the models, and the types of their results."""
 
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-#: A number for one lane (a block under a scale factor), an array for several lanes.
+#: A number for one block under one scale factor, an array for several.
 Floats: TypeAlias = float | NDArray[np.float64]
 Integers: TypeAlias = int | NDArray[np.integer[Any]]
 Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """Return a finite number or, if `lanes` allows it, a one-dimensional array of them; else raise ValueError."""
+    """Return the value as an array; raise ValueError unless it is one finite number, or (if `lanes`) several."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)
@@ -26,7 +26,7 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
 
 
 def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
-    """Check the value as :func:`numbers` does, and that each number is above zero; the message names the `unit`."""
+    """Return the value as :func:`numbers` does; raise ValueError unless all numbers are positive, in this `unit`."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
@@ -38,7 +38,7 @@ UNLIMITED = 2**62
 
 
 def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
-    """Return a whole number of at least `least` or, if `lanes` allows it, an array (q,); else raise ValueError."""
+    """Return one whole number, or an array of them if `lanes` is True; raise ValueError if one is below `least`."""
     array = np.asarray(value)
     if array.ndim > int(lanes) or not np.issubdtype(array.dtype, np.integer):
         shape = " or a (q,) array of them" if lanes else ""
@@ -49,7 +49,7 @@ def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
 
 
 def common_shape(**values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Repeat single values to the common length of the arrays; raise ValueError if the arrays differ in length."""
+    """Return the values as arrays of one length, with single values repeated; raise ValueError if lengths differ."""
     try:
         return tuple(np.broadcast_arrays(*values.values()))
     except ValueError:
@@ -58,7 +58,7 @@ def common_shape(**values: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def record_samples(name: str, values: ArrayLike) -> np.ndarray:
-    """Return the accelerations (n,) of a record [m/s2]; raise ValueError unless they are finite and at least two."""
+    """Return the accelerations (n,) of a record [m/s2]; raise ValueError unless there are two or more, all finite."""
     try:
         array = np.ascontiguousarray(_real(values), dtype=float)
     except (TypeError, ValueError):
@@ -79,7 +79,7 @@ def _real(values: ArrayLike) -> ArrayLike:
 
 
 def read_only(array: np.ndarray) -> np.ndarray:
-    """Return a read-only view of the array, so that kernels see one array type and are compiled once."""
+    """Return a read-only view of the array, so that each kernel is compiled for one type of array only."""
     view = array.view()
     view.flags.writeable = False
     return view

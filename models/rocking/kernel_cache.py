@@ -46,7 +46,7 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     def compiled(function: Callable[..., Any]) -> Any:
         kernel = numba.njit(**{"nogil": True, "error_model": "numpy", **options})(function)
-        if kernel is not function:  # as with NUMBA_DISABLE_JIT
+        if kernel is not function:  # they are the same if NUMBA_DISABLE_JIT is set
             kernel._cache = KernelCache(function)
         return kernel
 
@@ -84,16 +84,16 @@ def sources() -> str:
     return hashlib.sha256(b"\0".join(texts)).hexdigest() if paths else ""
 
 
-#: Digest of the sources when this module was imported, which is before any kernel is.
+#: Digest of the sources when this module was imported, before any kernel was imported.
 SOURCES = sources()
 
 
 class KernelCache(NullCache):
-    """The compiled code of one kernel in files; after a file error the kernel is compiled again, with one warning."""
+    """The compiled code of one kernel, stored in files; after a file error the kernel is compiled again."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
-        self.fault = ""  # of the file that was read last
+        self.fault = ""  # the fault of the file that was read last
 
     def load_overload(self, sig: object, target_context: Any) -> CompileResult | None:
         """Return the compiled code for a signature, or None if there is no valid file."""
@@ -106,13 +106,13 @@ class KernelCache(NullCache):
                 raise ValueError("damaged")
             stored, parts = pickle.loads(content[CHECKSUM:])
             if stored != key:
-                raise ValueError("of another kernel")
+                raise ValueError("for another kernel")
             return CompileResult._rebuild(target_context, *parts)
         except FileNotFoundError:
             _announce()
         except OSError as error:
             self.fault = f"not readable ({error.strerror})"
-        except Exception as error:  # a pickle may raise any
+        except Exception as error:  # a damaged pickle may raise any exception
             self.fault = str(error) if type(error) is ValueError else "damaged"
         return None
 
@@ -133,7 +133,7 @@ class KernelCache(NullCache):
             logger.warning("%s: compiled kernels were %s and have been replaced", folder(), self.fault)
 
     def _key(self, sig: object, codegen: Any) -> tuple[str, ...]:
-        """Return kernel, signature, and processor with its features, which identify a file."""
+        """Return the key that identifies a file: module, kernel, signature, and processor with its features."""
         return self.function.__module__, self.function.__qualname__, str(sig), repr(codegen.magic_tuple())
 
     def _path(self, key: tuple[str, ...]) -> Path:
@@ -142,9 +142,9 @@ class KernelCache(NullCache):
 
 
 def _checked_owner(path: Path) -> Path:
-    """Return the path of a file; raise ValueError if its owner is not this user or root, as its code would be run."""
+    """Return the path; raise ValueError if the file belongs to another user, whose code must not be run."""
     if hasattr(os, "geteuid") and path.stat().st_uid not in (0, os.geteuid()):
-        raise ValueError("of another user")
+        raise ValueError("owned by another user")
     return path
 
 
@@ -160,7 +160,7 @@ def _announce() -> None:
 
 
 def _make_folder() -> None:
-    """Create the folder if it does not exist, and remove long unused folders of other versions."""
+    """Create the folder if it does not exist, and remove folders that have not been used for a long time."""
     path = folder()
     if path.is_dir():
         return
@@ -195,7 +195,7 @@ logged: set[str] = set()
 
 
 def _first_time(record: logging.LogRecord) -> bool:
-    """Return whether this process has not logged a message yet; each of its dozens of kernels may log it."""
+    """Return True if this process logs the message for the first time; dozens of kernels may log the same one."""
     text = record.getMessage()
     new = text not in logged
     logged.add(text)

@@ -1,4 +1,4 @@
-"""Lanes, each one block under one factor on the input: arrays with one entry per lane, and threads that share them."""
+"""A lane is one combination of a body and a scale factor; kernels compute many lanes together, in several threads."""
 
 import os
 import threading
@@ -23,16 +23,16 @@ OF_LANES = {"fill": np.nan, "axis": -1}
 
 
 def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
-    """Declare a field with one value per lane along an axis; `fill` is the value of a lane without a result."""
+    """Declare a field with one value per lane along an axis; lanes without a result get the value `fill`."""
     return field(metadata={"fill": fill, "axis": axis}, **options)
 
 
 class LaneValues:
-    """A dataclass with one value per lane in each field made by :func:`lane_field`; other fields apply to all lanes."""
+    """Base class of dataclasses with one value per lane in each field made by :func:`lane_field`."""
 
     @classmethod
     def lane_fields(cls) -> dict[str, tuple[Any, int]]:
-        """Return fill and axis of each field made by :func:`lane_field`, by name."""
+        """Return the fill value and the axis of each field made by :func:`lane_field`, by name."""
         declared = {one.name: one.metadata for one in fields(cls)}  # type: ignore[arg-type]
         return {name: (own["fill"], own["axis"]) for name, own in declared.items() if "axis" in own}
 
@@ -57,7 +57,7 @@ class LaneValues:
 
     @classmethod
     def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
-        """Join parts into `count` lanes, each part at its indices (k,); other lanes get the fill value of the field."""
+        """Join parts into `count` lanes, each part at its indices `places`; other lanes get the fill value."""
         found: dict[str, Any] = {}
         for name, (fill, axis) in cls.lane_fields().items():
             values = [getattr(part, name) for part in parts]
@@ -76,7 +76,7 @@ class LaneValues:
         return parts[0].changed(**found)
 
     def squeezed(self, drop: tuple[bool, bool]) -> Self:
-        """Return (q, m) lanes without the axes marked in `drop`, for which the caller gave a scalar."""
+        """Return a copy of (q, m) lanes without the axes marked in `drop`, for which the caller gave a scalar."""
         found: dict[str, Any] = {}
         for name, (_, axis) in self.lane_fields().items():
             value = getattr(self, name)
@@ -88,7 +88,7 @@ class LaneValues:
 
 
 def squeezed(values: np.ndarray, drop: tuple[bool, bool], axis: int = -1) -> Any:
-    """Return values of (q, m) lanes, m along `axis`, without the axes marked in `drop`; one lane gives a number."""
+    """Return an array of (q, m) lanes, m along `axis`, without the axes marked in `drop`; a number if none is left."""
     values = values.squeeze(axis=tuple(axis - 1 + place for place, dropped in enumerate(drop) if dropped))
     return values.item() if values.ndim == 0 else values
 
@@ -102,7 +102,7 @@ def available_cores() -> int:
 
 @contextmanager
 def thread_limit(threads: int) -> Iterator[None]:
-    """Limit ``threads=None`` to this number of threads in the whole process; the smallest of several limits governs."""
+    """Limit ``threads=None`` to this number in the whole process; the smallest of several limits applies."""
     threads = _checked(threads, "a whole number of at least 1")
     with _changing:
         _limits.append(threads)
@@ -114,7 +114,7 @@ def thread_limit(threads: int) -> Iterator[None]:
 
 
 def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: int | None, smallest: int = 64) -> None:
-    """Run ``kernel_call(first, last)``, which releases the interpreter lock, on slices of at least `smallest` lanes."""
+    """Run ``kernel_call(first, last)`` on slices of at least `smallest` lanes, shared by the threads."""
     if threads is None:
         threads = min([available_cores(), *_limits])
     threads = _checked(threads, "a whole number of at least 1, or None for all cores")

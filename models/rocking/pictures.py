@@ -62,7 +62,7 @@ class Picture:
         self._parts.append(f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width:g}"/>')
 
     def dot(self, x: float, y: float, colour: str = INK, radius: float = 3.0) -> None:
-        """Draw a point with a radius in pixels."""
+        """Draw a dot with a radius in pixels at a point."""
         (at,), (up,) = self._placed([x], [y])
         self._parts.append(f'<circle cx="{at:.1f}" cy="{up:.1f}" r="{radius:g}" fill="{colour}"/>')
 
@@ -82,7 +82,7 @@ class Picture:
         )
 
     def _placed(self, x: ArrayLike, y: ArrayLike) -> tuple[list[float], list[float]]:
-        """Convert points of the data to pixels from the upper left corner."""
+        """Convert points from data coordinates to pixels from the upper left corner."""
         right = 0.5 * self.width + (np.asarray(x, dtype=float) - self._centre[0]) * self._scale[0]
         down = 0.5 * self.height - (np.asarray(y, dtype=float) - self._centre[1]) * self._scale[1]
         return right.tolist(), down.tolist()
@@ -98,7 +98,7 @@ class Shown(ABC):
 
     @abstractmethod
     def _facts(self) -> dict[str, str]:
-        """Return the main values of the object with short names; a name may be empty."""
+        """Return the main values of the object by their short names; a name may be empty."""
 
     @abstractmethod
     def _picture(self) -> Picture | None:
@@ -127,25 +127,25 @@ def shortened_line(text: str) -> str:
     return text if len(text) <= LINE else f"{text[: LINE - 4]}...{text[-1]}"
 
 
-def one_line(thing: Any) -> str:
-    """Return a one-line repr of a dataclass or named tuple: values that differ from defaults, shapes of arrays."""
+def short_repr(thing: Any) -> str:
+    """Return a one-line repr of a dataclass or named tuple: fields that differ from defaults, arrays by shape."""
     if isinstance(thing, tuple):
         known = thing._asdict()  # type: ignore[attr-defined]
     else:
-        shown = [item for item in fields(thing) if item.repr]
-        values = {item.name: (getattr(thing, item.name), item.default) for item in shown}
+        printed = [item for item in fields(thing) if item.repr]
+        values = {item.name: (getattr(thing, item.name), item.default) for item in printed}
         known = {
             name: value for name, (value, usual) in values.items() if value is not usual and not _same(value, usual)
         }
-    told = ", ".join(f"{name}={_told(value)}" for name, value in known.items())
-    return shortened_line(f"{type(thing).__name__}({told})")
+    listed = ", ".join(f"{name}={_short_value(value)}" for name, value in known.items())
+    return shortened_line(f"{type(thing).__name__}({listed})")
 
 
 def _same(value: Any, usual: Any) -> bool:
     return isinstance(value, str | int | float | tuple | None) and value == usual
 
 
-def _told(value: Any) -> str:
+def _short_value(value: Any) -> str:
     """Return a short form of a value: the shape of an array, the length of a long list."""
     if isinstance(value, np.ndarray) and value.ndim:
         return f"<{' x '.join(map(str, value.shape))} {value.dtype}>"
@@ -165,7 +165,7 @@ def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
-    """Thin the points (n,) of a line to the lowest and the highest in each of `columns` columns, in their order."""
+    """Reduce a line (n,) to its lowest and highest point in each of `columns` columns, in their order."""
     if y.size <= 2 * columns:
         return x, y
     kept: list[int] = []

@@ -1,4 +1,4 @@
-"""The result of every model: one :class:`Response` per call with one entry per lane, and the codes of its outcomes."""
+"""The result of a model: a :class:`Response` for each block and scale factor, and the codes of outcomes."""
 
 import math
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ import numpy as np
 
 from rocking.arguments import Booleans, Floats, Integers
 from rocking.lanes import LaneValues, lane_field
-from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, one_line, thinned
+from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, short_repr, thinned
 
 #: Impacts slower than this speed, divided by p alpha_c [-], are not counted (a hop of about 5e-7 alpha_c).
 IMPACT_CUTOFF = 1e-3
-#: Largest number of lanes whose peaks are drawn, and largest theta/alpha_c in the picture [-].
+#: Largest number of peaks that are drawn, and largest theta/alpha_c in the picture [-].
 DRAWN, TOP = 200, 1.2
 
 
@@ -31,12 +31,12 @@ class Outcome(IntEnum):
 
     @property
     def word(self) -> str:
-        """The name in result files: "at_rest", "rocks", "overturns" or "unresolved"."""
+        """The name of the outcome in result files: "at_rest", "rocks", "overturns" or "unresolved"."""
         return self.name.lower()
 
 
 class Reason(IntEnum):
-    """Why a lane is UNRESOLVED.
+    """Why an outcome is UNRESOLVED.
 
     >>> Reason(rocking.resonance(pier, impulse=0.5, half_cycles=3).reason)
     <Reason.NONE: 0>
@@ -76,7 +76,7 @@ class HalfCycles(LaneValues):
     array([0.076, 0.316,   inf])
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     start_velocity: np.ndarray = lane_field()
     peak: np.ndarray = lane_field()
@@ -88,7 +88,7 @@ class HalfCycles(LaneValues):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Response(LaneValues, Shown):
-    """Peak, outcome and events of a rocking motion: arrays with one value per lane, or scalars for one lane.
+    """Peak, outcome and events of rocking motions: arrays with a value for each block and scale factor, or scalars.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Response(LaneValues, Shown):
         half-cycle, the response to a record only those that end with a counted impact.
     impacts : int or ndarray
         Number of impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, also after the end of the input; -1 if endless
-        (C = 1) or the lane is UNRESOLVED.
+        (C = 1) or the outcome is UNRESOLVED.
     time, rotation, velocity : ndarray or None
         History [s], [rad], [rad/s], if requested.
     half_cycles : HalfCycles or None
@@ -136,7 +136,7 @@ class Response(LaneValues, Shown):
 
     @classmethod
     def unresolved(cls, lanes: tuple[int, ...], reason: Reason) -> Self:
-        """Return a response whose lanes are all UNRESOLVED for one reason."""
+        """Return a response of the shape `lanes` that is UNRESOLVED throughout, for one reason."""
         codes = np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8), np.full(lanes, int(reason), dtype=np.int8)
         return cls(np.full(lanes, np.nan), *codes, np.full(lanes, np.nan), np.full(lanes, -1), np.full(lanes, -1))
 
@@ -152,7 +152,7 @@ class Response(LaneValues, Shown):
 
     @property
     def outcome_name(self) -> str | np.ndarray:
-        """The outcome, "at_rest", "rocks", "overturns" or "unresolved"; an array of strings for several lanes.
+        """The outcome, "at_rest", "rocks", "overturns" or "unresolved"; an array of strings for several motions.
 
         Examples
         --------
@@ -186,7 +186,7 @@ class Response(LaneValues, Shown):
         return self._history(self.time, self.rotation.reshape(-1, self.time.size)[0])
 
     def _history(self, time: np.ndarray, rotation: np.ndarray) -> Picture:
-        """Draw the rotation over time, for the first one of several lanes."""
+        """Draw the rotation over time, or of several motions the first one."""
         known = np.isfinite(rotation)
         x, y = thinned(time[known], rotation[known])
         reach = max(float(np.max(np.abs(y), initial=0.0)), 1e-12)
@@ -198,9 +198,9 @@ class Response(LaneValues, Shown):
         return picture
 
     def _peaks(self) -> Picture:
-        """Draw the peak of each lane as a bar in the colour of its outcome; overturning bars extend beyond alpha_c."""
+        """Draw the peak of each motion as a bar in the colour of its outcome; bars above alpha_c mean overturning."""
         peaks, codes = np.ravel(self.peak_rotation_ratio)[:DRAWN], np.ravel(self.outcome)[:DRAWN]
-        # A lane without a value gets a short bar, so that it is visible.
+        # A motion without a value gets a short bar, so that it is visible.
         heights = np.nan_to_num(np.minimum(peaks, TOP), nan=0.05)
         picture = Picture((-0.5, peaks.size - 0.5), (0.0, TOP), height=90.0)
         picture.line([-0.5, peaks.size - 0.5], [0.0, 0.0], GREY, 0.5)
@@ -238,7 +238,7 @@ def response_of(
     half_cycles: HalfCycles | None = None,
     **others: np.ndarray,
 ) -> Response:
-    """Return the (q, m) response from a kernel's results; `motion` (q m, n, 2) is theta and theta' at n samples."""
+    """Return the (q, m) response from a kernel's results; `motion` (q m, n, 2) is theta and theta' over time."""
     lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
     if motion is not None:
         lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}

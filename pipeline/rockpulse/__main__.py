@@ -1,4 +1,4 @@
-"""``python -m rockpulse``: the command line if the console script is not on the path."""
+"""Runs the command line as ``python -m rockpulse``, if the script ``rockpulse`` is not on the path."""
 
 import sys
 

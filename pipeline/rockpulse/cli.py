@@ -29,8 +29,8 @@ bodies and options in a file, for --config site.toml:
 options of a verb, with examples:
   rockpulse VERB --help
 
-Exit codes: 0 all done, 1 some records failed or, of diff, verify and selftest,
-something differs, 2 wrong usage, configuration or results file."""
+Exit codes: 0 success; 1 some records failed, or diff, verify or selftest found a
+difference; 2 wrong usage, configuration or results file; 130 interrupted."""
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -41,7 +41,7 @@ def build_parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
     )
     parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
-    parser.set_defaults(program=parser)  # for the verb that writes shell completions
+    parser.set_defaults(program=parser)  # used by the verb `completion`
     subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     for verb in VERBS:
         verb.add_to(subparsers)
@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _run(argv)
     except KeyboardInterrupt as error:
-        if argv is None:  # a second Ctrl-C does not interrupt the end of this process
+        if argv is None:  # ignore further Ctrl-C while the process ends
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         return _ended(str(error) or "interrupted", INTERRUPTED)
 
@@ -62,7 +62,7 @@ def _run(argv: Sequence[str] | None) -> int:
     # Warnings are stored and shown in the overview; Python's last-resort handler would break the progress bar.
     logging.getLogger("rockpulse").addHandler(logging.NullHandler())
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed, as by `>&-`; the results file must not get this descriptor
+        if getattr(sys, name) is None:  # closed, as by `>&-`: the results file could get its descriptor
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal may not support the characters of a file or block name
@@ -88,7 +88,7 @@ def _run(argv: Sequence[str] | None) -> int:
     except RockpulseError as error:
         return _ended(str(error), USAGE)
     except OSError as error:
-        if isinstance(error, BrokenPipeError) and _output_closed():  # as in `rockpulse ... | head`
+        if isinstance(error, BrokenPipeError) and _output_closed():  # for example by `rockpulse ... | head`
             return 0
         return _ended(file_fault(error, args), USAGE)
     except Exception as error:
@@ -96,7 +96,7 @@ def _run(argv: Sequence[str] | None) -> int:
             raise
         logging.getLogger("rockpulse").exception("internal error of %s", args.run.__module__)
         last_line = "".join(traceback.format_exception_only(error)).strip().splitlines()[-1]
-        return _ended(f"internal error: {last_line}; its cause may be the file: {differing}", USAGE)
+        return _ended(f"internal error: {last_line}; it may be caused by a changed file: {differing}", USAGE)
 
 
 def _ended(why: str, code: int) -> int:
@@ -105,9 +105,9 @@ def _ended(why: str, code: int) -> int:
 
 
 def _output_closed() -> bool:
-    """Return whether standard output (not a pipe of the run itself) has been closed; unwritten output is dropped."""
+    """Return whether the reader of standard output has closed it; if so, discard all further output."""
     try:
-        print(flush=True)  # unwritten output may have been dropped before
+        print(flush=True)  # writes a line, as an empty buffer would cause no error
     except BrokenPipeError:
         discard_output(sys.stdout)
         return True

@@ -2,8 +2,8 @@
 
 .. note:: Records of one earthquake are not independent: resamples draw whole earthquakes, and a jackknife leaves out
 one earthquake at a time. Weights (n,) are not negative; `events` (n,) are the indices of the earthquakes, from 0;
-`draws` (b, g) give how often each resample contains each earthquake; `estimates` (1 + K, ...) are first the estimate
-from all data, then the estimates with each of K earthquakes left out.
+`draws` (b, g) give how often each resample contains each earthquake; `estimates` (1 + K, ...) contain first the
+estimate from all data, then one estimate for each of K earthquakes, without that earthquake.
 """
 
 import math
@@ -13,35 +13,34 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: Confidence level of the interval of a probability [-], and smallest number of earthquakes from which a statement on
-#: other earthquakes is made.
+#: Confidence level of the interval of a probability [-]; fewest earthquakes that allow conclusions on others.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
-#: Rounding tolerance of sums of weights: a share of 0.84 may be computed as a slightly smaller number.
+#: Tolerance for rounding errors in sums of weights, which may make a share of 0.84 slightly smaller.
 ROUNDING = 1e-9
 #: Largest share of bootstrap-t samples that may be NaN.
 LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return the mask (g, n) of the records of each of g earthquakes, in the order of the labels."""
+    """Return an array (g, n) that is True for the n records of each of g earthquakes, which are sorted by label."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
 
 def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return the weights (g, n) of n records in the mean of each of g earthquakes."""
+    """Return weights (g, n) with which n records are averaged to one mean for each of g earthquakes."""
     own = members(events)
     return np.asarray(own / own.sum(axis=1, keepdims=True))
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Draw b resamples and return how often each contains each of g earthquakes (b, g); `seed` may be a sequence."""
+    """Draw random resamples and return how often each contains each earthquake, (resamples, events)."""
     return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
 def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
-    """Return the smallest finite value (of n) with at least a share `level` of the weight at or below it, or NaN."""
+    """Return the weighted quantile at a level from 0 to 1; NaN if no value with a weight is finite."""
     known = np.isfinite(values) & (weights > 0.0)
     if not np.any(known):
         return math.nan
@@ -73,8 +72,8 @@ def share_interval(
 
     Korn and Graubard's interval (1998, Survey Methodology 24, 193-201) is Clopper and Pearson's interval for the
     effective number of independent trials, s(1 - s)/var s times (z/t_(g-1))^2, with the variance of the share s over
-    earthquakes. For s = 0 or 1 this variance is zero, and the number of trials is that of earthquakes, so that few
-    earthquakes give a wide interval.
+    earthquakes. For s = 0 or 1 this variance is zero, and the number of trials is the number of earthquakes, so
+    that few earthquakes give a wide interval.
     """
     from scipy.stats import beta, norm, t
 
@@ -98,13 +97,13 @@ def share_interval(
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Return the confidence limits of an estimate from its values (b,) in resamples; `sizes` (g,) are weights.
+    """Return the confidence limits of an estimate from its values in resamples; `sizes` are the earthquakes' weights.
 
     The limits are the estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g
     earthquakes gives a variance that is too small by the factor (g - 1)/g and neglects the uncertainty of this variance
     (Hesterberg 2015, sections 3.2 and 4.4, doi:10.1080/00031305.2015.1089789). For earthquakes with weights s_g and one
-    value each, the mean of the resampled variance of their mean is 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 times the true
-    one, and f + 1 = 1/sum s^2 is their effective number, at least 2. The limits are NaN without finite values, and
+    value each, the bootstrap variance of their mean is on average 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 times the true
+    variance, and f + 1 = 1/sum s^2 is their effective number, at least 2. The limits are NaN without finite values, and
     infinite if the share of infinite resamples exceeds the upper tail.
     """
     correction, student = _few_earthquakes(sizes, confidence)
@@ -117,7 +116,7 @@ def bootstrap_interval(
 
 
 def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float]:
-    """Return the correction factor of a bootstrap variance, and Student's t; NaN for a single earthquake."""
+    """Return the factor c that corrects a bootstrap variance, and Student's t; both are NaN for a single earthquake."""
     from scipy.stats import t
 
     shares = sizes[sizes > 0.0] / np.sum(sizes)
@@ -129,7 +128,7 @@ def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float
 
 
 class Quantiles(NamedTuple):
-    """Quantiles of k values over records, with confidence limits that are NaN for a single earthquake."""
+    """One quantile of each of k quantities over records, with confidence limits (NaN for a single earthquake)."""
 
     value: np.ndarray  # (k,)
     lower: np.ndarray  # (k,)
@@ -146,7 +145,7 @@ def record_quantiles(
     draws: np.ndarray,
     confidence: float,
 ) -> list[Quantiles]:
-    """Return weighted quantiles of values (n, ...), one per level; limits are from logarithms if `logarithmic`."""
+    """Return the weighted quantiles of n records at each level; `logarithmic` computes their limits from logarithms."""
     flat = values.reshape(values.shape[0], -1)
     found = np.empty((len(levels), 3, flat.shape[1]))
     sizes = np.bincount(events, weights)
@@ -177,7 +176,7 @@ class Limits(NamedTuple):
 
 
 def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """Return limits exp(estimate - score x error); scores (b,) = (sample - estimate)/(standard error of the sample)."""
+    """Return limits of exp(estimate); a score is (sample - estimate)/(standard error of the bootstrap sample)."""
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):
@@ -187,20 +186,20 @@ def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confid
 
 
 def jackknife_error(estimates: np.ndarray) -> np.ndarray:
-    """Return the jackknife standard errors (...) of estimates (1 + K, ...)."""
+    """Return the jackknife standard error of each quantity; row 0 is from all data, other rows omit an earthquake."""
     events = estimates.shape[0] - 1
     return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
 
 
 def jackknife_half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
-    """Return half the width (...) of the intervals of estimates (1 + K, ...): Student's t times the standard error."""
+    """Return half the width of the confidence interval of each quantity: Student's t times the jackknife error."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
 
 
 def lognormal_mean_half_width(values: np.ndarray, confidence: float) -> np.ndarray:
-    """Return half the width (m,) of the interval of ln(mean) of lognormal values (m, k) over k earthquakes.
+    """Return half the width (m,) of the confidence interval of ln(mean) of m lognormal quantities over k earthquakes.
 
     With s^2 the variance of the logarithms, the variance of ln of the mean is s^2/k + s^4/(2 (k - 1)) (Cox, in Land
     1972, Technometrics 14(1), 145-158); its square root is multiplied by Student's t with k - 1 degrees of freedom.
@@ -253,11 +252,11 @@ def fit_lognormal(
 def log_moments(
     logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes; NaN for too few values."""
+    """Return the means and standard deviations (b, p) of logarithms in b resamples; NaN if too few values are known."""
     known = np.isfinite(logarithms)
     values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
     sums = np.stack([share, share * values, share * values**2], axis=1)
-    alone = draws.shape[1] == 1  # then pairs of different records are used
+    alone = draws.shape[1] == 1  # a single earthquake: use pairs of its records
     groups = np.arange(weights.size) if alone else events
     by_group = np.zeros((weights.size if alone else draws.shape[1], *sums.shape[1:]))
     np.add.at(by_group, groups, sums)
@@ -268,7 +267,7 @@ def log_moments(
         mean = first / weight
         pairs = weight**2 - times @ size**2
         square = (weight * second - first**2) - times @ (size * two - one**2)
-        # Rounding must not give equal values a variance, nor zero pairs a number.
+        # Rounding errors must not give a variance to equal values, nor a result without pairs.
         variance = np.where(square > 1e-13 * weight * second, square, 0.0) / np.where(
             pairs > 1e-12 * weight**2, pairs, np.nan
         )

@@ -27,7 +27,7 @@ class RecordFormatError(RockpulseError):
 
 
 class RecordRefused(RockpulseError):
-    """Error: a well-formed file contains no usable ground acceleration (velocity, spectra, counts without a gain).
+    """Error: a well-formed file contains no usable ground acceleration, but for example velocity or spectra.
 
     >>> rp.condition_pair(rp.Pair(record, record))
     Traceback (most recent call last):
@@ -106,8 +106,8 @@ _EXAMPLES = 10
 class Failure:
     """One row of the failures table."""
 
-    file: str  # ``archive.zip!member``
-    stage: str  # step that left it out
+    file: str  # name of the file; ``archive.zip!member`` for a file in an archive
+    stage: str  # step of the run that left out the file or record
     reason: str
     # "failed": needs attention; "skipped": no record, or too weak; "duplicate", "depth": another record of the same
     # ground motion is assessed instead; "vertical", "structural": no horizontal ground motion
@@ -115,7 +115,7 @@ class Failure:
 
     @property
     def place(self) -> str:
-        """Name of the file, with the line or the record if the reason begins with one."""
+        """The beginning of the reason that names file and line, or record; otherwise the name of the file."""
         if self.reason.startswith(f"{self.file}:"):
             line = _LINE.match(self.reason, len(self.file))
             return self.reason[: line.end()] if line else self.file
@@ -129,7 +129,7 @@ class Failure:
 
 
 def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
-    """Group rows by reason, in the order of the first row of each group."""
+    """Group rows with the same reason; the groups are in the order of their first rows."""
     groups: dict[str, list[Failure]] = {}
     for row in rows:
         groups.setdefault(row.bare, []).append(row)
@@ -137,7 +137,7 @@ def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
 
 
 def reasons_in_words(group: Sequence[Failure]) -> str:
-    """Format the reason of a group of rows, with the place of a single row, or with their number and two places."""
+    """Return the reason of a group of rows as text, with the file of a single row, or with the number of rows."""
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line number
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
@@ -147,13 +147,13 @@ def reasons_in_words(group: Sequence[Failure]) -> str:
 
 
 def some(names: Sequence[str], most: int) -> str:
-    """List the first names, and the number of the others."""
+    """Return the first `most` names as text, and the number of the others."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return (", ".join(names[:most]) or "none") + more
 
 
 def unread(rows: Iterable[Failure]) -> bool:
-    """Return whether a file could not be read, so that a name or pattern without a match may refer to it."""
+    """Return whether a file could not be read; a name that matches no record may then refer to this file."""
     return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
 
 

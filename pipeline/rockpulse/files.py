@@ -41,7 +41,7 @@ def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = Co
 
 
 def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
-    """Read a UTF-8 file; raise ConfigError, which calls it `what`, for a pipe, a large file or another encoding."""
+    """Read a UTF-8 file; raise ConfigError ("expected `what`") for a pipe, a large file or another encoding."""
     check_regular(path)
     with path.open("rb") as file:
         content = file.read(limit + 1)
@@ -119,7 +119,7 @@ def table_of(path: str, text: str) -> pd.DataFrame:
 
 
 def column_numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
-    """Return a column (n,) of finite numbers; ConfigError for a cell that is not a number."""
+    """Return a column as finite numbers; raise ConfigError for a cell that is not a number."""
     import numpy as np
     import pandas as pd
 
@@ -158,7 +158,7 @@ def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[st
 
 
 def write_files(contents: Mapping[Path, bytes]) -> None:
-    """Write all files or none."""
+    """Write all files; if one of them fails, leave all as they were."""
     with FileSet() as files:
         for path, content in contents.items():
             files.add(path, content)
@@ -167,7 +167,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Replace the temporary name by the requested one in errors of the operating system; a context manager."""
+    """Return a context manager that puts the path of the target, not the temporary one, into errors."""
     try:
         yield
     except OSError as fault:
@@ -175,7 +175,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 class FileSet:
-    """Files written under temporary names in the folders of their targets; removed at the end without a `commit`."""
+    """Files that are first written under temporary names; `commit` moves all of them to their targets."""
 
     def __init__(self) -> None:
         self._parts = ExitStack()

@@ -1,4 +1,4 @@
-"""The row of a model in the table of models, and the scene, which is the input of a model."""
+"""Defines a row of the table of models, and the scene, which is the input of a model."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ class Scene:
     vertical: np.ndarray | None  # (n,) on the samples of the record [m/s2], for models that use it
     waves: HalfWaves
     phase: IntensePhase  # phase on which the sequence is calibrated
-    # None for too few half-waves in the phase; for a design spectrum (m,), one per block, for paired models only
+    # None if the phase has too few half-waves; from a design spectrum one sequence per block, for paired models only
     sequence: rocking.ImpulseSequence | None
-    gain: str = "paper"  # from [models], as the next
-    histories: bool = False
-    factor_max: float = 10.0  # from [search], as the next two
-    points: int = 256
-    step: float = 1.005
-    rule: str = ""  # working point of the rule for paired models; empty if they use the sequence
+    gain: str = "paper"  # key of [models]
+    histories: bool = False  # key of [models]
+    factor_max: float = 10.0  # key of [search]
+    points: int = 256  # key of [search]
+    step: float = 1.005  # key of [search]
+    rule: str = ""  # variant of the rule for paired models; empty if they use the sequence
 
 
 def loaded_rule(point: str) -> Rule:
-    """Return one variant of the rule (cached)."""
+    """Return a variant of the rule by its name, "balanced" or "conservative"."""
     from rockpulse.sequences.rule import load_rule
 
     return load_rule(point)
@@ -63,7 +63,7 @@ class Model:
     takes: Literal["sequence", "half-waves", "accelerogram"]
     #: Whether `respond` also accepts (q,) scale factors, and then returns the history for each.
     follows: bool = False
-    #: Impulses within the stored half-cycles, from which the history is drawn; empty if it has no such impulses.
+    #: Kind of impulses in the stored half-cycles, from which a rotation history is drawn; empty without half-cycles.
     cycles: Literal["", "main", "main and secondary"] = ""
     #: Equation of motion of :func:`rocking.recorded_response`; None for impulse models.
     equation: Equation | None = None
@@ -78,7 +78,7 @@ class Model:
     slender: bool = True
     #: Features of bodies that it can treat, from :data:`rocking.body.block_lanes.FEATURES`.
     knows: tuple[str, ...] = ()
-    #: Variant of the rule that the model applies; empty for other models.
+    #: Whether the model applies the variant of the rule that has its name.
     fitted: bool = False
     #: Whether it uses the sequence from `[sequence] method`, which may differ from body to body.
     paired: bool = False
@@ -96,7 +96,7 @@ class Model:
         return self.grid == "points"
 
     def rule(self, scene: Scene) -> Rule | None:
-        """Return the variant of the rule that the model uses, or None."""
+        """Return the variant of the rule that the model uses for a scene; None if it uses no rule."""
         point = self.name if self.fitted else scene.rule if self.paired else ""
         return loaded_rule(point) if point else None
 
@@ -109,7 +109,7 @@ class Model:
         return np.asarray(block.known_to(() if self.rule(scene) else self.knows))
 
     def applicable(self, block: rocking.Block, scene: Scene) -> np.ndarray:
-        """Return the mask (m,) of blocks in the range of validity of the model; for a rule, the range of its fit."""
+        """Return the mask (m,) of blocks for which the model is valid; a rule is valid in the range of its fit."""
         within = self.answers(block, scene) & (np.asarray(block.slender) | (not self.slender))
         rule = self.rule(scene)
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)

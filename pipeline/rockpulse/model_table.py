@@ -145,7 +145,8 @@ _ROWS = (
     Model(
         name="conservative",
         label="conservative rule",
-        words="the same for the factor at which the nonlinear model overturns with a probability of 10 %.",
+        words="an impulse sequence for each record and body by a rule that predicts the scale factor at which the "
+        "nonlinear model overturns with a probability of 10 %.",
         respond=partial(_rule, point="conservative"),
         search=partial(_search_rule, point="conservative"),
         look=("grey", (0, (8, 2)), ">"),
@@ -225,7 +226,7 @@ def is_full(name: str) -> bool:
 
 
 def fullest(names: Iterable[str]) -> str:
-    """Return the model closest to the full equation of motion; unknown names rank lowest."""
+    """Return the name of the model that is closest to the full equation of motion; unknown names rank lowest."""
     return max(names, key=lambda name: NAMES.index(name) if name in MODELS else -1)
 
 
@@ -260,5 +261,5 @@ class SearchSettings(Section):
     step: float = number(Scene.step, low=1.0001)
 
     def asks_for(self, model: str) -> bool:
-        """Return whether the scale factors of a model are requested; `intervals` governs models that need many runs."""
+        """Return whether scale factors of a model are requested; models that need many runs also need `intervals`."""
         return model in self.models and (self.intervals or not MODELS[model].searched)

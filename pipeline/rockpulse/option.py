@@ -10,20 +10,20 @@ from typing import Any, ClassVar
 from rockpulse.errors import ConfigError
 
 
-def _one_line(section: Any) -> str:
-    """Return the repr of a section; numpy, which that takes, is not loaded for a help text."""
-    from rocking.pictures import one_line
+def _short_repr(section: Any) -> str:
+    """Return the repr of a section; the late import saves a help text from loading numpy."""
+    from rocking.pictures import short_repr
 
-    return one_line(section)
+    return short_repr(section)
 
 
 @dataclass(frozen=True)
 class KeyType:
-    """A type of keys, with the values that it accepts."""
+    """The type of a key: the values that it accepts, and their conversion."""
 
     expected: str  # description of the values in a message
     accepts: Callable[[Any], bool]
-    convert: Callable[[Any], Any]  # to the stored value, such as a list to a tuple, as sections are immutable
+    convert: Callable[[Any], Any]  # makes the stored value, such as a tuple from a list, as sections are immutable
     words: tuple[str, ...] = ()  # known values, for "did you mean"
     finite: bool = False  # whether the value is a number, so that the error can name inf or nan
 
@@ -43,7 +43,7 @@ class Section:
     heading: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:
-        cls.__repr__ = _one_line  # type: ignore[method-assign]
+        cls.__repr__ = _short_repr  # type: ignore[method-assign]
 
     @property
     def where(self) -> str:
@@ -127,7 +127,7 @@ def choice(default: str | None, words: tuple[str, ...], most: int = 0) -> Any:
 
 
 def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = False) -> Any:
-    """Declare a key that accepts a list of different `words`; it is stored in their order."""
+    """Declare a key that accepts a list of `words`, each at most once; they are stored in the order of `words`."""
 
     def accepts(value: Any) -> bool:
         return (
@@ -163,7 +163,7 @@ def count(default: int, low: int, high: int | None = None) -> Any:
 
 
 def entries(cls: type[Section]) -> Any:
-    """Declare a key that contains any number of sections; in TOML each begins with the heading of its class."""
+    """Declare a key that contains a list of sections; in TOML each of them begins with the heading of its class."""
 
     def accepts(value: Any) -> bool:
         return isinstance(value, (list, tuple)) and all(isinstance(item, cls) for item in value)

@@ -13,7 +13,7 @@ _WIDE = (
 
 #: Template for each code of a warning on a record or of a processing step.
 WARNINGS = {
-    # a channel as it was read
+    # a channel when it is read
     "dead_channel": "all samples are equal: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
     "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
@@ -30,28 +30,28 @@ WARNINGS = {
     "interval of {interval:.6g} s",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; check that it is in s",
     "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
-    "vertical_by_code": "the channel code {channel} says vertical, the header {told}; taken as vertical",
+    "vertical_by_code": "the channel code {channel} means vertical, the header states {told}; used as vertical",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
-    # its samples as they came
+    # the samples of a channel
     "noise_only": "no earthquake, but noise or a dead channel: {reason}",
     "held_value": "the samples stay at one value for {length:.3g} s from {start:.4g} s on, as in a gap",
     "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
     "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the preceding one",
-    "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on come again from {again:.4g} s on",
-    "spike": "spikes: samples far outside the range of their neighbours, {count:d} in all, the largest of {peak:.3g} g "
-    "at {time:.4g} s",
+    "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on are repeated from {again:.4g} s on",
+    "spike": "spikes: samples far outside the range of their neighbours, {count:d} in all, the farthest of {peak:.3g} "
+    "g at {time:.4g} s",
     "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
-    "0.5 s): what came before is cut off",
+    "0.5 s): its beginning is missing",
     "ends_strong": "the record ends in strong motion, at {share:.0f} % of its peak (root mean square of the last "
-    "0.5 s): what came after is cut off",
+    "0.5 s): its end is missing",
     "coarse_sampling": "{rate:.3g} samples per second: frequencies above {nyquist:.3g} Hz are missing, and peaks "
     "between samples are cut off",
-    "velocity_drift": "baseline drift or step in the samples as they came: whatever constant is subtracted, the ground "
-    "velocity has a slow part of {slow:.3g} m/s compared with {rest:.3g} m/s of motion",
-    # the other channels and volumes of its motion
-    "twin_differs": "{other} of {source} should be of the same motion, but {differences}",
+    "velocity_drift": "baseline drift or step in the samples as read: for any constant baseline, the slow part of the "
+    "ground velocity reaches {slow:.3g} m/s, the rest {rest:.3g} m/s",
+    # comparison with other records of the same ground motion
+    "twin_differs": "{other} of {source} should be a record of the same ground motion, but {differences}",
     "components_apart": "its peak is {ratio} than that of {other}, the other component of its instrument: {cause}",
-    # a record on its way to the models
+    # conditioning and scaling of a record
     "on_structure": "recorded on a structure, assessed as ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
     "baseline_guessed": "the format does not state whether the record is processed: the mean was subtracted; set "
@@ -65,12 +65,12 @@ WARNINGS = {
     "earthquake of that strength",
     "scaled_alone": "scaled to the demand by its own intensity, not by that of a pair: {reason}",
     "scaled_to_drift": "scaled to a PGV that is doubtful, because its baseline drifts",
-    # its vertical channel
+    # the vertical channel of a record
     "vertical_acceleration": "vertical acceleration: {record}",
     "vertical_missing": "no vertical channel of this station overlaps in time: taken as zero",
     "vertical_start_assumed": "vertical channel: assumed to start with this one; the files state no times",
     "vertical_short": "vertical channel: taken as zero in the {missing:.4g} s that it does not cover",
-    # a sequence in place of a record
+    # a design sequence
     "demand_not_compared": "a sequence has no PGA or other intensity that could be scaled to the demand of the site "
     "([[demand]]): nothing is compared with it",
     # a warning on another record that this one uses
@@ -170,7 +170,7 @@ PLAIN = "plain"
 
 
 class WarningText(str):
-    """A warning as English text, with its code, a key of `TEMPLATES` (nested ones as ``of_vertical/clipped``).
+    """A warning as English text, with a code from `TEMPLATES`, or two for a nested warning: ``of_vertical/clipped``.
 
     >>> WarningText("clipped", count=8, end="largest")
     '8 samples in a row at the largest value: the record may be clipped'
@@ -180,7 +180,7 @@ class WarningText(str):
     values: dict[str, Any]
 
     def __new__(cls, code: str, /, **values: Any) -> "WarningText":
-        """Make the warning of a code from the values of its template."""
+        """Make a warning from its code and the values that its template contains."""
         shown = {name: ", ".join(one) if isinstance(one, list) else one for name, one in values.items()}
         warning = super().__new__(cls, TEMPLATES[code].format_map(shown))
         warning.code = f"{code}/{code_of(values['warning'])}" if "warning" in values else code
@@ -197,17 +197,17 @@ def code_of(text: str) -> str:
 
 
 def find(warnings: Iterable[str], code: str) -> WarningText | None:
-    """Return the first warning with a code, or None."""
+    """Return the first of the warnings with this code; None if there is none."""
     return next((one for one in warnings if isinstance(one, WarningText) and one.code == code), None)
 
 
 def has_warning(codes: str, *wanted: str) -> bool:
-    """Return whether one of the `wanted` codes is among the stored ones, including warnings on a source channel."""
+    """Return whether stored codes contain a `wanted` one, alone or as a part of a nested code."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 
 def with_codes(warnings: Iterable[str]) -> tuple[str, str]:
-    """Return two strings for storage: the warnings, one per line, and the codes of the lines, separated by blanks."""
+    """Return two strings for storage: the warnings, one per line, and their codes, separated by blanks."""
     lines = [(line, code_of(one)) for one in warnings for line in one.splitlines() if line]
     return "\n".join(line for line, _ in lines), " ".join(code for _, code in lines)
 

@@ -23,12 +23,13 @@ RUN = [
     for page in PAGES
     if page not in OWN_FILES and any(block.kind in ("sh", "python") and not block.not_run for block in blocks(page))
 ]
-#: Pages that are a minute of drawing; tests/pipeline/views/plots draws every kind of picture, of short records.
-LONG = {DOCS / "gallery.md"}
+#: Pages that take half a minute or more; tests/pipeline/views/plots draws every kind of picture, of short records, and
+#: tests/pipeline/studies/selftest runs the self-test.
+LONG = {DOCS / "gallery.md", DOCS / "accuracy.md"}
 
 #: All that the manual shows and no test runs, with the reason that stands above it on the page.
 NOT_RUN = {
-    ("accuracy.md", "sample output of `make accuracy`"),
+    ("accuracy.md", "it is the output of `make accuracy`"),
     ("index.md", "it installs the program"),
     ("installation.md", "it needs a container engine"),
     ("installation.md", "it writes to a system folder"),

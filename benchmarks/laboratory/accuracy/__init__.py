@@ -1,1 +1,1 @@
-"""Speed against error: solvers against a stored reference, models against the nonlinear response."""
+"""Speed and error of the solvers compared with a stored reference, and of models with the nonlinear response."""

@@ -1,8 +1,8 @@
-"""Speed and error of the solvers, and the model-form error of the cheap models.
+"""Speed and error of the solvers, and the error of the simpler models.
 
 ``python -m laboratory.accuracy PATHS -o FOLDER [--quick]`` (``make accuracy``) prints the tables, and writes them as
-CSV with the work-precision diagram. The horizontal channels of the records are an ensemble of their own beside the
-synthetic one; those that the reference knows (the samples) are cases of the first table too.
+CSV files with the work-precision diagram. The horizontal channels of the records are a separate ensemble beside the
+synthetic one. Those in the reference (the samples) are also cases of the first table.
 """
 
 import argparse

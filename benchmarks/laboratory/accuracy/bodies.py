@@ -1,8 +1,8 @@
 """Effect of shorter steps on results and run time of bodies other than free-standing symmetric blocks.
 
-.. note:: The judge is the same kernel on a record whose samples are divided, straight lines between them: the same
-   motion of the ground with other steps, other places of every event in its step, and other polynomials. The
-   independent solver that the kernels were held to is too slow for a report; it is in the tests.
+.. note:: The results are compared with those of the same kernel on a record whose samples are divided by straight
+   lines. The ground motion is the same, but the steps, the positions of events in them and the polynomials differ. The
+   independent solver with which the kernels are tested is too slow for a report; it is in the tests.
 """
 
 import time

@@ -1,8 +1,8 @@
-"""Order of convergence of the nonlinear kernel: a record so coarse that every step option divides its samples.
+"""Order of convergence of the nonlinear kernel, on a record so coarse that every step option divides its samples.
 
-.. note:: Real samples are shorter than the longest step, and the kernel halves a step whose last Taylor term is too
-   large; the step option is then without effect. Here that control is off and p dt is 0.3. The judge is the same kernel
-   with steps of 0.01, whose own error is rounding.
+.. note:: The samples of real records are shorter than the longest step, and the kernel halves a step whose last Taylor
+   term is too large. The step option then has no effect. Here this control is switched off and p dt is 0.3. The
+   reference is the same kernel with steps of 0.01, whose own error is rounding.
 """
 
 import time

@@ -1,8 +1,8 @@
-"""Model-form error: results of the simpler models against the nonlinear response to the record, over an ensemble.
+"""Error of the simpler models compared with the nonlinear response to the record, over an ensemble.
 
-.. note:: A lane is one (record, factor, block). Every model of an assessment can be looked at; by default
-   those of :data:`COMPARED` are. Errors are statistics of an ensemble, never those of one record: near overturning
-   the motion is chaotic.
+.. note:: A lane is one combination of record, scale factor and block. Every model of an assessment can be compared; by
+   default those of :data:`COMPARED` are. Errors are statistics of an ensemble and never those of one record, because
+   the motion is chaotic near overturning.
 """
 
 from collections.abc import Callable, Sequence

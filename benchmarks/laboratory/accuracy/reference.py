@@ -1,6 +1,6 @@
 """The stored high-precision reference responses, and the ground motions that belong to them.
 
-The table ``rocking_reference.csv`` comes from ``benchmarks/make_reference.py``; its first lines say how.
+``benchmarks/make_reference.py`` writes the table ``rocking_reference.csv``, whose first lines state how it was made.
 """
 
 import hashlib

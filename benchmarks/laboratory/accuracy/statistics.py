@@ -1,12 +1,13 @@
-"""Error statistics for a chaotic problem: quantiles of the error and changed outcomes against a reference.
+"""Error statistics for a chaotic problem: quantiles of the error and changed outcomes compared with a reference.
 
-.. note:: Errors are abs(theta_max/alpha_c - reference) over the cases in which both survive. A verdict is the
-   :class:`Outcome`; a flip is any other one than the reference's. Near overturning an answer means nothing beyond
-   what the reference itself keeps when its input moves in the 13th digit: those moves stand beside the errors.
+.. note:: Errors are abs(theta_max/alpha_c - reference) for the cases that survive in both. A verdict is the
+   :class:`Outcome`, and a flip is a verdict that differs from that of the reference. Near overturning a result is not
+   meaningful beyond the change of the reference when its input changes in the 13th digit. This change is given beside
+   the errors.
 
-   Answers and reference have a row for each case with `peak` (theta_max/alpha_c [-]) and `outcome` (name of an
-   Outcome), and a common index. `spread` of the reference is the larger move of the peak under its stored
-   perturbations [-]: 0 where the block overturns in any case, inf where a verdict flips.
+   Results and reference have a row for each case with `peak` (theta_max/alpha_c [-]) and `outcome` (name of an
+   Outcome), and a common index. `spread` of the reference is the larger change of the peak under its stored
+   perturbations [-]: 0 if the block overturns in all cases, inf if a verdict flips.
 """
 
 import numpy as np

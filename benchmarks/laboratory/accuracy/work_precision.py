@@ -1,9 +1,9 @@
-"""Work against precision: run time of the models under a record, and their error against the stored reference.
+"""Work and precision: run time of the models under a record, and their error compared with the stored reference.
 
-.. note:: Cost and error stand side by side. A case is one block, motion and factor. An active sample is one in which a
-   block moves, neither at rest nor overturned. "lanes": the kernel's calls take all blocks and factors of a motion at
-   once, as an assessment does; the cases are among those lanes. "single": one call per case on the cases that solve_ivp
-   computes too, the cost of the call itself included.
+.. note:: A case is one block, motion and scale factor. In an active sample the block moves, that is, it is neither at
+   rest nor overturned. "lanes": a call of the kernel takes all blocks and scale factors of a motion, as an assessment
+   does; the cases are among them. "single": one call for each of the cases that solve_ivp computes too, including the
+   cost of the call itself.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Figures 4 and 5 of Casapulla & Maione (2017), drawn, as tables, and with a verdict on each statement of the paper.
+"""Figures 4 and 5 of Casapulla & Maione (2017) as pictures and tables, and a verdict on each statement of the paper.
 
 ``python -m laboratory.paper FOLDER`` (``make paper``) writes figure4.png, figure5.png and their numbers as CSV, and
 prints the largest rotations, the half-cycles of both blocks and the verdicts.

@@ -1,8 +1,9 @@
 """Figure 4: the largest rotation under 20 s of the limit accelerogram (Casapulla & Maione 2017, section 4).
 
-.. note:: In units of I_1c for impulses, 1/p for times and alpha_c for angles the response depends on I/I_1c, I_s/I, C,
-   the number n of secondary impulses in a half-cycle and their place in it. A block enters through p times the duration
-   of the input alone, and only where an input without end would do more: that is the paper's independence of geometry.
+.. note:: With impulses in units of I_1c, times in units of 1/p and angles in units of alpha_c, the response depends on
+   I/I_1c, I_s/I, C, the number n of secondary impulses in a half-cycle and their positions in it. It depends on the
+   block only through p times the duration of the input, and only if an input without end would give a larger rotation.
+   For this reason the paper finds that results do not depend on the geometry.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Statements of section 4 about Figure 4, sentence by sentence (Casapulla & Maione 2017)."""
+"""Test of each statement of section 4 about Figure 4 (Casapulla & Maione 2017)."""
 
 from functools import partial
 

@@ -1,8 +1,8 @@
 """Figure 5: the motion of two blocks under main impulses of I_2c (Casapulla & Maione 2017, section 4).
 
-.. note:: The paper names neither the interval dT of the secondary impulses nor where they stand in the half-cycle. The
-   text ("the same number of half-cycles", "a slight increment" at I_s/I = 0.7) fits a common dT in seconds only, so the
-   statements are looked at over a range of it, for every spacing.
+.. note:: The paper states neither the interval dT of the secondary impulses nor their positions in the half-cycle. Its
+   text ("the same number of half-cycles", "a slight increment" at I_s/I = 0.7) agrees only with a common dT in seconds.
+   The statements are therefore tested over a range of dT, for every spacing.
 """
 
 from collections.abc import Mapping, Sequence

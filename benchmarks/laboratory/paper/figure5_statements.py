@@ -1,7 +1,7 @@
-"""Statements of section 4 about Figure 5, sentence by sentence (Casapulla & Maione 2017).
+"""Test of each statement of section 4 about Figure 5 (Casapulla & Maione 2017).
 
-.. note:: Each statement is looked at for every spacing and common interval dT of a scan; the blocks, restitutions and
-   ratios that it speaks of all have to agree. The more slender block is B.
+.. note:: Each statement is tested for every spacing and common interval dT of a scan. It holds if it is true for all
+   blocks, restitutions and ratios that it names. The more slender block is B.
 """
 
 from functools import partial

@@ -1,8 +1,8 @@
 """Test of the half-wave rule on records, compared with other measures, and a new fit.
 
-``python -m laboratory.rule PATHS -o FOLDER [--fit]`` (``make rule RECORDS=FOLDER``) prints bias and scatter against the
-nonlinear capacity and the missed and false verdicts, and writes them as CSV; with ``--fit`` also a rule, ``rule.toml``.
-A channel takes about a second of one core.
+``python -m laboratory.rule PATHS -o FOLDER [--fit]`` (``make rule RECORDS=FOLDER``) prints bias and scatter compared
+with the nonlinear capacity and the missed and false verdicts, and writes them as CSV. With ``--fit`` it also writes a
+rule, ``rule.toml``. A channel takes about a second on one core.
 """
 
 import argparse

@@ -1,7 +1,8 @@
 """The cases for fitting and testing the rule: strong channels on blocks, with their nonlinear capacity.
 
-.. note:: A case is one (record, block) of :mod:`laboratory.ensemble`, with the capacity of the nonlinear equation under
-   the default uncertainty (:mod:`laboratory.rule.truth`), and its verdicts at factors 0.5 and 1 without any.
+.. note:: A case is one pair of record and block of :mod:`laboratory.ensemble`. It has the capacity of the nonlinear
+   equation under the default uncertainty (:mod:`laboratory.rule.truth`), and the verdicts at scale factors 0.5 and 1
+   without uncertainty.
 """
 
 import numpy as np

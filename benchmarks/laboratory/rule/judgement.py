@@ -1,9 +1,10 @@
 """Fit of the rule to nonlinear capacities, and its test against other measures by the same protocol.
 
-.. note:: One coefficient a measure and target: the most likely centre of ln(measure x capacity), with the earthquakes
-   alike and capacities that were not reached known from below. Left out: the coefficient of a case is fitted without
-   its earthquake. Without uplift nothing overturns: no score raises an alarm there. The limit is the score that nobody
-   can beat: the probability of overturning by the nonlinear equation itself under the same uncertainty.
+.. note:: Each measure and target has one coefficient: the most likely centre of ln(measure x capacity), with equal
+   weights of earthquakes. Capacities that were not reached are known only from below. "Left out" means that the
+   coefficient of a case is fitted without its earthquake. Without uplift no body overturns, so no measure gives an
+   alarm there. The best possible measure is the probability of overturning by the nonlinear equation under the same
+   uncertainty.
 """
 
 from collections.abc import Mapping

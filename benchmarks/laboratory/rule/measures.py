@@ -1,12 +1,13 @@
 """Intensity measures for comparison with the rule, as demands on a body.
 
-A demand is, but for a coefficient, 1 over the factor at which the measure says that the body overturns.
+A demand is, except for a coefficient, 1 divided by the scale factor at which the body overturns according to the
+measure.
 
-.. note:: With u_c = g tan(alpha)/p: PGV/u_c; Housner's intensity (his SI, pseudo-velocities of 5 % damping from 0.1 to
-   2.5 s) over u_c; the largest change of velocity within 2/p over u_c; the largest half-wave over u_c; PGA/(g tan
-   alpha), which is West's condition (Milne 1885); Ishiyama's (1982, doi:10.1002/eqe.4290100502) PGV over
-   0.4 sqrt(8 g R (1 - cos alpha)/(3 cos^2 alpha)), R that of the rectangle with the p of the body; and 1 over the
-   safety factor of one nonlinear analysis.
+.. note:: With u_c = g tan(alpha)/p the measures are PGV/u_c; Housner's intensity SI (pseudo-velocities with 5 % damping
+   from 0.1 to 2.5 s) divided by u_c; the largest change of velocity within 2/p divided by u_c; the largest half-wave
+   divided by u_c; PGA/(g tan alpha), which is West's condition (Milne 1885); Ishiyama's measure (1982,
+   doi:10.1002/eqe.4290100502), PGV divided by 0.4 sqrt(8 g R (1 - cos alpha)/(3 cos^2 alpha)) with R of the rectangle
+   with the p of the body; and 1 divided by the safety factor of one nonlinear analysis.
 """
 
 import numpy as np

@@ -1,9 +1,10 @@
 """Quality of a demand as predictor of capacity: bias, scatter, coefficient and predicted outcomes.
 
-.. note:: ln(demand x capacity) of every case is 0 for a perfect demand. Cases of one earthquake are no independent
-   observations: earthquakes weigh alike, each with all its cases, and confidence comes from resampling them. A capacity
-   that was not reached by the largest factor is known from below only (censored). `error` (n,), `weight` (n,), `events`
-   (n,) and `bodies` (n,) are that logarithm, the weight, the label of the earthquake and that of the body of each case.
+.. note:: For a perfect demand ln(demand x capacity) is 0 in every case. Cases of one earthquake are not independent.
+   All earthquakes therefore have the same weight, each with all its cases, and intervals come from resampling
+   earthquakes. A capacity that was not reached by the largest scale factor is known only from below (censored). `error`
+   (n,) is this logarithm, `weight` (n,) the weight, `events` (n,) the label of the earthquake and `bodies` (n,) that of
+   the body of each case.
 """
 
 from collections.abc import Callable

@@ -1,8 +1,8 @@
 """The target of the rule: capacity of bodies under a record by the nonlinear equation, with the stated uncertainty.
 
-.. note:: Every body has lanes of its own: a scrambled Sobol set over restitution, loss of the angle and ln f, each
-   marched at its exact factor. The uncertainty of the factor is a normal kernel in ln f
-   (:mod:`rocking.spectrum.probability`); no similarity is assumed.
+.. note:: Every body has separate marches: a scrambled Sobol set over restitution, reduction of the angle and ln f, each
+   with its exact scale factor. The uncertainty of the scale factor is a normal kernel in ln f
+   (:mod:`rocking.spectrum.probability`). Similarity is not assumed.
 """
 
 import math

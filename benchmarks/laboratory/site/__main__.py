@@ -1,7 +1,7 @@
 """Test of the methods of a site on earthquakes left out: the share that is more severe than the design.
 
 ``python -m laboratory.site PATHS -o FOLDER`` (``make site RECORDS=FOLDER``) prints the table and writes it as CSV. A
-record takes ten seconds of a core, once: what is known of it stays in ``FOLDER/records``.
+record takes ten seconds on one core in the first run; its data are stored in ``FOLDER/records``.
 """
 
 import argparse

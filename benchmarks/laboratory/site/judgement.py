@@ -1,8 +1,8 @@
 """Test of both methods of a site on earthquakes left out of the design.
 
-.. note:: A design overturns a body at some factor on it, a record at its own capacity. A record that overturns the body
-   at a smaller factor than the design does is more severe than the design; of the left-out earthquakes a share of 1 - q
-   should be. Records of an earthquake are averaged, earthquakes weigh alike, in the design as in the share.
+.. note:: A design and a record overturn a body at certain scale factors. A record is more severe than the design if its
+   scale factor is smaller. Of the earthquakes left out, a share of 1 - q should be more severe. The records of an
+   earthquake are averaged, and earthquakes have equal weights in the design and in the share.
 """
 
 import math

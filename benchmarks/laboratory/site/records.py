@@ -1,9 +1,9 @@
 """Data of each record for both methods of a site, computed once: capacities, spectra and fitted sequence.
 
 .. note:: The capacity of a body is `factor_50` of the nonlinear overturning spectrum of the record, under the default
-   uncertainty. The spectrum is that of ``rockpulse calibrate`` for one record, the sequence that of
-   :func:`laboratory.site.response.calibrate_response`. Its fit takes about ten seconds of a core and is stored: a
-   second run goes on where the first one stopped.
+   uncertainty. The spectrum is that of ``rockpulse calibrate`` for one record, and the sequence that of
+   :func:`laboratory.site.response.calibrate_response`. The fit takes about ten seconds on one core and is stored, so
+   that a second run continues an interrupted one.
 """
 
 import re

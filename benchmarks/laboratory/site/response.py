@@ -1,4 +1,4 @@
-"""The sequence whose responses are those of a recorded motion: the calibration the paper left open (section 5)."""
+"""Fit of a sequence to the responses to a recorded motion, the calibration that the paper left open (section 5)."""
 
 from dataclasses import replace
 

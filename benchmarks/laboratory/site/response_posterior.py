@@ -1,7 +1,8 @@
 """The posterior probability of sequences given the targets, by adaptive importance sampling, and its summary.
 
-The likelihood jumps with the numbers of secondary impulses, so a deviance is not chi-squared distributed
-(docs/decisions/010). The prior is flat in ln I, I_s/I, ln dT, the number of main impulses and ln of the spread.
+The likelihood changes abruptly with the numbers of secondary impulses, so a deviance does not have a chi-squared
+distribution (docs/decisions/010). The prior is flat in ln I, I_s/I, ln dT, the number of main impulses and ln of the
+spread.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The targets of a calibrated sequence: the peak rotations theta_max/alpha_c of a family of blocks, and its choice."""
+"""The targets of a fitted sequence: the peak rotations theta_max/alpha_c of a family of blocks, and its selection."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -38,7 +38,7 @@ class Block(BlockLanes):
         For a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of an impact on the wall
         [-]; by default :func:`rocking.body.limits.sorrentino`.
     ties, loads, thrusts : sequence of Tie, Load, Thrust
-        Restraints, the same for all lanes.
+        Restraints, the same for all blocks of an array.
     mass, density, length : float or (m,) array_like, optional
         Mass [kg], or density [kg/m3] and length across the plane of rocking [m]; needed with restraints.
     log : bool
@@ -48,10 +48,10 @@ class Block(BlockLanes):
     ----------
     alpha_c, p, radius : float or (m,) ndarray
         For the right-hand corner (theta > 0): angle between the vertical and the line to the centre of mass [rad],
-        frequency parameter [1/s], distance R from the centre of mass [m] (that of a rectangle if unknown).
+        frequency parameter [1/s], distance R from the centre of mass [m] (the value of a rectangle if unknown).
     alpha_2, p_2, radius_2, restitution_2 : float or (m,) ndarray
-        The same for the left-hand corner (theta < 0), and C of the impact that ends the rotation about it; e for a
-        wall.
+        The same for the left-hand corner (theta < 0), and C of the impact that ends a rotation about this corner, or e
+        of an impact on a wall.
     slenderness : float or (m,) ndarray
         a/b = 1/tan(alpha_c) [-].
     critical_impulse : float or (m,) ndarray
@@ -258,12 +258,12 @@ class Block(BlockLanes):
         gravity: float,
         shape: str,
         wall: tuple[bool, Any],
-        held: tuple[Restraints, Any],
+        restraints_and_mass: tuple[Restraints, Any],
         log: bool,
     ) -> None:
         """Set all fields; `shape` is "rectangle", "general", "own" (given by p, alpha and radius) or "unknown"."""
         ratios = limits.restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
-        restraints, mass = held
+        restraints, mass = restraints_and_mass
         alone = {"size": first.alpha, "restitution": ratios[0]}
         known = np.asarray(np.nan) if mass is None else positive("mass", mass, "kg")
         lanes = common_shape(**alone, mass=known)[0].shape

@@ -1,4 +1,4 @@
-"""The fields of a block (scalars for one body, arrays (m,) for several) and the operations on these lanes."""
+"""The fields of one block or an array of (m,) blocks, and the methods that select, join or change blocks."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ OPPOSITE = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class BlockLanes(LaneValues, Shown):
-    """The fields of :class:`rocking.Block`, and the operations that select, stack or change its lanes."""
+    """The fields of :class:`rocking.Block`, and the methods that select, join or change blocks of an array."""
 
     half_width: Floats = lane_field()
     half_height: Floats = lane_field()
@@ -55,21 +55,21 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the lanes: () for one block, (m,) for several."""
+        """Shape of the fields: () for one block, (m,) for an array of m blocks."""
         return np.shape(self.p)
 
     def lane(self, index: int) -> Self:
-        """Return one lane of an array of blocks as a single block."""
+        """Return one block of an array of blocks."""
         return self._each(lambda values: values[index])
 
     def lanes(self, count: int | None = None) -> Self:
-        """Return an array (count,) of blocks, repeating a single block; without `count` a single block gives (1,)."""
+        """Return an array of blocks; a single block is repeated `count` times, by default once."""
         if count is None:
             return self if self.shape else self.lanes(1)
         return self._each(lambda values: np.broadcast_to(values, (count,)))
 
     def take(self, places: Any) -> Self:
-        """Select lanes of an array of blocks by indices, a mask or a slice."""
+        """Select blocks of an array by indices, a mask or a slice."""
         some = super().take(places)
         return some if some.restraints is None or np.asarray(some.restraints).any() else some.changed(restraints=None)
 
@@ -92,13 +92,13 @@ class BlockLanes(LaneValues, Shown):
 
     @classmethod
     def restored(cls, gravity: float, restraints: Any = None, **values: float) -> Self:
-        """Rebuild one body from its stored lane fields, and compute the derived fields."""
+        """Rebuild one body from its stored fields, and compute the fields that follow from them."""
         block = object.__new__(cls)
         vars(block).update(values | {"gravity": gravity, "restraints": restraints, "warnings": ()})
         return block._with_angle()
 
     def ratio(self, rotation: np.ndarray) -> np.ndarray:
-        """Return theta/alpha [-] for rotations [rad] of one body, with the alpha of the corner of rotation."""
+        """Return theta/alpha [-] for rotations theta [rad] of one body; alpha is that of the corner of rotation."""
         other = (rotation < 0.0) & (self.side == 0)
         return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
 
@@ -109,14 +109,14 @@ class BlockLanes(LaneValues, Shown):
         if self.restraints is None:
             return other
         base = np.asarray(self.radius * np.sin(self.alpha_c) + self.radius_2 * np.sin(self.alpha_2))
-        held = np.array(self.restraints, dtype=object)
-        seen = np.empty(held.shape, dtype=object)
-        for place, own in np.ndenumerate(held):
-            seen[place] = None if own is None else own.mirrored(float(base[place]))
-        return other.changed(restraints=seen if self.shape else seen[()])
+        restraints = np.array(self.restraints, dtype=object)
+        mirrored = np.empty(restraints.shape, dtype=object)
+        for place, own in np.ndenumerate(restraints):
+            mirrored[place] = None if own is None else own.mirrored(float(base[place]))
+        return other.changed(restraints=mirrored if self.shape else mirrored[()])
 
     def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
-        """Return bodies (m,) with the same R and p, angles times exp(-loss) and another right-hand `restitution`."""
+        """Return a copy with all angles multiplied by exp(-loss) and another `restitution` of the right-hand corner."""
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
         ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
         alike = self.restitution_2 == self.restitution
@@ -132,7 +132,7 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def weaker(self) -> Self:
-        """Return symmetric bodies whose angle is the smaller one of the corners that the body turns about."""
+        """Return a copy whose right-hand corner has the properties of the weaker corner, with the smaller angle."""
         second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
         if not np.any(second):
             return self
@@ -152,7 +152,7 @@ class BlockLanes(LaneValues, Shown):
         return np.array([own is not None for own in self.acting()]).reshape(self.shape)
 
     def acting(self) -> list[Restraints | None]:
-        """Return the restraints of each lane."""
+        """Return the restraints of each body, None for a body without restraints."""
         return list(np.ravel(np.array(self.restraints, dtype=object)))
 
     @property
@@ -161,7 +161,7 @@ class BlockLanes(LaneValues, Shown):
         return self.known_to(())
 
     def known_to(self, features: Collection[str]) -> Booleans:
-        """Return whether a body has no :data:`FEATURES` other than the given ones, which a model can treat."""
+        """Return True for each body that has no other :data:`FEATURES` than those that a model can treat."""
         known = np.ones(self.shape, dtype=bool)
         for name, has in FEATURES.items():
             if name not in features:
@@ -181,7 +181,7 @@ class BlockLanes(LaneValues, Shown):
         return self.changed(**chosen | numbers)
 
     def _with_angle(self) -> Self:
-        """Set the fields that follow from the angle of the right-hand corner."""
+        """Return a copy with the slenderness and the critical impulse computed from the right-hand corner."""
         impulse = self.gravity * self.alpha_c / (self.p * np.cos(self.alpha_c))
         return self.changed(slenderness=1.0 / np.tan(self.alpha_c), critical_impulse=impulse)
 
@@ -193,10 +193,10 @@ class BlockLanes(LaneValues, Shown):
         facts["rebound" if np.all(self.side) else "C"] = brief(self.restitution)
         if np.any(self.side):
             facts["wall"] = "behind it" if np.all(self.side) else "behind some"
-        held = [one for one in self.acting() if one is not None]
-        if held and self.shape:
-            return facts | {"held or pushed": f"{len(held)} of them"}
-        counts = {name: len(getattr(one, name)) for one in held for name in ("ties", "loads", "thrusts")}
+        restraints = [one for one in self.acting() if one is not None]
+        if restraints and self.shape:
+            return facts | {"restrained": f"{len(restraints)} of them"}
+        counts = {name: len(getattr(one, name)) for one in restraints for name in ("ties", "loads", "thrusts")}
         return facts | {name: str(count) for name, count in counts.items() if count}
 
     def _picture(self) -> Picture:
@@ -204,7 +204,7 @@ class BlockLanes(LaneValues, Shown):
         return side_by_side([Outline.of(one) for one in shown])
 
 
-#: Features that distinguish a body from a free-standing symmetric one, each with its test.
+#: Features that a free-standing symmetric body does not have, with a test for each feature.
 FEATURES: dict[str, Callable[[BlockLanes], Booleans]] = {
     "corners": lambda block: ~np.asarray(block.symmetric),
     "wall": lambda block: np.asarray(block.side) != 0,

@@ -15,17 +15,17 @@ import numpy as np
 from rocking.arguments import ArrayLike, common_shape, numbers, positive
 from rocking.body.restraint import Load, Restraints, carried
 
-#: Slenderness above which the conventional rebound from a wall is valid: 1 - 1.5 cos^2 alpha is negative there.
+#: Slenderness above which Sorrentino's rebound from a wall is valid, because 1 - 1.5 cos^2 alpha is negative.
 LEAST_SLENDERNESS = np.sqrt(2.0)
 
 
 class Corner(NamedTuple):
     """One corner of (m,) bodies."""
 
-    radius: np.ndarray  #: R, from the corner to the centre of mass [m]
-    alpha: np.ndarray  #: angle of R with the vertical [rad]
-    p: np.ndarray  #: frequency parameter about it [1/s]
-    most: np.ndarray  #: upper bound of C of the impact that ends the rotation about it [-]
+    radius: np.ndarray  #: distance R of the corner from the centre of mass [m]
+    alpha: np.ndarray  #: angle between this line and the vertical [rad]
+    p: np.ndarray  #: frequency parameter of a rotation about the corner [1/s]
+    most: np.ndarray  #: upper bound of C of the impact that ends a rotation about the corner [-]
 
 
 def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.ndarray, gravity: float) -> Corner:
@@ -46,7 +46,7 @@ def sorrentino(alpha: Any) -> Any:
 
 
 def rebound_of(given: ArrayLike, alpha: np.ndarray, rectangle: bool) -> np.ndarray:
-    """Return rebounds e [-] from a wall, given as numbers in [0, 1] or as "sorrentino" for a rectangle with `alpha`."""
+    """Return the rebound e [-] from a wall, given as a number in [0, 1] or as "sorrentino" (rectangles only)."""
     expected = "the share e in [0, 1] of the speed that a return to the wall leaves, or 'sorrentino'"
     if isinstance(given, str):
         if given != "sorrentino":
@@ -74,13 +74,13 @@ def both_corners(
     loads: Sequence[Load],
     gravity: float,
 ) -> tuple[Corner, Corner, Any]:
-    """Return both corners and the mass of a body, including the loads that move with it as point masses."""
+    """Return both corners and the mass of a body; loads that move with the body are included as point masses."""
     along = carried(loads)[0]
     if np.any(near <= 0.0) or np.any(far <= 0.0):
         raise ValueError("offset, lean: expected a centre of mass above the base, between its two corners")
     if along:
         if mass is None:
-            raise ValueError("mass: expected it in kg for a body that carries a load along, got none")
+            raise ValueError("mass: expected a mass in kg for a body with a load that moves with it, got none")
         own = positive("mass", mass, "kg")
         weights = [one.weight / gravity for one in along]
         places = [near - (0.5 * (near + far) if one.distance is None else one.distance) for one in along]
@@ -103,12 +103,12 @@ RATES = np.geomspace(0.5, 8.0, 24)
 
 
 def radius_of_rectangle(p: float | np.ndarray, gravity: float) -> Any:
-    """Return R [m] of the rectangle with the frequency parameter p [1/s]: 3 g/(4 p^2)."""
+    """Return the radius R [m] of the rectangle with the frequency parameter p [1/s]: 3 g/(4 p^2)."""
     return 3.0 * gravity / (4.0 * p**2)
 
 
 def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None, gravity: float) -> np.ndarray:
-    """Return the largest C that angular momentum allows, without a radius that of the rectangle with this alpha."""
+    """Return the largest C that angular momentum allows; a body of unknown radius is taken as a rectangle."""
     if radius is None:
         return 1.0 - 1.5 * np.sin(alpha) ** 2
     share = p**2 * radius / gravity
@@ -123,7 +123,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
 
 
 def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
-    """Return velocity ratios of an impact; "housner" is the largest possible one, from the body's radius if `own`."""
+    """Return the velocity ratio C of an impact, given as a number or as "housner", which means its bound `most`."""
     if isinstance(given, str):
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
@@ -142,27 +142,27 @@ def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
 def restitutions_of(
     given: ArrayLike, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the velocity ratios of the impacts on both corners, or the rebound for a `wall` (one_sided, rebound)."""
+    """Return C for both corners, or the rebound e for a body with a wall; `wall` is (one_sided, rebound)."""
     one_sided, rebound = wall
     if not isinstance(one_sided, bool | np.bool_):
         raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")
     if not one_sided:
         if rebound is not None:
-            raise ValueError(f"rebound: expected one only with one_sided=True, got {rebound!r}; give a restitution")
+            raise ValueError(f"rebound: expected none without one_sided=True, got {rebound!r}; give a restitution")
         first, second = (restitution_of(given, one, own=shape == "own") for one in most)
         return first, second
     if not (isinstance(given, str) and given == "housner"):
         raise ValueError(
-            f"restitution: a one-sided body returns to its wall, give a rebound in its place; got {given!r}"
+            f"restitution: expected none for a one-sided body, got {given!r}; give a rebound from its wall"
         )
     share = rebound_of("sorrentino" if rebound is None else rebound, alpha, shape == "rectangle")
     return share, share
 
 
 def check_restraints(restraints: Restraints, first: Corner, second: Corner, block: Any) -> None:
-    """Raise ValueError for restraints of a body without mass, outside the body, or that overturn it at rest."""
+    """Raise ValueError if the body has no mass, a restraint is above the body, or the restraints overturn it."""
     if np.any(np.isnan(block.mass)):
-        raise ValueError("mass: expected it in kg, or density and length, for a body with ties, loads or thrusts")
+        raise ValueError("mass: expected a mass in kg, or density and length, for a body with ties, loads or thrusts")
     top = 2.0 * np.min(block.half_height) if not np.any(np.isnan(block.half_height)) else np.inf
     if restraints.highest > top * (1.0 + 1e-9):
         raise ValueError(
@@ -173,7 +173,7 @@ def check_restraints(restraints: Restraints, first: Corner, second: Corner, bloc
     for place, own in enumerate((first,) if leaning else (first, second)):
         moment = np.array([restraints.constant(float(width))[place, 0] for width in np.ravel(base)])
         if np.any(moment + np.ravel(block.mass * block.gravity * own.radius * np.sin(own.alpha)) <= 0.0):
-            raise ValueError("loads, thrusts: expected a body that stands at rest, got ones that turn it over")
+            raise ValueError("loads, thrusts: expected forces under which the body stands, got forces that overturn it")
 
 
 def block_warnings(
@@ -183,7 +183,7 @@ def block_warnings(
     shape: str,
     one_sided: bool,
 ) -> list[str]:
-    """Return warnings on the size of a body, given by half sizes [m], and on the restitutions of its impacts."""
+    """Return warnings on unusual sizes of a body and on restitutions above their bounds; `half` is in m."""
     first = corners[0]
     across, along = 2.0 * first.radius * np.sin(first.alpha), 2.0 * first.radius * np.cos(first.alpha)
     if shape in ("rectangle", "general"):
@@ -196,7 +196,7 @@ def block_warnings(
 
 
 def restitution_warning(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
-    """Return a warning of a restitution above its bound; `shape` is "rectangle", "own" (radius given) or "unknown"."""
+    """Return a warning if a restitution is above its bound `most`; empty if none is."""
     above = restitution - most
     if not np.any(above > 1e-12):
         return ""
@@ -230,7 +230,7 @@ def size_problem(width: float, height: float) -> str:
 
 
 def size_warning(width: np.ndarray, height: np.ndarray, shape: str) -> str:
-    """Return a warning of the first unusual size (for other shapes, of the rectangle with the same R and alpha)."""
+    """Return a warning on the first unusual size; empty if all sizes look right."""
     sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
     for base, rise in zip(*sizes, strict=True):
         if doubt := size_problem(base, rise):

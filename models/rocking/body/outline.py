@@ -15,7 +15,7 @@ HEIGHT = 170.0
 
 
 class TieLine(NamedTuple):
-    """A tie, drawn from its attachment to its anchor beyond the edge of the body."""
+    """The line of a tie in a drawing, from its attachment to its anchor beyond the edge of the body."""
 
     attached: float  # x of the attachment [m]
     edge: float  # x of the edge of the body that the tie crosses [m]
@@ -41,24 +41,24 @@ class Outline:
         """Return the outline of a single block."""
         right = float(block.radius * math.sin(block.alpha_c))
         left = float(block.radius_2 * math.sin(block.alpha_2))
-        held = block.restraints or Restraints()
+        given = block.restraints or Restraints()
         sides = ((1.0, right, left, "positive"), (-1.0, left, right, "negative"))
         ties = [
             TieLine(sign * (corner - tie.distance), -sign * far, -sign, tie.height)
-            for tie in held.ties
+            for tie in given.ties
             for sign, corner, far, name in sides
             if tie.side in ("both", name)
         ]
-        bearings = [0.5 * (right - left) if load.distance is None else right - load.distance for load in held.loads]
-        loads = zip(bearings, [load.height for load in held.loads], strict=True)
-        thrusts = [(right - one.distance, one.height, one.force) for one in held.thrusts]
+        bearings = [0.5 * (right - left) if load.distance is None else right - load.distance for load in given.loads]
+        loads = zip(bearings, [load.height for load in given.loads], strict=True)
+        thrusts = [(right - one.distance, one.height, one.force) for one in given.thrusts]
         centre = float(block.radius * math.cos(block.alpha_c))
         own = left, right, centre, float(block.height), int(block.side)
         return cls(*own, tuple(ties), tuple(loads), tuple(thrusts))
 
     @property
     def width(self) -> float:
-        """Distance of the corners [m]."""
+        """Distance between the corners [m]."""
         return self.left + self.right
 
     @property
@@ -68,7 +68,7 @@ class Outline:
 
     @property
     def corners(self) -> list[tuple[float, float]]:
-        """Corners of the drawn shape, from the left-hand one at the base to the right."""
+        """Corners (x, y) of the drawn polygon, the left-hand corner of the base first."""
         base = [(-self.left, 0.0), (self.right, 0.0)]
         if math.isfinite(self.height):
             return [*base, (self.right, self.height), (-self.left, self.height)]
@@ -94,7 +94,7 @@ class Outline:
 
 
 def side_by_side(bodies: Sequence[Outline]) -> Picture:
-    """Draw bodies side by side at one scale, a single body with its sizes."""
+    """Draw bodies side by side at one scale; a single body is labelled with its sizes."""
     tallest = max(body.top for body in bodies)
     gap = 0.3 * tallest
     total = sum(body.width + gap for body in bodies) + gap

@@ -1,6 +1,6 @@
 """Restraints of a rocking body: ties, loads that rest on it, thrusts.
 
-.. note:: A point at the height z and the distance xi behind the corner moves outward by x = z sin(phi) + xi (1 -
+.. note:: A point at the height z and the distance xi inwards from the corner moves outward by x = z sin(phi) + xi (1 -
    cos(phi)) at the rotation phi; a horizontal force there has the arm dx/dphi = z cos(phi) + xi sin(phi).
 """
 
@@ -13,14 +13,14 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from rocking.arguments import numbers
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 
 #: Displacement at which the friction of a load is fully mobilised [m]; below it the load acts as a spring.
 SLIP = 1e-3
 
 
 def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]]) -> None:
-    """Raise ValueError for a field of `values` below its minimum, or equal to it if the minimum is exclusive."""
+    """Raise ValueError if a field is below its minimum; `limits` is (minimum, inclusive, unit) by field."""
     for name, (least, equal, unit) in limits.items():
         given = getattr(values, name)
         expected = f"a number {'of at least' if equal else 'above'} {least:g} {unit}".rstrip()
@@ -38,16 +38,16 @@ class Tie:
     Attributes
     ----------
     height, distance : float
-        Height z of its attachment above the base, and its distance xi behind the corner of rotation [m]: 0 for a plate
-        on the outer face, the width of the body for a plate on the inner face.
+        Height z of its attachment above the base, and distance xi of the attachment inwards from the corner of rotation
+        [m]: 0 for a plate on the outer face, the width of the body for a plate on the inner face.
     stiffness : float
         K, force divided by elongation [N/m].
     gap : float
-        Outward displacement of the attachment before the tie acts [m].
+        Outward displacement of the attachment at which the tie begins to act [m].
     yield_force, ultimate : float
         Force [N] at which it yields, and elongation at which it breaks [m]; inf if there is no such limit.
     side : {"positive", "negative", "both"}
-        Rotations that it resists: theta > 0, theta < 0, or both (one tie for each direction).
+        Rotations that the tie resists: theta > 0, theta < 0, or both (one tie for each direction).
 
     Examples
     --------
@@ -59,7 +59,7 @@ class Tie:
     (6.28, 73.8)
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     height: float
     stiffness: float
@@ -86,8 +86,8 @@ class Load:
     weight : float
         Vertical force on the body [N].
     height, distance : float, float or None
-        Height z of its bearing above the base, and its distance behind the corner of theta > 0 [m]; None for the middle
-        of the base.
+        Height z of its bearing above the base, and distance of the bearing from the right-hand corner (theta > 0),
+        measured inwards [m]; None for the middle of the base.
     friction : float or None
         Friction coefficient between load and body [-]: the load stays with the building and restrains the body, in both
         directions, by at most friction times weight. None: the mass of the load moves with the body.
@@ -98,7 +98,7 @@ class Load:
     Load(weight=20000.0, height=3.0, friction=0.4)
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     weight: float
     height: float
@@ -121,7 +121,7 @@ class Thrust:
     force : float
         Force [N], positive towards theta > 0.
     height, distance : float
-        Height z of its line of action above the base, and distance xi of its point behind the corner of theta > 0 [m].
+        Height z of its point of application above the base, and its distance xi inwards from the right-hand corner [m].
 
     Examples
     --------
@@ -130,7 +130,7 @@ class Thrust:
     ValueError: thrust height: expected a number above 0 m, got -2.5
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     force: float
     height: float
@@ -146,8 +146,8 @@ class Thrust:
     KIND,  # FRICTION for the friction of a load, else a tie
     SIDE,  # for a tie, the sign of theta that it resists
     HEIGHT,
-    NEAR,  # distance behind the corner of theta > 0; for a tie, behind its own corner
-    FAR,  # behind the corner of theta < 0
+    NEAR,  # distance inwards from the right-hand corner; for a tie, from the corner of rotation
+    FAR,  # distance inwards from the left-hand corner
     STIFFNESS,
     GAP,
     YIELD_FORCE,
@@ -186,7 +186,7 @@ class Restraints:
         return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
 
     def mirrored(self, base: float) -> Self:
-        """Return the mirror image on a body with this `base` [m]: theta > 0 becomes theta < 0."""
+        """Return the restraints of the mirror image of a body of width `base` [m]: theta > 0 becomes theta < 0."""
         other = {"positive": "negative", "negative": "positive", "both": "both"}
         return type(self)(
             tuple(Tie(**{**vars(tie), "side": other[tie.side]}) for tie in self.ties),
@@ -195,7 +195,7 @@ class Restraints:
         )
 
     def elements(self, base: float) -> np.ndarray:
-        """Return the table (e, 9) of the ties and the friction of loads on a `base` [m]; KIND is its first column."""
+        """Return the ties and the friction of loads as a table (e, 9) with the columns KIND to ULTIMATE."""
         rows = []
         for tie in self.ties:
             for name, side in (("positive", 1.0), ("negative", -1.0)):
@@ -210,7 +210,7 @@ class Restraints:
         return np.array(rows, dtype=float).reshape(len(rows), COLUMNS)
 
     def constant(self, base: float) -> np.ndarray:
-        """Return coefficients (2, 2) of cos(phi) and sin(phi) in the moment of loads and thrusts [N m], by corner."""
+        """Return the moment of loads and thrusts at each corner, as (2, 2) factors of cos(phi) and sin(phi) [N m]."""
         found = np.zeros((2, 2))
         for load in self.loads:
             near = _bearing(load, base)
@@ -222,7 +222,7 @@ class Restraints:
 
 
 def _bearing(load: Load, base: float) -> float:
-    """Return the distance of the bearing of a load behind the corner of theta > 0 [m]."""
+    """Return the distance of the bearing of a load from the right-hand corner, measured inwards [m]."""
     return 0.5 * base if load.distance is None else load.distance
 
 

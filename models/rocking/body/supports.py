@@ -8,7 +8,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from rocking.arguments import ArrayLike, common_shape, numbers, positive, record_samples
 from rocking.body.block import Block
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 
 
 def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: ArrayLike = "housner") -> Block:
@@ -47,9 +47,9 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     one = block.lanes(1).lane(0) if block.shape else block
     own = float(one.mass)
     if one.side or one.restraints is not None:
-        raise ValueError("block: expected a free one on the pedestal, got one with a wall or with restraints")
+        raise ValueError("block: expected a free-standing block on the pedestal, got a block with a wall or restraints")
     if math.isnan(own):
-        raise ValueError("block: one body with its pedestal needs the mass of both; give mass, or density and length")
+        raise ValueError("block: expected a block with a mass, like the pedestal; give mass, or density and length")
     right, left = float(one.radius * np.sin(one.alpha_c)), float(one.radius_2 * np.sin(one.alpha_2))
     if right + left > width:
         raise ValueError(
@@ -95,7 +95,7 @@ class FloorMotion(NamedTuple):
     amplification: float
 
     def __repr__(self) -> str:
-        return one_line(self)
+        return short_repr(self)
 
 
 def floor_motion(
@@ -155,7 +155,7 @@ def floor_motion(
     fine = step / parts
     times = step * np.arange(ground.size)
     rates = 2.0 * np.pi / periods
-    # Each mode is bounded by omega^2 times its largest displacement, and that in turn, generously, by a_g/omega^2 dt.
+    # A mode's acceleration is at most omega^2 times its largest displacement, which is at most max a_g t/omega.
     strongest = np.abs(shares) * (1.0 + rates * times[-1]) * np.max(np.abs(ground))
     decay = np.log(np.maximum(periods.size * strongest / quiet, 1.0)) / (dampings * rates)
     after = float(np.max(np.minimum(decay, MOST_PERIODS * periods)))

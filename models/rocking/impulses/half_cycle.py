@@ -35,7 +35,7 @@ _HOP_LIMIT = 100_000
 
 @njit()
 def state(rotation, velocity, time):
-    """Return x and x' after a time (times p) of natural motion (Eq. 2); the time is limited to 700 against overflow."""
+    """Return x and x' after a time (times p) of natural motion (Eq. 2); times above 700 count as 700."""
     if time < 1.0:
         half = math.sinh(0.5 * time)
         sinh, cosh_less_one = math.sinh(time), 2.0 * half * half
@@ -56,7 +56,7 @@ def impact_speed(rotation, velocity):
 
 @njit()
 def return_growth(rotation, velocity, speed):
-    """Return e^tau - 1 of the return time tau from the impact speed, without exp and log; inf for no return."""
+    """Return e^tau - 1 for the return time tau, from the impact `speed`; inf if the block does not return."""
     growing = rotation - 1.0 + velocity
     if growing >= 0.0:
         return np.inf
@@ -66,7 +66,7 @@ def return_growth(rotation, velocity, speed):
 
 @njit()
 def return_time(rotation, velocity):
-    """Return the time (times p) until a block at x >= 0 with x' returns to the ground; inf if it does not (y >= 0).
+    """Return the time (times p) until the block returns to the ground; inf if it does not return (y >= 0).
 
     tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w cancels and is computed as x (2 - x)/(w - x').
     """
@@ -75,7 +75,7 @@ def return_time(rotation, velocity):
 
 @njit()
 def rise_time(rotation, velocity):
-    """Return the time to the top of the motion times p [-], atanh(x'/(1 - x)); inf if there is no top ahead."""
+    """Return the time (times p) to the top of the motion, atanh(x'/(1 - x)); inf if there is no top."""
     if velocity < 0.0 or rotation - 1.0 + velocity >= 0.0:
         return np.inf
     return 0.5 * math.log1p(2.0 * velocity / (1.0 - rotation - velocity))
@@ -90,7 +90,7 @@ def top(rotation, velocity):
 
 @njit()
 def hop(velocity):
-    """Return peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) (times p) of a half-cycle (Eqs. 6, 7), inf for u >= 1."""
+    """Return the peak 1 - sqrt(1 - u^2) and the duration (times p) of a half-cycle (Eqs. 6, 7); inf for u >= 1."""
     if velocity >= 1.0:
         return np.inf, np.inf
     return top(0.0, velocity), math.log1p(2.0 * velocity / (1.0 - velocity))
@@ -98,10 +98,9 @@ def hop(velocity):
 
 @njit()
 def free_decay_time(velocity, restitution):
-    """Return the duration (times p) of infinitely many hops, sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
+    """Return the duration of a free decay (times p), the sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
 
-    Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used. More than 100 000 hops above u = 0.8 give
-    inf.
+    Below u = 0.8 the series 2 sum over odd j of u^j/(j (1 - C^j)) is used; above it more than 100 000 hops give inf.
     """
     if velocity >= 1.0 or restitution >= 1.0:
         return np.inf
@@ -126,7 +125,7 @@ def free_decay_time(velocity, restitution):
 
 @njit()
 def impacts_above(speed, restitution, cutoff):
-    """Return the number of impacts of a free decay with C^k speed > cutoff > 0, k >= 0; -1 for C = 1."""
+    """Return the number of impacts of a free decay that are faster than `cutoff`; -1 if they never end (C = 1)."""
     if speed <= cutoff:
         return 0
     if restitution >= 1.0:
@@ -146,7 +145,7 @@ _NEWTON_LIMIT = 200
 
 @njit()
 def _condition(half, count, spacing, s):
-    """Return F(t) of the table in the module docstring, and its derivative."""
+    """Return the function F(t) of the table in the module docstring, and its derivative."""
     tanh = math.tanh(half)
     slope = (1.0 - tanh) * (1.0 + tanh)
     divisor = count + 1 if spacing == OPEN else count
@@ -164,7 +163,7 @@ def _condition(half, count, spacing, s):
 
 @njit()
 def corrected_duration(velocity, secondary, count, spacing):
-    """Return the smallest T (times p) with x(T) = 0 for 0 <= a <= u and n impulses; inf if the block overturns.
+    """Return the duration T of a half-cycle (times p), the smallest T with x(T) = 0; inf if the block overturns.
 
     The root atanh(v) of the continuous limit is a lower bound of the roots for "end", "middle" and "open"; if it does
     not exist, they have no root. Their F is concave with one maximum: Newton's iteration from the lower bound rises
@@ -197,7 +196,7 @@ def corrected_duration(velocity, secondary, count, spacing):
 
 @njit()
 def _bracketed(target, count, s):
-    """Return half the duration for spacing "start", by Newton's iteration in a bracket that shrinks with each step."""
+    """Return half the duration for the spacing "start", by Newton's iteration in a shrinking bracket."""
     if target >= 1.0 + s - CRITICAL_TOLERANCE:
         return np.inf
     low = 0.0
@@ -229,7 +228,7 @@ def _bracketed(target, count, s):
 
 @njit()
 def impact_speed_after(velocity, secondary, time, count, spacing):
-    """Return the speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included."""
+    """Return the speed u_r right before the impact that ends the half-cycle, after the last secondary impulse [-]."""
     if spacing == MIDDLE and secondary > 0.0:
         return max(velocity - secondary / math.cosh(0.5 * time / count), 0.0)
     if spacing == OPEN and secondary > 0.0:
@@ -239,7 +238,7 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
 
 @njit()
 def stays_bounded(main, ratio, restitution):
-    """Return whether a block survives an endless main sequence u_1 with a continuous secondary one (`ratio` I_s/I).
+    """Return whether a block survives an endless main sequence with a continuous secondary one; `ratio` is I_s/I.
 
     v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality counts as bounded, as the limit is never reached; a
     tolerance allows for the rounding of u_1 and 1 - C.
@@ -266,7 +265,7 @@ def _first_wait(spacing, interval):
 
 @njit()
 def first_return(velocity, secondary, interval, spacing):
-    """Return T* (times p) of the first return in the march with the trial `interval` dT, steps 3 and 4; inf for none.
+    """Return the time T* (times p) of the first return in the march with the trial `interval` dT; inf if none.
 
     If y >= 0 after an impulse towards the ground, the next one away from it makes y at least a, and y exp(delta) - a
     stays non-negative from then on: there is no return.
@@ -288,7 +287,7 @@ def first_return(velocity, secondary, interval, spacing):
 
 @njit()
 def peak_and_lowest(velocity, secondary, time, count, spacing):
-    """Return the largest x of the corrected march (step 6), and the smallest at its impulses, below 0 in the ground."""
+    """Return the largest x of the corrected march (step 6), and the smallest x at its impulses (< 0: in the ground)."""
     interval = time / (count + 1 if spacing == OPEN else count)
     wait, rotation, push, peak, lowest = _first_wait(spacing, interval), 0.0, -secondary, 0.0, np.inf
     for impulse in range(count + 1):

@@ -1,4 +1,4 @@
-"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017)."""
+"""The limit accelerogram: main impulses at the impacts, secondary impulses between them (Casapulla & Maione 2017)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -99,11 +99,11 @@ class ImpulseSequence(Shown):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the lanes: () for one sequence, (q,) for several."""
+        """Shape of the fields: () for one sequence, (q,) for several."""
         return np.shape(self.main)
 
     def scaled(self, factor: ArrayLike) -> Self:
-        """Return the sequence with both impulses times a factor, or (q,) factors; I_s/I, times and counts are kept."""
+        """Return the sequence with both impulses multiplied by a factor, or (q,) sequences for (q,) factors."""
         factor = _numbers("factor", factor)
         _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)
@@ -158,9 +158,9 @@ class ImpulseSequence(Shown):
         return facts | {"spacing": self.spacing}
 
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the main and secondary impulses of two half-cycles of the first sequence, as (k, 2) times and sizes.
+        """Return the main and the secondary impulses of two half-cycles of the first sequence: (k, 2) times and sizes.
 
-        Times are in intervals after the first main impulse [-], sizes in m/s with the sign of the change of velocity.
+        Times begin at the first main impulse and are divided by dT [-]; sizes [m/s] have the sign of the change.
         """
         main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
         number = np.arange(min(self.intermediate_count or SHOWN, MOST))

@@ -60,14 +60,14 @@ def impulsive_response(
     block_scale : float or (m,) array_like
         Additional factor on the impulses for each block, finite [-].
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped; with a history `time` (h,), `rotation` and `velocity` (q, m, h), NaN once
-        the block lies on the ground. UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two impulses. With
-        `gain="exact"` an impulse in flight may lift the block again; passing alpha_c is not overturning.
+        Arrays (q, m), without the axis of a scalar; with a history `time` (h,), `rotation` and `velocity` (q, m, h),
+        NaN once the block lies on the ground. UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two impulses.
+        With `gain="exact"` an impulse in flight may lift the block again; passing alpha_c is not overturning.
 
     Raises
     ------

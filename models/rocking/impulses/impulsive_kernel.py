@@ -29,35 +29,35 @@ _SHORTEST_GROWTH = 100.0
 
 
 class Train(NamedTuple):
-    """Impulses of the ground in order of time."""
+    """The impulses of the ground in order of time."""
 
-    times: np.ndarray  #: (k,) [s], not decreasing
-    impulses: np.ndarray  #: (k,) [m/s]
-    sizes: np.ndarray  #: (k,) their absolute values [m/s]
-    left: np.ndarray  #: (k,) sum of the sizes from each impulse on [m/s]
+    times: np.ndarray  #: (k,) times [s], not decreasing
+    impulses: np.ndarray  #: (k,) signed sizes [m/s]
+    sizes: np.ndarray  #: (k,) absolute values of the sizes [m/s]
+    left: np.ndarray  #: (k,) sum of the absolute sizes from each impulse on [m/s]
 
 
 class ImpulsiveLanes(NamedTuple):
-    """The (q m,) lanes, one for each of q factors on the impulses and m blocks."""
+    """The (q m,) lanes: one for each of q factors on the impulses and each of m blocks."""
 
     scale: np.ndarray  #: (q, m) factor on the impulses [-]
     alpha: np.ndarray  #: (m,) alpha_c [rad]
-    p: np.ndarray  #: (m,) [1/s]
-    restitution: np.ndarray  #: (m,) C [-]
-    gravity: float  #: [m/s2]
-    gain: int  #: PAPER, LINEAR, EXACT or TANGENT
+    p: np.ndarray  #: (m,) frequency parameter [1/s]
+    restitution: np.ndarray  #: (m,) restitution C [-]
+    gravity: float  #: gravity [m/s2]
+    gain: int  #: code of the gain: PAPER, LINEAR, EXACT or TANGENT
 
 
 class History(NamedTuple):
     """The motion of every lane at given times."""
 
-    times: np.ndarray  #: (h,) [s], ascending; (0,) for no history
+    times: np.ndarray  #: (h,) times [s], ascending; (0,) for no history
     motion: np.ndarray  #: (q m, h, 2) zeros that receive theta [rad] and theta' [rad/s]; NaN once the block lies down
 
 
 @njit(_nrt=False)
 def _cannot_come_back(growing, time, first, train, gain, p):
-    """Return whether the block cannot return: y(t) > sum over impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
+    """Return whether y(t) exceeds the sum of abs(dy) exp(-p (t_i - t)) of later impulses: the block overturns."""
     total = 0.0
     for i in range(first, train.times.size):
         weight = gain * math.exp(-p * (train.times[i] - time))
@@ -71,7 +71,7 @@ def _cannot_come_back(growing, time, first, train, gain, p):
 
 @njit(_nrt=False)
 def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
-    """Write the history of one arc at the times in [begin, end), from index `first` on; return the next free index."""
+    """Write the motion of one arc at the history's times in [begin, end); return the next free index."""
     times, motion = history.times, history.motion[lane]
     while first < times.size and times[first] < begin:
         first += 1
@@ -87,7 +87,7 @@ def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
 
 @njit()
 def _arc(rotation, velocity, sinh, cosh_less_one):
-    """Return the state after a time t, given by sinh(p t) and cosh(p t) - 1 (Eq. 2)."""
+    """Return the rotation and velocity after a time t, from sinh(p t) and cosh(p t) - 1 (Eq. 2)."""
     return (
         rotation + velocity * sinh - (1.0 - rotation) * cosh_less_one,
         velocity + velocity * cosh_less_one - (1.0 - rotation) * sinh,
@@ -96,7 +96,7 @@ def _arc(rotation, velocity, sinh, cosh_less_one):
 
 @njit()
 def _decays(velocity, restitution, remaining):
-    """Return whether all hops end in the remaining time; their sum is between 2 u/(1 - C) and 2 atanh(u)/(1 - C)."""
+    """Return whether all hops end in time; their sum lies between 2 u/(1 - C) and 2 atanh(u)/(1 - C)."""
     loss = 1.0 - restitution
     if 2.0 * velocity > loss * remaining:
         return False
@@ -107,7 +107,7 @@ def _decays(velocity, restitution, remaining):
 
 @njit(_nrt=False)
 def _tabulate(waits, times, p):
-    """Fill `waits` (3, k) with exp(p dt) - 1 (cut off), sinh and cosh - 1 of the times dt between the impulses."""
+    """Fill `waits` (3, k) with exp(p dt) - 1, sinh(p dt), cosh(p dt) - 1 for the times dt between impulses."""
     waits[:] = np.inf
     for i in range(times.size - 1):
         grown = math.expm1(min(p * (times[i + 1] - times[i]), _LONGEST_GROWTH))

@@ -26,14 +26,14 @@ _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
 class MainSequenceLanes(NamedTuple):
-    """The lanes, each one block under one main sequence."""
+    """The lanes: one block under one main sequence each."""
 
-    impulse: np.ndarray  #: (lanes,) I [m/s]
+    impulse: np.ndarray  #: (lanes,) impulse I [m/s]
     duration: np.ndarray  #: (lanes,) end of the main sequence [s]
     main_count: np.ndarray  #: (lanes,) of int, largest number of main impulses
-    p: np.ndarray  #: (lanes,) [1/s]
-    restitution: np.ndarray  #: (lanes,) C [-]
-    critical: np.ndarray  #: (lanes,) I_1c [m/s]
+    p: np.ndarray  #: (lanes,) frequency parameter [1/s]
+    restitution: np.ndarray  #: (lanes,) restitution C [-]
+    critical: np.ndarray  #: (lanes,) critical impulse I_1c [m/s]
 
 
 @njit()
@@ -48,10 +48,10 @@ def amplification(restitution, half_cycle):
 
 @njit()
 def overturning_half_cycle(main, restitution):
-    """Return the half-cycle i in which an endless main sequence u_1 overturns, the smallest with u_i >= 1; -1 for none.
+    """Return the half-cycle in which an endless main sequence overturns the block; -1 if it never does.
 
-    i = ceil(ln(1 - (1 - C)/u_1)/ln C), -1 for u_1 <= 1 - C. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`):
-    I_2c/I_1c must overturn in half-cycle 2, and 0.1 equals 1 - 0.9 although their floating-point numbers differ.
+    The smallest i with u_i >= 1 is i = ceil(ln(1 - (1 - C)/u_1)/ln C), -1 for u_1 <= 1 - C. Both comparisons allow for
+    rounding (`CRITICAL_TOLERANCE`): I_2c/I_1c must overturn in half-cycle 2, and 0.1 equals 1 - 0.9.
     """
     if main <= 0.0 or stays_bounded(main, 0.0, restitution):
         return -1
@@ -70,7 +70,7 @@ def overturning_half_cycle(main, restitution):
 
 @njit(_nrt=False)
 def resonance_lanes(first_lane, last_lane, lanes, results, table):
-    """Write the results of the lanes first_lane to last_lane - 1 and their `HalfCycleTable`."""
+    """Write the results and the `HalfCycleTable` of the lanes first_lane to last_lane - 1."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -118,13 +118,13 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
 
 @njit()
 def effective_amplification(restitution, ratio, half_cycle):
-    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]; for n -> infinity half-cycle i overturns iff v_i >= 1 (F4)."""
+    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]; half-cycle i overturns if v_i >= 1 (F4, n -> infinity)."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 
 @njit()
 def start_of_half_cycle(needed, restitution, ratio, half_cycle):
-    """Return the start of half-cycle N times p, sum over j < N of 2 atanh(v_j) (inf: overturned); needed = 1/u_1."""
+    """Return the start of a half-cycle (times p) for u_1 = 1/needed; inf if the block has overturned before."""
     start = 0.0
     for earlier in range(1, half_cycle):
         start += hop(effective_amplification(restitution, ratio, earlier) / needed)[1]
@@ -133,7 +133,7 @@ def start_of_half_cycle(needed, restitution, ratio, half_cycle):
 
 @njit()
 def last_half_cycle(restitution, ratio, end, main_count):
-    """Return the largest N <= main_count that starts before `end` (times p) at the lower edge of its band."""
+    """Return the largest half-cycle N <= main_count that starts before `end` at the lower edge of its band."""
     low, high = 1, 2
     while high <= main_count and _start_at_edge(restitution, ratio, high) < end:
         low, high = high, 2 * high
@@ -149,14 +149,14 @@ def last_half_cycle(restitution, ratio, end, main_count):
 
 @njit()
 def _start_at_edge(restitution, ratio, half_cycle):
-    """Return the start of half-cycle N times p, at the scale factor for which v_N = 1."""
+    """Return the start of half-cycle N (times p) at the scale factor for which v_N = 1."""
     needed = effective_amplification(restitution, ratio, half_cycle)
     return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
 
 @njit(_nrt=False)
 def safety_lanes(first_lane, last_lane, lanes, factors):
-    """Write the smallest scale factor that overturns each lane, I_Nc/I of its last half-cycle, into `factors`."""
+    """Write the smallest scale factor that overturns each lane: I_Nc/I of its last half-cycle N."""
     for lane in range(first_lane, last_lane):
         c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
         if end != np.inf:
@@ -168,7 +168,7 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
 
 @njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
-    """Return lower and upper scale factors (2, k) of the overturning bands of one lane; `end` is a time times p."""
+    """Return the lower and upper scale factors (2, k) of the overturning bands of one lane; `end` is in 1/p."""
     if end == np.inf:
         # Every half-cycle up to the last one is reached: one interval; for endless sequences its edge is the infimum.
         edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
@@ -222,14 +222,14 @@ def resonance(
     table_rows : int
         Largest number of half-cycles in the table; 0 for none.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse is included in `impacts`, but
-        not in the table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the
-        start of the half-cycle that overturns. u = 1 overturns.
+        Arrays (q, m), without the axis of a scalar. The free decay after the last main impulse is included in
+        `impacts`, but not in the table, which ends early if the velocity has reached its limit (Eq. 10).
+        `overturning_time` is the start of the half-cycle that overturns. u = 1 overturns.
 
     Examples
     --------
@@ -277,7 +277,7 @@ def critical_impulse(block: Block, half_cycle: int = 1) -> Floats:
 
 
 def critical_impulse_ratio(restitution: ArrayLike, half_cycle: int) -> Any:
-    """Return I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
+    """Return I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 [-], for one restitution C or an array (m,)."""
     ratios = np.array(restitution, dtype=float, ndmin=1)
     ones, factors = np.ones(ratios.size), np.empty(ratios.size)
     lanes = MainSequenceLanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
@@ -330,7 +330,7 @@ def resonance_safety(
 def _lanes(
     block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
 ) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
-    """Return the lanes for a kernel, their shape and the axes to drop."""
+    """Return the lanes for a kernel, their shape (q, m), and which of these two axes is dropped."""
     sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
     if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
         raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")

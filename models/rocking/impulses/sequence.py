@@ -23,7 +23,7 @@ from rocking.impulses.sequence_kernel import (
     tabulated_response,
 )
 from rocking.lanes import LaneValues, lane_field, split_lanes
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
 
 #: Shorter trial intervals, times p [-], cannot be distinguished from the continuous limit.
@@ -53,17 +53,17 @@ def sequence_response(
     table_rows : int
         Largest number of half-cycles in the table; 0 for no table, which halves the computing time.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
     paired : bool
         Whether each of the (m,) blocks is paired with one of (m,) sequences.
 
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table contains the half-cycles that a main impulse
-        starts, until the motion repeats itself; later half-cycles and the free decay are only included in `impacts`,
-        which is -1 for an endless motion. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
-        (HALF_CYCLE_LIMIT) after 50 000 half-cycles without overturning or repetition, (SHORT_INTERVAL) below 1e-4/p.
+        Arrays (q, m), without the axis of a scalar; (m,) for pairs. The table contains the half-cycles that a main
+        impulse starts, until the motion repeats itself; later half-cycles and the free decay are only included in
+        `impacts`, which is -1 for an endless motion. `overturning_time` is the start of the half-cycle that overturns.
+        UNRESOLVED (HALF_CYCLE_LIMIT) after 50 000 half-cycles without an end, (SHORT_INTERVAL) below 1e-4/p.
 
     Raises
     ------
@@ -95,8 +95,8 @@ def sequence_response(
     through = np.count_nonzero(contact)
     if through:
         logger.warning(
-            "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground "
-            "inside a half-cycle; only its end is exact",
+            "sequence: for %d of %d pairs of block and sequence the corrected march with spacing %r passes "
+            "through the ground inside a half-cycle; only its end is exact",
             through,
             contact.size,
             sequence.spacing,
@@ -107,7 +107,7 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Return outcomes (q, n) of one sequence times `factors` (q, n), a column for each of the `chosen` blocks (n,)."""
+    """Return the outcomes (q, n) of the `chosen` blocks (n,) under one sequence multiplied by `factors` (q, n)."""
     if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(
             "expected one sequence and factors with a column for each chosen block, "
@@ -133,7 +133,7 @@ def _combined(
 
 
 def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[SequenceLanes, np.ndarray]:
-    """Return the lanes for the kernel, and a mask of those whose secondary impulses are too close together for it."""
+    """Return the lanes for the kernel, and a mask of the lanes whose secondary impulses are too close together."""
     main, secondary, interval, duration, main_count, p, restitution, critical = flat
     count = sequence.intermediate_count or 0
     if count > _LARGEST_COUNT:
@@ -235,7 +235,7 @@ def main_impulses_given(response: Response, sequence: ImpulseSequence) -> float:
 
 
 def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
-    """Return starts of the half-cycles after a main impulse with the end of the last one, and their table rows."""
+    """Return the starts of the half-cycles, followed by the end of the last one, and their rows in the table."""
     assert response.half_cycles is not None
     durations, count = response.half_cycles.duration, main_impulses_given(response, sequence)
     if (count - durations.size) * (1 + response.half_cycles.impulse_count[-1]) > _TRAIN_LIMIT:
@@ -245,7 +245,7 @@ def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[n
 
 
 def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return times after the main impulse and sizes/I_s (positive against it) of a half-cycle's secondary impulses."""
+    """Return the times of a half-cycle's secondary impulses after the main impulse, and their sizes over I_s."""
     if sequence.spacing == "continuous":
         return np.array([0.0, table.duration[row]]), np.array([0.5, -0.5])
     order = np.arange(1, table.impulse_count[row] + 1)
@@ -258,7 +258,7 @@ def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class SteadyState(LaneValues):
-    """Limit of the half-cycles of an endless sequence; arrays (q, m), or scalars for one lane.
+    """Limit of the half-cycles of an endless sequence; arrays (q, m), or scalars for one block.
 
     Attributes
     ----------
@@ -278,7 +278,7 @@ class SteadyState(LaneValues):
     (True, 0.126)
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     start_velocity: Floats = lane_field()
     effective_velocity: Floats = lane_field()
@@ -299,8 +299,8 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
     Returns
     -------
     SteadyState
-        Lanes (q, m), a scalar axis dropped: the fixed point u* of u_{i+1} = C (u_i - u_1 I_s/I) + u_1, which is Eq.
-        (10) without secondary impulses.
+        Arrays (q, m), without the axis of a scalar: the fixed point u* of u_{i+1} = C (u_i - u_1 I_s/I) + u_1, which is
+        Eq. (10) without secondary impulses.
 
     Raises
     ------

@@ -23,13 +23,13 @@ _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
 class SequenceLanes(NamedTuple):
-    """The lanes, each one block under one sequence, all with one spacing."""
+    """The lanes: one block under one sequence each, all with one spacing."""
 
     main: np.ndarray  #: (lanes,) u_1 [-]
     secondary: np.ndarray  #: (lanes,) a = u_1 I_s/I [-]
-    p: np.ndarray  #: (lanes,) [1/s]
-    restitution: np.ndarray  #: (lanes,) C [-]
-    interval: np.ndarray  #: (lanes,) trial dT [s]
+    p: np.ndarray  #: (lanes,) frequency parameter [1/s]
+    restitution: np.ndarray  #: (lanes,) restitution C [-]
+    interval: np.ndarray  #: (lanes,) trial interval dT [s]
     duration: np.ndarray  #: (lanes,) end of the main sequence [s]
     main_count: np.ndarray  #: (lanes,) of int, largest number of main impulses
     intermediate: int  #: number n of intermediate impulses in a half-cycle; 0 to take it from the trial march
@@ -37,7 +37,7 @@ class SequenceLanes(NamedTuple):
 
 
 class HalfCycleTable(NamedTuple):
-    """The half-cycles that a kernel writes in addition to :class:`rocking.response.LaneResults`."""
+    """The table of half-cycles that a kernel writes besides :class:`rocking.response.LaneResults`."""
 
     columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
     lowest: np.ndarray  #: (lanes,) smallest x inside a half-cycle [-]
@@ -46,7 +46,7 @@ class HalfCycleTable(NamedTuple):
 
 @njit()
 def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
-    """Return peak, duration (inf: overturns), n, dT, impact speed and lowest rotation of one half-cycle."""
+    """Return peak, duration (inf if overturned), n, dT, impact speed and lowest rotation of one half-cycle."""
     if secondary == 0.0 or spacing == half_cycle.CONTINUOUS:
         count = 0 if secondary == 0.0 else -1
         effective = velocity - 0.5 * secondary
@@ -163,7 +163,7 @@ TABLE_ROWS = 1000
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Combine (q,) inputs with (m,) blocks, all or in pairs; return shape, scalar axes and flat values (q m,)."""
+    """Combine q inputs with m blocks, each with each or in pairs; return shape, scalar axes and flat arrays."""
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:
@@ -194,7 +194,7 @@ def tabulated_response(
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run ``kernel(first, last, lanes, results, table)``, then again with a table of up to `table_rows` half-cycles."""
+    """Run the kernel, then once more to fill a table of up to `table_rows` half-cycles; return the response."""
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]

@@ -1,1 +1,1 @@
-"""Responses to a record: kernels that integrate many lanes side by side in time, and the functions that call them."""
+"""Responses to a record: kernels that integrate the motion of many bodies together, and functions that call them."""

@@ -1,8 +1,8 @@
-"""Events of a slot whose body turns about two different corners, or about a single corner beside a wall.
+"""Events of a body that turns about two different corners, or about a single corner beside a wall.
 
-.. note:: Units and signs of slots.py, with alpha, p and tau = p t of the current corner; the rows OTHER_... contain the
-   values of the other corner, and both are exchanged at an impact. A body beside a wall stays on its corner. A
-   restrained body lifts at abs(a_g)/g = (1 + a_v/g) THRESHOLD + EXTRA.
+.. note:: Units and signs are those of slots.py, with alpha, p and tau = p t of the current corner; rows OTHER_...
+   contain the values of the other corner, and both are exchanged at an impact. A body beside a wall stays on its
+   corner. A restrained body lifts at abs(a_g)/g = (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
 import math
@@ -43,7 +43,7 @@ from rocking.response import IMPACT_CUTOFF
     STALLS,  # number of changes of the restraints in a row without motion between them
 ) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 24) * WIDTH, WIDTH)
 CORNER_ROWS = FLOAT_ROWS + 24
-#: Rows of the two corners.
+#: Rows with one quantity of the current corner and of the other corner.
 PAIRS = (
     (row.ALPHA, OTHER_ALPHA),
     (row.RESTITUTION, OTHER_RESTITUTION),
@@ -60,7 +60,7 @@ PAIRS = (
 
 @njit(_nrt=False)
 def turn_over(f, j):
-    """Move slot j, whose SIDE has just changed in an impact, to its other corner, or keep its corner beside a wall."""
+    """Exchange the corners of body j after an impact; a body beside a wall keeps its corner and its side."""
     if f[ONE_SIDED + j] == 1.0:
         f[row.SIDE + j] = -f[row.SIDE + j]
         return
@@ -71,12 +71,12 @@ def turn_over(f, j):
     f[row.SAMPLE_SLOPE + j] /= faster
     f[row.SAMPLE_LIFT_SLOPE + j] /= faster
     f[row.PASSED + j] *= faster
-    f[row.ARRIVAL + j] *= f[row.ALPHA + j] / f[OTHER_ALPHA + j]  # over alpha of the old corner
+    f[row.ARRIVAL + j] *= f[row.ALPHA + j] / f[OTHER_ALPHA + j]  # divided by alpha of the old corner
 
 
 @njit(_nrt=False)
 def lift_time(push, slope, threshold, threshold_slope, remaining):
-    """Return the time until a push exceeds its threshold, both linear in tau; -1 if later than `remaining`."""
+    """Return the time until a push exceeds its threshold (both linear in tau); -1 if that is after `remaining`."""
     gap = threshold - push
     if gap < 0.0:
         return 0.0
@@ -86,7 +86,7 @@ def lift_time(push, slope, threshold, threshold_slope, remaining):
 
 @njit(_nrt=False)
 def wake_corner(f, i, j, record):
-    """Move a resting slot to its uplift as :func:`rocking.march.event.wake` does, on the corner that lifts first."""
+    """Move resting body j to its uplift as :func:`rocking.march.event.wake` does, on the corner that lifts first."""
     last = record.acceleration.size - 1
     for _ in range(last + 1):
         passed, length, side = f[row.PASSED + j], f[row.LENGTH + j], f[row.SIDE + j]
@@ -127,20 +127,20 @@ def wake_corner(f, i, j, record):
 
 
 @njit(_nrt=False)
-def hops_have_ended(f, j, record, equation, far, held):
-    """Return whether slot j may be put to rest, as event.chatter_is_over, for the weaker corner and with restraints."""
+def hops_have_ended(f, j, record, equation, far, sliding):
+    """Return whether body j comes to rest, as event.chatter_is_over does, for two corners and restraints."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(f[row.SAMPLE_LIFT + j], lift_end)
     alpha, other_alpha = f[row.ALPHA + j], f[OTHER_ALPHA + j]
-    level = weakest * f[row.THRESHOLD + j] + f[EXTRA + j] - held
+    level = weakest * f[row.THRESHOLD + j] + f[EXTRA + j] - sliding
     threshold, other = level, math.inf
     pull = level * (1.0 if equation == event.LINEAR else math.cos(alpha))
     restitution, slowest = f[row.RESTITUTION + j], alpha
     peak = f[row.PEAK + j]
     if f[ONE_SIDED + j] == 0.0:
         faster = f[OTHER_P + j] / f[row.P + j]
-        other = weakest * f[OTHER_THRESHOLD + j] + f[OTHER_EXTRA + j] - held
+        other = weakest * f[OTHER_THRESHOLD + j] + f[OTHER_EXTRA + j] - sliding
         pull = min(pull, faster * faster * other * (1.0 if equation == event.LINEAR else math.cos(other_alpha)))
         threshold = min(level, other)
         restitution = max(restitution, f[OTHER_RESTITUTION + j])
@@ -148,7 +148,7 @@ def hops_have_ended(f, j, record, equation, far, held):
         peak = max(peak, f[OTHER_PEAK + j] * alpha / other_alpha)
     if threshold <= 0.0 or pull <= 0.0:
         return False
-    # Each corner has its own push that lifts it; towards a wall the ground cannot lift the body.
+    # The body lifts about each corner under another push; towards a wall the ground cannot lift the body.
     start = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     end = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length)
     demand, demand_end = max(start / level, -start / other), max(end / level, -end / other)
@@ -161,8 +161,8 @@ def hops_have_ended(f, j, record, equation, far, held):
 
 
 @njit(_nrt=False)
-def after_impact(f, i, j, record, equation, far, held):
-    """Return MOVING, RESTING, OVERTURNED or IMPACT_LIMITED for slot j after an impact; `held` is None if free."""
+def after_impact(f, i, j, record, equation, far, sliding):
+    """Return the state of body j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
         return event.IMPACT_LIMITED
     speed = f[row.SPEED + j]
@@ -171,10 +171,10 @@ def after_impact(f, i, j, record, equation, far, held):
     # Faster impacts are counted, so the motion goes on.
     if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
         far = far or f[row.HITS + j] >= event.MANY_IMPACTS
-        if held is None:
+        if sliding is None:
             over = event.chatter_is_over(f, j, record, equation, far)
         else:
-            over = hops_have_ended(f, j, record, equation, far, held)
+            over = hops_have_ended(f, j, record, equation, far, sliding)
         if over:
             return event.RESTING
         i[row.SLOW + j] += 1
@@ -196,7 +196,7 @@ def top_of_hop(speed, alpha, linear):
 
 @njit(_nrt=False)
 def first_excursion(phi, speed, alpha, linear):
-    """Return largest phi of the free motion (inf: overturns), tau until overturning or impact, impact speed or NaN."""
+    """Return the largest phi (inf if it overturns), tau until impact or overturning, and the impact speed or NaN."""
     if linear:
         xi, eta = phi / alpha, speed / alpha
         if xi - 1.0 + eta >= 0.0:
@@ -225,7 +225,7 @@ def first_excursion(phi, speed, alpha, linear):
 
 @njit(_nrt=False)
 def free_motion(f, j, linear):
-    """Compute the motion of slot j after the record, with the ground at rest, to its end.
+    """Compute the motion of body j after the record, on still ground, to its end.
 
     Return the largest phi/alpha, inf if it overturns; the time until it overturns [s], else NaN; the number of impacts
     before overturning; and the number of impacts above the cut-off, -1 if they never end.

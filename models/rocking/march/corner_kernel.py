@@ -15,26 +15,26 @@ from rocking.march.slots import LEFT, Slots, empty_slots
 
 
 class CornerLanes(NamedTuple):
-    """The (q m,) lanes of a march, q factors on the record for m bodies: lane l is body l % m, factor l // m."""
+    """The (q m,) lanes of q factors on the record and m bodies: lane l is body l % m under the factor l // m."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each body [-]
     alpha: np.ndarray  #: (2, m) angle of each corner [rad]
-    p: np.ndarray  #: (2, m) [1/s]
-    restitution: np.ndarray  #: (2, m) C of the impact that ends the rotation about each, or the rebound e [-]
+    p: np.ndarray  #: (2, m) frequency parameter of each corner [1/s]
+    restitution: np.ndarray  #: (2, m) C of the impact that ends a rotation about each corner, or the rebound e [-]
     side: np.ndarray  #: (m,) 1.0 or -1.0 for a body beside a wall, 0.0 without a wall
     rotation: np.ndarray  #: (m,) theta at the first sample [rad]
-    spin: np.ndarray  #: (m,) theta' there [rad/s]
+    spin: np.ndarray  #: (m,) theta' at the first sample [rad/s]
 
 
 def corner_slots() -> Slots:
-    """Return empty slots with the rows of both corners."""
+    """Return empty slots that have rows for both corners."""
     return empty_slots(more.CORNER_ROWS, more.OTHER_ALPHA, row.P, more.OTHER_P)
 
 
 @njit(_nrt=False)
-def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
-    """Put a lane into slot j; return its state at the first sample: MOVING, or its final state if it has ended."""
+def begin_corner_lane(f, i, j, lane, record, lanes, options, restraints):
+    """Start a lane in slot j; return its state: MOVING, or a final state if it ends at the first sample."""
     block = lane % lanes.side.size
     rotation, spin, side = lanes.rotation[block], lanes.spin[block], lanes.side[block]
     f[more.ONE_SIDED + j] = 1.0 if side != 0.0 else 0.0
@@ -55,23 +55,23 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
     if f[more.ONE_SIDED + j] == 1.0:
         f[more.OTHER_THRESHOLD + j] = np.inf
     resting = kernel.take_state(f, i, j, lane, factor, side, rotation, spin, options.last_term)
-    if held is not None:
-        begin_restraint(f, j, block, lane, held)
+    if restraints is not None:
+        begin_restraint(f, j, block, lane, restraints)
         if resting:
-            rest_levels(f, j, block, lane, held, True)
+            rest_levels(f, j, block, lane, restraints, True)
     if not event.enter_sample(f, j, record):
         return event.FLYING
     if not resting:
         return kernel.first_status(f, j, options.equation, record.extremes[LEFT, 0] * factor)
     status = more.wake_corner(f, i, j, record)
-    if held is not None and status == event.MOVING:
-        restraint_after_impact(f, j, block, lane, held)
+    if restraints is not None and status == event.MOVING:
+        restraint_after_impact(f, j, block, lane, restraints)
     return status
 
 
 @njit(_nrt=False)
-def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
-    """Return the results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
+def end_corner_lane(f, i, j, c, status, record, equation, count, restraints, work):
+    """Return the results of the ended lane in slot j, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     if status == event.OVERTURNED:
         time = f[row.SAMPLE + j] * record.dt + f[row.PASSED + j] / f[row.P + j]
@@ -84,10 +84,10 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
     if status == event.RESTING:
         outcome = kernel.ROCKS if i[row.MOVED + j] == 1 else kernel.AT_REST
         return peak, outcome, kernel.NO_REASON, np.nan, -1, impacts
-    if held is None:
+    if restraints is None:
         after, wait, before, decay = more.free_motion(f, j, equation == event.LINEAR)
     else:
-        after, wait, before, decay = motion_after(f, i, j, c, count, held, work)
+        after, wait, before, decay = motion_after(f, i, j, c, count, restraints, work)
     if after == np.inf:
         impacts += before
         time = (record.acceleration.size - 1) * record.dt + wait
@@ -96,14 +96,14 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
 
 
 @njit(_nrt=False)
-def decide_corner(f, i, j, record, equation, far, count, held):
-    """Return the state of a slot marked ATTENTION, and whether its lane has ended."""
+def decide_corner(f, i, j, record, equation, far, count, restraints):
+    """Return the state of body j after a step marked ATTENTION, and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]
     status = event.MOVING
     if f[row.EVENT + j] == steps.IMPACT:
-        most = 0.0 if held is None else rest_levels(f, j, block, lane, held, False)
+        most = 0.0 if restraints is None else rest_levels(f, j, block, lane, restraints, False)
         status = more.after_impact(f, i, j, record, equation, far, most)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
@@ -111,19 +111,19 @@ def decide_corner(f, i, j, record, equation, far, count, held):
         return event.FLYING, True
     if status == event.RESTING:
         i[row.ENDED + j] = int(f[row.SAMPLE + j])
-        if held is not None:
-            rest_levels(f, j, block, lane, held, True)
+        if restraints is not None:
+            rest_levels(f, j, block, lane, restraints, True)
         status = more.wake_corner(f, i, j, record)
         if status == event.MOVING:
-            if held is not None:
-                restraint_after_impact(f, j, block, lane, held)
+            if restraints is not None:
+                restraint_after_impact(f, j, block, lane, restraints)
             event.begin_step(f, j)
     return status, status != event.MOVING
 
 
 @njit(_nrt=False)
-def march_corners(first, last, record, lanes, options, slots, results, active, history, held, work):
-    """March :class:`CornerLanes` as kernel.march_lanes does; `held` and its `work` are None without restraints."""
+def march_corners(first, last, record, lanes, options, slots, results, active, history, restraints, work):
+    """Compute lanes as kernel.march_lanes does; without restraints, `restraints` and `work` are None."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
@@ -135,9 +135,9 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
     fastest = 1.0 if linear else np.inf
     count = lanes.side.size
     while running > 0 or coming < last:
-        if held is not None:
+        if restraints is not None:
             restrained_steps(f, width)
-            finish_restrained(f, i, width, c, count, held)
+            finish_restrained(f, i, width, c, count, restraints)
         else:
             if linear:
                 linear_steps(f, width)
@@ -160,11 +160,11 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 continue
             status, done = event.MOVING, lane < 0
             if not done:
-                status, done = decide_corner(f, i, j, record, equation, far, count, held)
+                status, done = decide_corner(f, i, j, record, equation, far, count, restraints)
             while done:
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
-                    ended = end_corner_lane(f, i, j, c, status, record, equation, count, held, work)
+                    ended = end_corner_lane(f, i, j, c, status, record, equation, count, restraints, work)
                     kernel.store_results(results, lane, *ended)
                     if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
@@ -175,7 +175,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 lane = coming
                 coming += 1
                 running += 1
-                status = begin_corner_lane(f, i, j, lane, record, lanes, options, held)
+                status = begin_corner_lane(f, i, j, lane, record, lanes, options, restraints)
                 if not far:
                     history[lane, 0, 0] = lanes.rotation[lane % count]
                     history[lane, 0, 1] = lanes.spin[lane % count]

@@ -31,7 +31,7 @@ from rocking.response import Response, empty_results, response_of
 
 
 def run_kernel(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
-    """Run ``kernel(first, last, results, active, motion)`` on (q, m) lanes; return the response with a history."""
+    """Run a kernel on (q, m) lanes; return the response, with a history of `samples` samples (0 for none)."""
     total = shape[0] * shape[1]
     found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
     split_lanes(lambda first, last: kernel(first, last, *found), total, threads)
@@ -49,7 +49,7 @@ def march_bodies(
     samples: int,
     threads: int | None,
 ) -> Response:
-    """March (m,) bodies, all restrained or all free, from `start` (theta, theta') under (q,) factors divided by g."""
+    """Compute the response of m bodies, all with or all without restraints, that start at (theta, theta')."""
     side = np.asarray(block.side, dtype=float)
     rotation, spin = start
     into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))
@@ -58,11 +58,11 @@ def march_bodies(
             "initial_rotation, initial_velocity: a one-sided body has a wall behind it; expected a rotation away from "
             f"it, got {rotation[into][0]:g} rad and {spin[into][0]:g} rad/s"
         )
-    held = None
+    restraints = None
     if block.restraints is not None:
         if options.equation == LINEAR:
             raise ValueError("equation: expected 'nonlinear' for a body with ties, loads or thrusts, got 'linear'")
-        held = _restraint_state(block, factors.size)
+        restraints = _restraint_state(block, factors.size)
     alpha, p, restitution = (
         read_only(np.array([getattr(block, name), getattr(block, other)], dtype=float))
         for name, other in (("alpha_c", "alpha_2"), ("p", "p_2"), ("restitution", "restitution_2"))
@@ -70,14 +70,14 @@ def march_bodies(
     lanes = CornerLanes(factors, gains, alpha, p, restitution, read_only(side), rotation, spin)
 
     def march(first: int, last: int, *found: Any) -> None:
-        work = None if held is None else corner_slots()
-        march_corners(first, last, ground, lanes, options, corner_slots(), *found, held, work)
+        work = None if restraints is None else corner_slots()
+        march_corners(first, last, ground, lanes, options, corner_slots(), *found, restraints, work)
 
     return run_kernel(march, (factors.size, side.size), samples, threads)
 
 
 def _restraint_state(block: Block, copies: int) -> RestraintState:
-    """Return the restraints of (m,) bodies for the kernel, with memory for the states of `copies` lanes per body."""
+    """Return the restraints of (m,) bodies for the kernel, with arrays for their states in `copies` lanes per body."""
     base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
     every: list[Restraints] = [own or Restraints() for own in np.ravel(np.array(block.restraints, dtype=object))]
     tables = [own.elements(width) for own, width in zip(every, np.ravel(base).tolist(), strict=True)]
@@ -105,11 +105,11 @@ def _restraint_state(block: Block, copies: int) -> RestraintState:
 
 
 def uplift_additions(block: Block) -> np.ndarray:
-    """Return the increase (2, m) of the uplift threshold abs(a_g)/g at both corners due to loads and thrusts."""
+    """Return by how much loads and thrusts raise the uplift threshold abs(a_g)/g of both corners (2, m)."""
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:
-        held = _restraint_state(block, 1)
-        found[:] = held.constant[:, :, 0].T / (held.weight.T * held.angle[:, :, 1].T)
+        restraints = _restraint_state(block, 1)
+        found[:] = restraints.constant[:, :, 0].T / (restraints.weight.T * restraints.angle[:, :, 1].T)
     return found
 
 
@@ -141,10 +141,10 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
         raise ValueError(f"rotation, side: expected angles from 0 to pi/2 and 1 or -1, got {rotation!r} and {side!r}")
     place, moment = (0, np.zeros(angles.shape)) if side == 1 else (1, np.zeros(angles.shape))
     if block.restraints is not None:
-        held = _restraint_state(block.lanes(1), 1)
-        factors = held.constant[0, place]
+        restraints = _restraint_state(block.lanes(1), 1)
+        factors = restraints.constant[0, place]
         moment = factors[0] * np.cos(angles) + factors[1] * np.sin(angles)
-        for one in held.elements[0]:
+        for one in restraints.elements[0]:
             friction = one[KIND] == FRICTION
             if one[HEIGHT] == 0.0 or not (friction or one[SIDE] == side):
                 continue
@@ -152,6 +152,6 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
             out = one[HEIGHT] * np.sin(angles) + xi * (1.0 - np.cos(angles)) - one[GAP]
             force = np.clip(one[STIFFNESS] * out, 0.0, one[YIELD_FORCE]) * (out < one[ULTIMATE])
             moment = moment + force * (one[HEIGHT] * np.cos(angles) + xi * np.sin(angles))
-        moment = moment / held.weight[0, place]
+        moment = moment / restraints.weight[0, place]
     alpha = block.alpha_c if side == 1 else block.alpha_2
     return np.asarray(block.gravity * (np.sin(alpha - angles) + moment) / np.cos(alpha - angles))

@@ -17,7 +17,7 @@ import numpy as np
 from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import Block
 from rocking.kernel_cache import njit
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 
 #: Number of lobes of E(t0) that are kept, the largest first.
 LOBES = 16
@@ -25,8 +25,8 @@ LOBES = 16
 NODES_PER_OCTAVE = 4
 #: Factor on the speed of the next excursion, in addition to C: excursions are seldom in phase with the ground.
 HANDED_ON = 0.9
-#: If speed plus remaining build-up is below this, a lane will not overturn: in the measured ensembles the lowest sum of
-#: a lane that later overturned was above 0.8 (docs/decisions/006).
+#: If speed plus remaining build-up is below this, a block will not overturn: in the measured ensembles the lowest sum
+#: of a block that later overturned was above 0.8 (docs/decisions/006).
 SETTLED = 0.7
 #: Relative tolerance at the ends of these ranges, far above the rounding error of a product.
 ROUNDING = 1e-9
@@ -48,7 +48,7 @@ def _lobes(
     largest: np.ndarray,
     last: np.ndarray,
 ) -> None:
-    """Find the largest abs(E) of the lobes of E(t0), descending, and the last sample with a build-up above each level.
+    """Find the largest lobes of abs(E(t0)), descending, and the last sample with a build-up above each level.
 
     E is exact for piecewise linear ground acceleration and computed in one backward pass.
     """
@@ -106,7 +106,7 @@ class Demand:
     samples : int
         Number of samples of the record.
     settled : float
-        A lane will not overturn if, right after an impact, its speed divided by the speed that overturns it on still
+        A block will not overturn if, right after an impact, its speed divided by the speed that overturns it on still
         ground, plus the remaining build-up, is no more than this [-].
 
     Examples
@@ -116,7 +116,7 @@ class Demand:
     (0.47, 800)
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     largest: np.ndarray
     lobes: np.ndarray
@@ -136,7 +136,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     Parameters
     ----------
     block : Block
-        One block, which counts as (1,), or (m,) of them.
+        One block, with results of shape (1,), or an array of m blocks.
     acceleration, dt : (n,) array_like, float
         Ground acceleration a_g [m/s2], finite, and its sampling interval [s].
 

@@ -28,7 +28,7 @@ def hyperbolic(h):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def linear_steps(f, width):
-    """Take one exact step of the first `width` slots, and write it to the rows that :func:`finish_steps` reads.
+    """Take one exact step of the first `width` slots, and write the rows that :func:`finish_steps` reads.
 
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
     - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1), without differences of large numbers near phi = 0. The
@@ -141,10 +141,10 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def nonlinear_steps(f, width):
-    """Take one Taylor step of the first `width` slots, and write it to the rows that :func:`finish_steps` reads.
+    """Take one Taylor step of the first `width` slots, and write the rows that :func:`finish_steps` reads.
 
     abs(phi'') is at most F = lift + abs(ground), and changes by at most h (F (abs(phi') + h F) + the slopes). A step is
-    marked if phi may pass TOP or the last term of its series exceeds the bound of the lane.
+    marked if phi may pass TOP or the last term of its series exceeds its bound TRUNCATION.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -205,7 +205,7 @@ def flight_time(excess, start, stop):
 
 @njit(_nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
-    """Return the nonlinear motion as :func:`linear_after`, from conservation of energy; tau is the time to phi = pi/2.
+    """Return the nonlinear motion as :func:`linear_after` does, from energy; overturning is at phi = pi/2.
 
     The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block below the top passes it if it moves
     outward with energy >= 0; a block beyond the top returns only if it moves inward with positive energy.

@@ -10,7 +10,7 @@ from rocking.march.steps import HALVED, IMPACT, NOTHING, OVER, REMNANT, enter_ve
 from rocking.response import IMPACT_CUTOFF
 
 LINEAR, NONLINEAR = 0, 1
-# States of a slot after a step.
+# States of a body after a step.
 MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
 #: A series of hops (chatter) is cut short only if its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
@@ -26,7 +26,7 @@ SHORTEST = 1.0 / 4096.0
 
 @njit(_nrt=False)
 def uplift_time(ground, slope, threshold, threshold_slope, remaining):
-    """Return the time until abs(ground) exceeds the threshold, both linear in tau; -1 if later than `remaining`."""
+    """Return the time until abs(ground) exceeds the threshold (both linear in tau); -1 if after `remaining`."""
     if abs(ground) > threshold:
         return 0.0
     end = ground + slope * remaining
@@ -66,7 +66,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 @njit(_nrt=False)
 def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
-    """Apply :func:`chatter_ends` to slot j: in its sample and, if `far`, to the end of the next block of samples.
+    """Apply :func:`chatter_ends` to body j in its sample and, if `far`, to the end of the next block of samples.
 
     `level` is the abs(a_g)/g that lifts the body, `rise` its derivative with respect to 1 + a_v/g.
     """
@@ -88,7 +88,7 @@ def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, sp
 
 @njit(_nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Return whether slot j may be put to rest after a slow impact."""
+    """Return whether body j comes to rest after a slow impact."""
     threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
@@ -119,7 +119,7 @@ def impacts_above_cutoff(speed, restitution):
 
 @njit(_nrt=False)
 def enter_sample(f, j, record):
-    """Load the ground motion of the slot's sample; return False if the vertical acceleration cancels gravity in it."""
+    """Load the ground motion of body j's sample; return False if the vertical acceleration cancels gravity."""
     k = int(f[row.SAMPLE + j])
     acceleration, left = record.acceleration, record.extremes[LEFT]
     start = acceleration[k] * f[row.FACTOR + j]
@@ -133,7 +133,7 @@ def enter_sample(f, j, record):
 
 @njit(_nrt=False)
 def begin_step(f, j):
-    """Set the ground acceleration and the length of the next step of a moving slot."""
+    """Set the ground acceleration and the length of the next step of body j."""
     passed, side, longest = f[row.PASSED + j], f[row.SIDE + j], f[row.LONGEST + j]
     f[row.GROUND + j] = side * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     f[row.SLOPE + j] = side * f[row.SAMPLE_SLOPE + j]
@@ -145,7 +145,7 @@ def begin_step(f, j):
 
 @njit(_nrt=False)
 def wake(f, i, j, record):
-    """Move a resting slot to its uplift (MOVING), loss of contact (FLYING) or the end of the record (RESTING)."""
+    """Move resting body j to its uplift (MOVING), loss of contact (FLYING) or the end of the record (RESTING)."""
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
     last = record.acceleration.size - 1
     for _ in range(last + 1):
@@ -178,7 +178,7 @@ def wake(f, i, j, record):
 
 @njit(_nrt=False)
 def must_overturn(f, j, record):
-    """Return whether slot j must overturn (linear equation): its growing mode exceeds the rest of the record."""
+    """Return whether body j must overturn (linear equation): its growing mode exceeds every later abs(a_g)/g."""
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
     if growing <= f[row.LIMIT + j]:
         return False
@@ -189,7 +189,7 @@ def must_overturn(f, j, record):
 
 @njit(_nrt=False)
 def resolve_step(f, j, c, record, equation):
-    """Complete the marked step of slot j up to its impact; set EVENT to HALVED to repeat it, OVER beyond PASSED."""
+    """Complete the marked step of body j up to its first event (impact, overturning, halved step); set EVENT."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
     too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)

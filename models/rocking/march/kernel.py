@@ -1,7 +1,7 @@
-"""Compiled kernel of the response to a record: lanes marched side by side in slots, each at its own sample.
+"""Compiled kernel of the response to a record: it computes many lanes together in slots, each at its own sample.
 
-One turn of the loop takes a step in every slot and then resolves the marked ones. A slot whose lane has ended takes the
-next lane; a lane at rest skips to its next uplift, so that every step is a step of a moving block.
+One turn of the loop takes a step in every slot and then resolves the marked steps. A slot whose lane has ended takes
+the next lane; a lane at rest skips to its next uplift, so that every step is a step of a moving block.
 """
 
 import math
@@ -23,15 +23,15 @@ STRICTLY = 1e-14
 
 
 class MarchLanes(NamedTuple):
-    """The (q m,) lanes of a march, q factors on the record for m blocks: lane l is block l % m, factor l // m."""
+    """The (q m,) lanes of q factors on the record and m blocks: lane l is block l % m under the factor l // m."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
     gains: np.ndarray  #: (m,) additional factor of each block [-]
     alpha: np.ndarray  #: (m,) alpha_c [rad]
-    p: np.ndarray  #: (m,) [1/s]
-    restitution: np.ndarray  #: (m,) C [-]
+    p: np.ndarray  #: (m,) frequency parameter [1/s]
+    restitution: np.ndarray  #: (m,) restitution C [-]
     rotation: np.ndarray  #: (m,) theta at the first sample [rad]
-    spin: np.ndarray  #: (m,) theta' there [rad/s]
+    spin: np.ndarray  #: (m,) theta' at the first sample [rad/s]
     levels: np.ndarray  #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) for none
     above: np.ndarray  #: (m, l) of int, last sample above each level, see :class:`rocking.march.demand.Demand`
 
@@ -47,7 +47,7 @@ class Options(NamedTuple):
 
 @njit(_nrt=False)
 def build_up_left(sample, factor, levels, last):
-    """Return an upper bound of the build-up from a sample on (:mod:`rocking.march.demand`); inf if unknown."""
+    """Return an upper bound of the build-up after a sample (:mod:`rocking.march.demand`); inf if unknown."""
     for k in range(levels.size - 1, -1, -1):
         if last[k] < sample:
             return levels[k] * factor
@@ -56,7 +56,7 @@ def build_up_left(sample, factor, levels, last):
 
 @njit(_nrt=False)
 def first_safe_sample(factor, levels, last, settled):
-    """Return the first sample from which a lane may be ended as safe; inf if there is none."""
+    """Return the first sample after which the build-up is too small to overturn the block; inf if there is none."""
     for k in range(levels.size):
         if levels[k] * factor < settled:
             return last[k] + 1.0
@@ -65,7 +65,7 @@ def first_safe_sample(factor, levels, last, settled):
 
 @njit(_nrt=False)
 def take_corner(f, j, alpha, p, restitution, dt, options):
-    """Set the rows of slot j that depend on the corner that it turns about."""
+    """Write the properties of the corner that body j turns about."""
     length = p * dt
     f[row.ALPHA + j] = alpha
     f[row.RESTITUTION + j] = restitution
@@ -78,7 +78,7 @@ def take_corner(f, j, alpha, p, restitution, dt, options):
 
 @njit(_nrt=False)
 def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
-    """Set the rows of slot j for the start of a lane; return whether the body is at rest."""
+    """Write the initial state of a lane into slot j; return whether the body is at rest."""
     resting = rotation == 0.0 and spin == 0.0
     i[row.LANE + j] = lane
     f[row.FACTOR + j] = factor
@@ -100,7 +100,7 @@ def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
 
 @njit(_nrt=False)
 def first_status(f, j, equation, strongest):
-    """Return the state of a moving slot at the first sample, OVERTURNED or MOVING; `strongest` bounds abs(a_g)/g."""
+    """Return the state of moving body j at the first sample; `strongest` is an upper bound of abs(a_g)/g."""
     if equation == event.LINEAR:
         over = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j] > strongest
     else:
@@ -108,10 +108,10 @@ def first_status(f, j, equation, strongest):
     return event.OVERTURNED if over else event.MOVING
 
 
-# begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
+# begin_lane, end_lane and decide have one caller each and are inlined: a call would copy their NamedTuples.
 @njit(forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
-    """Put a lane into slot j; return its state at the first sample: MOVING, or its final state if it has ended."""
+    """Start a lane in slot j; return its state: MOVING, or a final state if it ends at the first sample."""
     block = lane % lanes.alpha.size
     factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
     alpha, rotation, spin = lanes.alpha[block], lanes.rotation[block], lanes.spin[block]
@@ -132,7 +132,7 @@ def begin_lane(f, i, j, lane, record, lanes, options):
 
 @njit(_nrt=False)
 def empty_slot(f, i, j):
-    """Mark slot j as empty and give its steps zero length."""
+    """Mark slot j as empty and set its steps to zero length."""
     i[row.LANE + j] = -1
     for name in (row.PHI, row.SPEED, row.STEP, row.PASSED, row.LENGTH, row.LONGEST, row.PER_SAMPLE, row.FACTOR):
         f[name + j] = 0.0
@@ -140,7 +140,7 @@ def empty_slot(f, i, j):
 
 @njit(forceinline=True, _nrt=False)
 def end_lane(f, i, j, status, record, equation):
-    """Return the results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
+    """Return the results of the ended lane in slot j, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
     if status == event.OVERTURNED:
@@ -171,7 +171,7 @@ def end_lane(f, i, j, status, record, equation):
 
 @njit(forceinline=True, _nrt=False)
 def store_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
-    """Write the results of a lane that has ended."""
+    """Write the results of one lane into the arrays `results`."""
     results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, time
     results.outcome[lane], results.reason[lane] = outcome, reason
     results.overturning_half_cycle[lane], results.impacts[lane] = half_cycle, impacts
@@ -179,7 +179,7 @@ def store_results(results, lane, peak, outcome, reason, time, half_cycle, impact
 
 @njit(forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
-    """Return the state of a slot marked ATTENTION (CALM: it will not overturn), and whether its lane has ended."""
+    """Return the state of body j after a step marked ATTENTION, and whether its lane has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     status = event.MOVING
@@ -205,7 +205,7 @@ def decide(f, i, j, record, lanes, options, far):
 
 @njit(_nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
-    """March lanes first to last - 1; write results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
+    """Compute lanes first to last - 1; write results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)

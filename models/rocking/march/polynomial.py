@@ -46,7 +46,7 @@ def acceleration(c, tau):
 
 @njit(_nrt=False)
 def with_slope(c, order, tau):
-    """Return the derivative of phi at tau of an order of at most 2, and its slope."""
+    """Return the derivative of phi at tau of an order from 0 to 2, and the next derivative."""
     total = 0.0
     slope = 0.0
     for k in range(ORDER, order - 1, -1):
@@ -91,14 +91,14 @@ def bracketed_root(c, order, shift, left, right, guess):
 
 @njit(_nrt=False)
 def falling_root(c, left, right):
-    """Return the root of phi in [left, right]: phi > 0 at the left, phi(right) <= 0, phi' < 0 inside."""
-    # To first order a hop falls in the same time in which it rose.
+    """Return the root of phi in [left, right], in which phi falls from a positive value to zero or below."""
+    # To first order a hop falls as long as it rises.
     return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
 @njit(_nrt=False)
 def hop_root(c, h):
-    """Return the end of a hop from c[0] = 0 with phi'' < 0 in [0, h] and phi(h) <= 0, by Newton steps for phi/tau."""
+    """Return the end of a hop that starts at phi = 0, with phi'' < 0 in [0, h] and phi(h) <= 0."""
     left = 0.0
     right = h
     tau = min(-c[1] / c[2], h)
@@ -126,7 +126,7 @@ def hop_root(c, h):
 
 @njit(_nrt=False)
 def first_impact(c, h, peak):
-    """Return tau of the first impact (phi = 0) in (0, h], or -1, and the largest phi until then, at least `peak`."""
+    """Return tau of the first impact (phi = 0) in (0, h], or -1, and the largest phi until then, or `peak`."""
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
     if start_pull < 0.0 and end_pull < 0.0:
         end, end_speed = value(c, h), velocity(c, h)

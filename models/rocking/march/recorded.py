@@ -15,7 +15,7 @@ from rocking.march.demand import Demand
 from rocking.march.event import LINEAR, NONLINEAR
 from rocking.march.kernel import MarchLanes, Options, march_lanes
 from rocking.march.slots import Accelerogram, empty_slots, extremes
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.response import Response
 
 #: Largest acceleration divided by gravity that is accepted in a record [-].
@@ -74,22 +74,22 @@ def recorded_response(
         Additional factor on the record for each block, times `scale`, not negative [-].
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if only the outcome of blocks that
-        start at rest is needed: a lane ends as soon as its outcome is certain, from a bound if it overturns and from a
-        measured margin if it rocks (docs/decisions/006), with the peak so far and -1 impacts. The overturning time is
-        the time at which the block passes the angle of no return. Only for the nonlinear equation without vertical
-        acceleration and history.
+        start at rest is needed: a computation ends as soon as its outcome is certain, from a bound if the block
+        overturns and from a measured margin if it rocks (docs/decisions/006), with the peak so far and -1 impacts. The
+        overturning time is the time at which the block passes the angle of no return. Only for the nonlinear equation
+        without vertical acceleration and history.
     step : float
         Longest step as p dt [-], at most 0.3; a sample with a larger p dt is divided.
     last_term : float
         Largest last term of the Taylor series of a step of the nonlinear equation, divided by alpha_c [-]: a step with
         a larger last term is halved; inf switches this control off.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     Response
-        Arrays (q, m), a scalar axis dropped; histories (q, m, n) likewise, NaN after overturning.
+        Arrays (q, m), without the axis of a scalar argument; histories (q, m, n), NaN after overturning.
 
     Raises
     ------
@@ -101,9 +101,9 @@ def recorded_response(
     -----
     theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, or linear
     theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha,
-    towards theta > 0 if a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at abs(theta)
-    = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the largest
-    abs(a_g)/(g alpha) of the rest of the record. After the record the motion is computed in closed form.
+    towards theta > 0 if a_g is negative. At an impact theta' becomes C theta'. The nonlinear equation overturns at
+    abs(theta) = pi/2; the linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the
+    largest abs(a_g)/(g alpha) of the rest of the record. After the record the motion is computed in closed form.
 
     References
     ----------
@@ -257,7 +257,7 @@ class SlidingDemand(NamedTuple):
     loses_contact: np.ndarray
 
     def __repr__(self) -> str:
-        return one_line(self)
+        return short_repr(self)
 
 
 def sliding_demand(
@@ -273,7 +273,7 @@ def sliding_demand(
     Parameters
     ----------
     block : Block
-        One body, which counts as (1,), or (m,) of them.
+        One body, with results of shape (1,), or an array of m bodies.
     acceleration, dt, vertical, scale
         As for :func:`~rocking.recorded_response`, with a single scale factor.
     friction : float or (m,) array_like
@@ -328,7 +328,7 @@ def sliding_demand(
 
 
 def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
-    """Return the horizontal over the vertical impulse of an impact that ends a rotation about the right corner [-].
+    """Return the horizontal divided by the vertical impulse of an impact that ends a rotation about the right corner.
 
     h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners: the friction that an impact without sliding
     requires. The impact lasts an instant, so this number is for information only. `restitution` replaces the body's C.

@@ -28,8 +28,8 @@ TOUCHING = 1e-13
 class RestraintState(NamedTuple):
     """The restraints of the (m,) bodies of a march, and the state of their elements in each lane."""
 
-    elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 for none
-    constant: np.ndarray  #: (m, 2, 2) moments of weights and thrusts as factors of cos and sin, by corner [N m]
+    elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 means no element
+    constant: np.ndarray  #: (m, 2, 2) moments of weights and thrusts: factors of cos(phi), sin(phi) by corner [N m]
     points: np.ndarray  #: (m, e, 2, 3) horizontal distance and distance of each element from each corner [m],
     # and the angle of the line between them to the vertical [rad]
     weight: np.ndarray  #: (m, 2) M g R by corner [N m]
@@ -41,13 +41,13 @@ class RestraintState(NamedTuple):
 
 @njit(_nrt=False)
 def sides(f, j):
-    """Return the corner of slot j, 0 for theta > 0 and 1 for theta < 0, and the sign of theta."""
+    """Return the corner of body j, 0 for theta > 0 and 1 for theta < 0, and the sign of theta."""
     return (0, 1.0) if f[row.SIDE + j] > 0.0 else (1, -1.0)
 
 
 @njit(_nrt=False)
 def rotation_at(displacement, point):
-    """Return phi at which a point of :class:`RestraintState` has moved outward by `displacement`; inf if it cannot."""
+    """Return the phi at which a point has moved outward by `displacement`; inf if it never does."""
     if displacement == 0.0:
         return 0.0
     share = (displacement - point[0]) / point[1]
@@ -58,27 +58,27 @@ def rotation_at(displacement, point):
 
 @njit(_nrt=False)
 def outward_displacement(phi, height, distance):
-    """Return the outward displacement of a point at a height and a distance behind the corner [m]."""
+    """Return the outward displacement of a point at a height and a distance inwards from the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 
 
 @njit(_nrt=False)
-def set_restraint(f, j, block, lane, held):
-    """Set moment factors, range of phi and longest step of slot j from the states of its elements."""
+def set_restraint(f, j, block, lane, restraints):
+    """Set the moment factors, the range of phi and the longest step of body j from its restraints."""
     place, side = sides(f, j)
-    one, two = held.constant[block, place, 0], held.constant[block, place, 1]
+    one, two = restraints.constant[block, place, 0], restraints.constant[block, place, 1]
     sine_2 = cosine_2 = stiff = 0.0
     fixed = abs(one) + abs(two)
     floor, ceiling, slides = 0.0, f[row.TOP + j], 0.0
-    for e in range(held.elements.shape[1]):
-        part = held.elements[block, e]
+    for e in range(restraints.elements.shape[1]):
+        part = restraints.elements[block, e]
         height = part[HEIGHT]
         if height == 0.0:
             continue
-        mode, rest = held.mode[lane, e], held.set[lane, e]
+        mode, rest = restraints.mode[lane, e], restraints.set[lane, e]
         stiffness = part[STIFFNESS]
-        point = held.points[block, e, place]
+        point = restraints.points[block, e, place]
         distance = point[0]
         if part[KIND] == FRICTION:
             own = side * rest
@@ -116,9 +116,10 @@ def set_restraint(f, j, block, lane, held):
         cosine_2 -= stiffness * height * distance
         sine_2 += 0.5 * stiffness * (height * height - distance * distance)
         stiff += stiffness * (height * height + distance * distance)
-    weight = held.weight[block, place]
+    weight = restraints.weight[block, place]
     one, two = one / weight, two / weight
-    f[more.SINE_ALPHA + j], f[more.COSINE_ALPHA + j] = held.angle[block, place, 0], held.angle[block, place, 1]
+    f[more.SINE_ALPHA + j] = restraints.angle[block, place, 0]
+    f[more.COSINE_ALPHA + j] = restraints.angle[block, place, 1]
     f[more.SINE + j], f[more.COSINE + j] = two, one
     f[more.SINE_2 + j] = sine_2 / weight
     f[more.COSINE_2 + j] = cosine_2 / weight
@@ -132,113 +133,113 @@ def set_restraint(f, j, block, lane, held):
 
 
 @njit(_nrt=False)
-def begin_restraint(f, j, block, lane, held):
-    """Set the elements of slot j for its first phi and speed, and the resulting restraint."""
+def begin_restraint(f, j, block, lane, restraints):
+    """Set the states of the restraints of body j at its first rotation and speed."""
     place, side = sides(f, j)
     phi, outward = f[row.PHI + j], f[row.SPEED + j] > 0.0
-    for e in range(held.elements.shape[1]):
-        part = held.elements[block, e]
-        held.mode[lane, e], held.set[lane, e] = SLACK, 0.0
+    for e in range(restraints.elements.shape[1]):
+        part = restraints.elements[block, e]
+        restraints.mode[lane, e], restraints.set[lane, e] = SLACK, 0.0
         if part[KIND] == FRICTION:
-            outside = outward_displacement(phi, part[HEIGHT], held.points[block, e, place, 0])
-            held.mode[lane, e], held.set[lane, e] = SPRING, side * outside
+            outside = outward_displacement(phi, part[HEIGHT], restraints.points[block, e, place, 0])
+            restraints.mode[lane, e], restraints.set[lane, e] = SPRING, side * outside
         elif part[SIDE] == side and part[HEIGHT] > 0.0:
             over = outward_displacement(phi, part[HEIGHT], part[NEAR]) - part[GAP]
             most = part[YIELD_FORCE] / part[STIFFNESS]
             if over >= part[ULTIMATE]:
-                held.mode[lane, e] = BROKEN
+                restraints.mode[lane, e] = BROKEN
             elif over >= most:
-                held.mode[lane, e] = YIELDS if outward else SPRING
-                held.set[lane, e] = over - most
+                restraints.mode[lane, e] = YIELDS if outward else SPRING
+                restraints.set[lane, e] = over - most
             elif over > 0.0 or (over == 0.0 and outward):
-                held.mode[lane, e] = SPRING
-    set_restraint(f, j, block, lane, held)
+                restraints.mode[lane, e] = SPRING
+    set_restraint(f, j, block, lane, restraints)
 
 
 @njit(_nrt=False)
-def restraint_after_impact(f, j, block, lane, held):
-    """Set the elements of slot j after an impact, when it begins to turn about its new corner."""
+def restraint_after_impact(f, j, block, lane, restraints):
+    """Set the states of the restraints of body j after an impact, for its new corner."""
     _, side = sides(f, j)
-    for e in range(held.elements.shape[1]):
-        part = held.elements[block, e]
+    for e in range(restraints.elements.shape[1]):
+        part = restraints.elements[block, e]
         if part[HEIGHT] == 0.0:
             continue
         if part[KIND] == FRICTION:
             outward = SLIDES_UP if side > 0.0 else SLIDES_DOWN
-            if held.mode[lane, e] != SPRING and held.mode[lane, e] != outward:
-                make_spring(part, held, lane, e, 0.0, side)  # rebounded from the wall while the load slid
-        elif held.mode[lane, e] != BROKEN:
-            free = part[SIDE] != side or part[GAP] + held.set[lane, e] > 0.0
-            held.mode[lane, e] = SLACK if free else SPRING
-    set_restraint(f, j, block, lane, held)
+            if restraints.mode[lane, e] != SPRING and restraints.mode[lane, e] != outward:
+                make_spring(part, restraints, lane, e, 0.0, side)  # rebounded from the wall while the load slid
+        elif restraints.mode[lane, e] != BROKEN:
+            free = part[SIDE] != side or part[GAP] + restraints.set[lane, e] > 0.0
+            restraints.mode[lane, e] = SLACK if free else SPRING
+    set_restraint(f, j, block, lane, restraints)
 
 
 @njit(_nrt=False)
-def make_spring(part, held, lane, e, outward, side):
-    """Turn an element that yields or slides into a spring at the displacement `outward` [m] of its point."""
+def make_spring(part, restraints, lane, e, outward, side):
+    """Turn a yielding tie or a sliding load into a spring at the displacement `outward` [m]."""
     most = part[YIELD_FORCE] / part[STIFFNESS]
     if part[KIND] == FRICTION:
-        held.set[lane, e] = side * outward - (most if held.mode[lane, e] == SLIDES_UP else -most)
+        restraints.set[lane, e] = side * outward - (most if restraints.mode[lane, e] == SLIDES_UP else -most)
     else:
-        held.set[lane, e] = outward - part[GAP] - most
-    held.mode[lane, e] = SPRING
+        restraints.set[lane, e] = outward - part[GAP] - most
+    restraints.mode[lane, e] = SPRING
 
 
 @njit(_nrt=False)
-def change_elements(f, j, block, lane, held, direction):
-    """Change elements whose range ends at phi, passed outward (`direction` 1) or inward (-1), or at a reversal (0)."""
+def change_elements(f, j, block, lane, restraints, direction):
+    """Change restraints whose range ends at phi; `direction` is 1 outward, -1 inward and 0 for a reversal."""
     place, side = sides(f, j)
     phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
-    for e in range(held.elements.shape[1]):
-        part = held.elements[block, e]
+    for e in range(restraints.elements.shape[1]):
+        part = restraints.elements[block, e]
         if part[HEIGHT] == 0.0:
             continue
-        x = outward_displacement(phi, part[HEIGHT], held.points[block, e, place, 0])
+        x = outward_displacement(phi, part[HEIGHT], restraints.points[block, e, place, 0])
         near = TOUCHING * (x + part[HEIGHT])
-        mode, most = held.mode[lane, e], part[YIELD_FORCE] / part[STIFFNESS]
+        mode, most = restraints.mode[lane, e], part[YIELD_FORCE] / part[STIFFNESS]
         if part[KIND] == FRICTION:
-            own = x - side * held.set[lane, e]
+            own = x - side * restraints.set[lane, e]
             if mode == SPRING and not turned:
                 if outward and own >= most - near:
-                    held.mode[lane, e] = SLIDES_UP if side > 0.0 else SLIDES_DOWN
+                    restraints.mode[lane, e] = SLIDES_UP if side > 0.0 else SLIDES_DOWN
                 elif not outward and own <= near - most:
-                    held.mode[lane, e] = SLIDES_DOWN if side > 0.0 else SLIDES_UP
+                    restraints.mode[lane, e] = SLIDES_DOWN if side > 0.0 else SLIDES_UP
             elif mode != SPRING and turned:
-                make_spring(part, held, lane, e, x, side)
+                make_spring(part, restraints, lane, e, x, side)
             continue
         if part[SIDE] != side or mode == BROKEN:
             continue
         over = x - part[GAP]
         if mode == YIELDS and turned:
-            make_spring(part, held, lane, e, x, side)
+            make_spring(part, restraints, lane, e, x, side)
         elif mode != SLACK and outward and over >= part[ULTIMATE] - near:
-            held.mode[lane, e] = BROKEN
-        elif mode == SLACK and outward and over - held.set[lane, e] >= -near:
-            held.mode[lane, e] = SPRING
+            restraints.mode[lane, e] = BROKEN
+        elif mode == SLACK and outward and over - restraints.set[lane, e] >= -near:
+            restraints.mode[lane, e] = SPRING
         elif mode == SPRING and not turned:
-            if outward and over - held.set[lane, e] >= most - near:
-                held.mode[lane, e] = YIELDS
-            elif not outward and over - held.set[lane, e] <= near:
-                held.mode[lane, e] = SLACK
-    set_restraint(f, j, block, lane, held)
+            if outward and over - restraints.set[lane, e] >= most - near:
+                restraints.mode[lane, e] = YIELDS
+            elif not outward and over - restraints.set[lane, e] <= near:
+                restraints.mode[lane, e] = SLACK
+    set_restraint(f, j, block, lane, restraints)
 
 
 @njit(_nrt=False)
-def rest_levels(f, j, block, lane, held, at_rest):
-    """Set EXTRA of both corners of a slot on the ground; return the part of sliding loads, which resist motion."""
+def rest_levels(f, j, block, lane, restraints, at_rest):
+    """Set EXTRA of both corners of body j on the ground; return the contribution of sliding loads."""
     place, side = sides(f, j)
     friction = most = 0.0
-    for e in range(held.elements.shape[1]):
-        part = held.elements[block, e]
+    for e in range(restraints.elements.shape[1]):
+        part = restraints.elements[block, e]
         if part[KIND] == FRICTION:
-            if held.mode[lane, e] != SPRING:
+            if restraints.mode[lane, e] != SPRING:
                 if not at_rest:
                     most += part[YIELD_FORCE] * part[HEIGHT]
                     continue
-                make_spring(part, held, lane, e, 0.0, side)
-            friction -= part[STIFFNESS] * held.set[lane, e] * part[HEIGHT]  # resists theta > 0
-    weight = held.weight[block, place] * held.angle[block, place, 1]
-    other = held.weight[block, 1 - place] * held.angle[block, 1 - place, 1]
-    f[more.EXTRA + j] = (held.constant[block, place, 0] + side * friction) / weight
-    f[more.OTHER_EXTRA + j] = (held.constant[block, 1 - place, 0] - side * friction) / other
+                make_spring(part, restraints, lane, e, 0.0, side)
+            friction -= part[STIFFNESS] * restraints.set[lane, e] * part[HEIGHT]  # resists theta > 0
+    weight = restraints.weight[block, place] * restraints.angle[block, place, 1]
+    other = restraints.weight[block, 1 - place] * restraints.angle[block, 1 - place, 1]
+    f[more.EXTRA + j] = (restraints.constant[block, place, 0] + side * friction) / weight
+    f[more.OTHER_EXTRA + j] = (restraints.constant[block, 1 - place, 0] - side * friction) / other
     return most / min(weight, other)

@@ -15,10 +15,10 @@ from rocking.response import IMPACT_CUTOFF
 
 @njit(inline="always")
 def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, cosine_2):
-    """Return nonlinear_rates for -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
+    """Return the rates of -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
 
-    With the series s_k, z_k of sin(phi), cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2 sin(phi): (k + 1)
-    d_(k+2) = -[flat z + s w + cosine_2]_k.
+    As nonlinear_rates: with the series s_k, z_k of sin(phi), cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2
+    sin(phi): (k + 1) d_(k+2) = -[flat z + s w + cosine_2]_k.
     """
     d1 = speed
     s0, z0 = sine_and_cosine(phi)
@@ -72,7 +72,7 @@ def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, c
 
 @njit(fastmath={"contract"}, _nrt=False)
 def restrained_steps(f, width):
-    """Take Taylor steps as :func:`nonlinear_steps`; also mark a step if phi may leave the range of the moment."""
+    """Take Taylor steps as :func:`nonlinear_steps` does; also mark a step if phi may leave (FLOOR, CEILING)."""
     for j in range(width):
         phi = f[row.PHI + j]
         speed = f[row.SPEED + j]
@@ -117,7 +117,7 @@ def restrained_steps(f, width):
 
 #: Number of steps computed after the record; a longer motion counts as bounded.
 MOST_STEPS = 2_000_000
-#: Number of consecutive changes of restraint without motion after which the body is kept in balance for one step.
+#: Number of consecutive changes of a restraint without motion after which the body is kept in balance for one step.
 MOST_STALLS = 8.0
 #: Number of turning points in the air after which a motion counts as bounded.
 MOST_TURNS = 4
@@ -125,7 +125,7 @@ MOST_TURNS = 4
 
 @njit(_nrt=False)
 def first_turn(c, h, slides):
-    """Return tau in [0, h] at which `slides` times phi', positive at first, becomes zero; -1 if it does not."""
+    """Return the first tau in [0, h] with phi' = 0, before which phi' has the sign `slides`; -1 if none."""
     low = h
     pull, end_pull = 2.0 * c[2] * slides, acceleration(c, h) * slides
     if c[1] * slides < 0.0 or (c[1] == 0.0 and pull < 0.0):
@@ -138,8 +138,8 @@ def first_turn(c, h, slides):
 
 
 @njit(_nrt=False)
-def resolve_restrained(f, j, c, block, lane, held):
-    """Resolve a step as :func:`rocking.march.event.resolve_step`, up to the first impact or change of restraint."""
+def resolve_restrained(f, j, c, block, lane, restraints):
+    """Complete a step as event.resolve_step does, up to the first impact or change of a restraint."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     push = abs(f[row.LIFT + j]) + abs(f[row.GROUND + j]) + h * (abs(f[row.SLOPE + j]) + abs(f[row.LIFT_SLOPE + j]))
     too_long = abs(f[row.RATE_10 + j]) * h**10 > f[row.TRUNCATION + j] * (alpha + phi)
@@ -209,32 +209,32 @@ def resolve_restrained(f, j, c, block, lane, held):
         end_speed = 0.0
     f[row.PHI + j], f[row.SPEED + j] = end, end_speed
     if down >= 0.0 or up >= 0.0 or turn >= 0.0:
-        change_elements(f, j, block, lane, held, 1.0 if up >= 0.0 else (-1.0 if down >= 0.0 else 0.0))
+        change_elements(f, j, block, lane, restraints, 1.0 if up >= 0.0 else (-1.0 if down >= 0.0 else 0.0))
 
 
 @njit(_nrt=False)
-def finish_restrained(f, i, width, c, lanes, held):
-    """Finish the steps of the first `width` slots of restrained lanes (of `lanes` blocks), with impacts and changes."""
+def finish_restrained(f, i, width, c, bodies, restraints):
+    """Complete the steps of the first `width` slots of restrained lanes; `bodies` is the number of bodies."""
     finish_steps(f, width)
     for j in range(width):
         lane = i[row.LANE + j]
         if lane < 0:
             continue
         if f[row.EVENT + j] == LOOK_CLOSER:
-            resolve_restrained(f, j, c, lane % lanes, lane, held)
+            resolve_restrained(f, j, c, lane % bodies, lane, restraints)
         if f[row.EVENT + j] == IMPACT:
             more.turn_over(f, j)
-            restraint_after_impact(f, j, lane % lanes, lane, held)
+            restraint_after_impact(f, j, lane % bodies, lane, restraints)
 
 
 @njit(_nrt=False)
-def motion_after(f, i, j, c, lanes, held, g):
-    """March the motion after the record in the work space `g`; return the same as corner_event.free_motion.
+def motion_after(f, i, j, c, bodies, restraints, g):
+    """Compute the motion after the record in the work space `g`; return the results of corner_event.free_motion.
 
     It ends after one peak about each corner, or after MOST_TURNS turning points in the air: restraints add no energy,
     so later peaks are no larger. Later impacts are counted as if no tie yielded and no load slid.
     """
-    block, lane = i[row.LANE + j] % lanes, i[row.LANE + j]
+    block, lane = i[row.LANE + j] % bodies, i[row.LANE + j]
     for k in range(more.CORNER_ROWS):
         g.f[k * row.WIDTH] = f[k * row.WIDTH + j]
     g.i[row.LANE] = lane
@@ -245,25 +245,25 @@ def motion_after(f, i, j, c, lanes, held, g):
     w[row.PEAK] = w[row.PHI]
     w[more.OTHER_PEAK] = 0.0
     w[row.STEP] = w[row.LONGEST]
-    set_restraint(w, 0, block, lane, held)
+    set_restraint(w, 0, block, lane, restraints)
     peak, impacts, turns, tops = 0.0, 0, 0, 0
     arrival, p = math.nan, w[row.P]
     for _ in range(MOST_STEPS):
-        speed, held_step = w[row.SPEED], False
+        speed, halved = w[row.SPEED], False
         p = w[row.P]
         restrained_steps(w, 1)
         w[row.EVENT] = NOTHING
         finish_steps(w, 1)
         if w[row.EVENT] == LOOK_CLOSER:
-            resolve_restrained(w, 0, c, block, lane, held)
+            resolve_restrained(w, 0, c, block, lane, restraints)
         event = w[row.EVENT]
         time += w[row.PASSED] / p
         w[row.PASSED] = 0.0
         if event == OVER:
             return math.inf, time, impacts, 0
         peak = max(peak, w[row.PEAK] / w[row.ALPHA], w[more.OTHER_PEAK] / w[more.OTHER_ALPHA])
-        held_step = event == HALVED
-        if speed > 0.0 and w[row.SPEED] <= 0.0 and event != IMPACT and not held_step:
+        halved = event == HALVED
+        if speed > 0.0 and w[row.SPEED] <= 0.0 and event != IMPACT and not halved:
             turns += 1
         if event == IMPACT:
             # A hop within one step has a turning point, too.
@@ -272,14 +272,14 @@ def motion_after(f, i, j, c, lanes, held, g):
             last = w[row.ARRIVAL] / w[row.ALPHA]
             more.turn_over(w, 0)
             w[row.PASSED] = 0.0
-            restraint_after_impact(w, 0, block, lane, held)
+            restraint_after_impact(w, 0, block, lane, restraints)
             impacts += 1 if last >= IMPACT_CUTOFF else 0
             if tops >= 3 or w[row.SPEED] <= IMPACT_CUTOFF * w[row.ALPHA]:
                 arrival = last
                 break
         if turns >= MOST_TURNS:
             return peak, math.nan, 0, impacts
-        if not held_step:
+        if not halved:
             w[row.STEP] = w[row.LONGEST]
     if math.isnan(arrival):
         return peak, math.nan, 0, impacts

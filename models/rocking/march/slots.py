@@ -1,7 +1,7 @@
-"""A sampled record with its extremes, and the memory of the lanes that a march computes at the same time.
+"""A sampled record with its extremes, and slots: the memory of the lanes that a kernel computes at the same time.
 
-A step of all slots is one loop without branches over contiguous rows, which the compiler turns into vector
-instructions. Row R of slot j is ``f[R + j]`` of a flat array, so that the compiler knows that rows do not overlap.
+Slot j contains one lane; its row R is ``f[R + j]`` of a flat array, so that the compiler knows that rows do not
+overlap. A step of all slots is one loop without branches over contiguous rows, which becomes vector instructions.
 
 .. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, tau = p t; angles in rad, speeds in
    rad per unit of tau, accelerations divided by gravity.
@@ -35,7 +35,7 @@ class Accelerogram(NamedTuple):
 
 @njit()
 def extremes(acceleration, vertical):
-    """Return rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, with zeros after the record."""
+    """Return the rows LARGEST, STEEPEST, FALL and LEFT for each block of samples; zero after the record."""
     n = acceleration.size
     blocks = (n + BLOCK - 1) // BLOCK
     found = np.zeros((4, blocks + 1))
@@ -66,9 +66,9 @@ def largest_left(k, record):
 
 @njit(_nrt=False)
 def next_exceedance(k, record, factor, threshold):
-    """Return the first sample from k on with uplift (abs(a_g)/g > threshold) or loss of contact at rest; n for none.
+    """Return the first sample from k on at which a resting block lifts or loses contact; n if there is none.
 
-    For equal corners; it takes two thirds of the time that :func:`next_lift` takes.
+    Only for equal corners, with uplift at abs(a_g)/g > threshold; faster than :func:`next_lift`.
     """
     n = record.acceleration.size
     up = record.vertical.size > 0
@@ -87,7 +87,7 @@ def next_exceedance(k, record, factor, threshold):
 
 @njit(_nrt=False)
 def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
-    """Return the first sample from k on with uplift about either corner or loss of contact at rest; n for none.
+    """Return the first sample from k on at which a resting body lifts or loses contact; n if there is none.
 
     The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is divided by gravity [s2/m].
     """
@@ -107,7 +107,7 @@ def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
     return n
 
 
-#: Number of slots: four registers of the widest vector unit, so that work on one hides the latency of the others.
+#: Number of slots: four registers of the widest vector unit, so that work in one hides the latency of others.
 WIDTH = 32
 #: Number of slots in one register; fewer lanes than WIDTH use whole groups of this size.
 GROUP = 8
@@ -181,7 +181,7 @@ INT_ROWS = 5
 
 
 class Slots(NamedTuple):
-    """The slots of one march, and the polynomial of the step being examined."""
+    """The memory of all slots of one march, and the polynomial of the step being examined."""
 
     f: np.ndarray  #: (FLOAT_ROWS * WIDTH,)
     i: np.ndarray  #: (INT_ROWS * WIDTH,) of int
@@ -189,7 +189,7 @@ class Slots(NamedTuple):
 
 
 def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
-    """Return empty slots; alpha and the other `positive` rows are 0.1, to avoid floating-point errors."""
+    """Return empty slots; the rows ALPHA and `positive` are 0.1, to avoid floating-point errors."""
     slots = Slots(np.zeros(rows * WIDTH), np.zeros(INT_ROWS * WIDTH, dtype=np.int64), np.zeros(ORDER + 1))
     slots.i[LANE : LANE + WIDTH] = -1
     for name in (ALPHA, *positive):
@@ -199,7 +199,7 @@ def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
 
 @njit(_nrt=False)
 def compact_slots(f, i, width):
-    """Move the lanes of the last group into empty slots before it; return the number of slots in use."""
+    """Move the lanes of the last group of slots to empty slots before it; return the number of slots in use."""
     empty = 0
     for j in range(width - GROUP, width):
         if i[LANE + j] < 0:

@@ -1,4 +1,4 @@
-"""Loops without branches from the end of a step of every slot to the start of the next one (slots.py).
+"""Loops without branches over the slots (slots.py), which finish a step of every body and begin the next one.
 
 Slots that need a decision are marked LOOK_CLOSER or ATTENTION for :mod:`rocking.march.event`.
 """
@@ -10,8 +10,8 @@ from rocking.march import slots as row
 from rocking.march.slots import BLOCK_BITS
 from rocking.response import IMPACT_CUTOFF
 
-# Events in a step. From LOOK_CLOSER on the slot does not advance: HALVED repeats the step with half its length, OVER
-# has overturned.
+# Events in a step. From LOOK_CLOSER on the body does not advance: HALVED repeats the step with half its length, OVER
+# means that it has overturned.
 NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
 #: The iteration for an impact ends after a step below this share of the distance: it converges with third order.
 CONVERGED = 3e-6
@@ -38,7 +38,7 @@ def speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 @njit(inline="always")
 def store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Write the results of the step of slot j into the rows that :func:`finish_steps` reads."""
+    """Write the results of a step of body j into the rows that :func:`finish_steps` reads."""
     f[row.RATE_2 + j] = d2
     f[row.RATE_3 + j] = d3
     f[row.RATE_4 + j] = d4
@@ -57,7 +57,7 @@ def store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5
 
 @njit(inline="always")
 def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
-    """Return the third-order step from t to the root of phi (Newton's method with a correction for the curvature)."""
+    """Return the third-order correction of the root t of phi (Newton's method with a term for the curvature)."""
     inverse = 1.0 / speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10)
     newton = value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10) * inverse
     pull = d2 + t * (2.0 * d3 + t * (3.0 * d4))
@@ -66,12 +66,12 @@ def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 @njit(fastmath={"contract"}, _nrt=False)
 def finish_steps(f, width):
-    """Write the end of the step of each of the first `width` slots: its state, EVENT, and ARRIVAL after an impact.
+    """Write the state at the end of the step of the first `width` slots, its EVENT, and the impact speed ARRIVAL.
 
     A curve differs from its chord by at most h^2/8 max abs(phi''). If phi'' < 0 in the whole step, it lies above its
     chord and below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the
-    intersection of the tangents is an upper bound of its top. Most impacts are such single ones; they are computed from
-    the first terms of a hop, or from the parabola through both ends of a fall.
+    intersection of the tangents is an upper bound of its top. Most impacts are single impacts of this kind; they are
+    computed from the first terms of a hop, or from the parabola through both ends of a fall.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -131,7 +131,7 @@ REMNANT = 1e-9
 
 @njit(fastmath={"contract"}, _nrt=False)
 def advance_steps(f, width, acceleration, left, fastest):
-    """Advance the first `width` slots to their next step; impacts faster than `fastest` over alpha_c set ATTENTION."""
+    """Begin the next step of the first `width` slots; set ATTENTION for impacts faster than `fastest` alpha_c."""
     last = acceleration.size - 1
     for j in range(width):
         held = f[row.EVENT + j] >= LOOK_CLOSER
@@ -177,7 +177,7 @@ def advance_steps(f, width, acceleration, left, fastest):
 
 @njit(_nrt=False)
 def enter_vertical(f, j, vertical):
-    """Load the vertical acceleration of the slot's sample; return False if it cancels gravity."""
+    """Load the vertical acceleration of body j's sample; return False if it cancels gravity."""
     k = int(f[row.SAMPLE + j])
     start = 1.0 + vertical[k] * f[row.FACTOR + j]
     end = 1.0 + vertical[k + 1] * f[row.FACTOR + j]
@@ -188,7 +188,7 @@ def enter_vertical(f, j, vertical):
 
 @njit(_nrt=False)
 def advance_vertical(f, i, width, vertical):
-    """Advance the vertical acceleration as :func:`advance_steps` does; set FLIES to 1 if the block loses contact."""
+    """Advance the vertical acceleration as :func:`advance_steps` does; set FLIES if a block loses contact."""
     for j in range(width):
         if i[row.LANE + j] < 0 or f[row.EVENT + j] >= LOOK_CLOSER:
             continue

@@ -48,7 +48,7 @@ def critical_scale(
     Parameters
     ----------
     block : Block
-        One block, which counts as (1,), or (m,) of them.
+        One block, with results of shape (1,), or an array of m blocks.
     acceleration, dt, equation, vertical
         As for :func:`~rocking.recorded_response`; the factor multiplies both accelerations.
     level : float, optional
@@ -58,12 +58,12 @@ def critical_scale(
     points : int
         Number of factors in the scan of each block, at least 2.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     ScaleIntervals
-        Intervals of (m,) lanes.
+        Intervals of m blocks.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def impulsive_critical_scale(
     Returns
     -------
     ScaleIntervals
-        Intervals of (m,) lanes.
+        Intervals of m blocks.
 
     Notes
     -----
@@ -152,7 +152,7 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return f (or inf) at which a record lifts (m,) blocks, f abs(a_g) = (g + f a_v) tan(alpha) + restraints."""
+    """Return factors f (m,) at which a record lifts blocks: f abs(a_g) = (g + f a_v) tan(alpha) + restraints."""
     found = np.full(np.shape(block.p), np.inf)
     more = uplift_additions(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
@@ -206,7 +206,7 @@ def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max
     Returns
     -------
     ScaleIntervals
-        Intervals of (m,) lanes.
+        Intervals of m blocks.
 
     Examples
     --------
@@ -232,7 +232,7 @@ def sequence_critical_scale(
     Parameters
     ----------
     block : Block
-        One block, which counts as (1,), or (m,) of them.
+        One block, with results of shape (1,), or an array of m blocks.
     sequence : ImpulseSequence
         One sequence; (m,) for pairs.
     factor_max : float
@@ -241,14 +241,14 @@ def sequence_critical_scale(
         Largest ratio of neighbouring factors in a search, above 1; every spacing except "continuous" needs a search,
         because the number of secondary impulses in a half-cycle is a result of the march.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
     paired : bool
         Whether each block is paired with one sequence, of spacing "continuous" and with a `main_count`.
 
     Returns
     -------
     ScaleIntervals
-        Intervals of (m,) lanes. In closed form `safe_up_to` and `safety_factor` are the same number.
+        Intervals of m blocks. In closed form `safe_up_to` and `safety_factor` are the same number.
 
     Raises
     ------
@@ -303,13 +303,13 @@ def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] 
         expected = f"one for each of {pairs[0]} blocks" if pairs else "one sequence"
         raise ValueError(f"sequence: expected {expected}, got shape {sequence.shape}")
     if pairs and (sequence.spacing != "continuous" or sequence.main_count is None):
-        raise ValueError('sequence: of pairs expected spacing "continuous" and a main_count')
+        raise ValueError('sequence: expected spacing "continuous" and a main_count for pairs')
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
 
 
 def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleIntervals:
-    """Return the overturning bands of all half-cycles that are reached, with touching bands joined."""
+    """Return the overturning bands of all half-cycles that are reached; bands that touch are joined."""
     count = block.shape[0]
     most = UNLIMITED if sequence.main_count is None else sequence.main_count
     of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)

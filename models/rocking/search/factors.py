@@ -9,26 +9,26 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.lanes import OF_LANES, LaneValues
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 
 #: Below the first exceedance, which gives the safety factor, a step of the scan is halved for the k-th time if the
 #: response may come this close to the limit within the step (docs/decisions/008).
 NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
-#: Smallest number of steps of a lane that are halved at once, from the lowest on; half of the steps if that is more.
+#: Smallest number of steps of a block that are halved at once, from the lowest on; half of the steps if that is more.
 TOGETHER = 4
-#: A function of lanes (n,) and factors (q, n) that returns which of them exceed a limit.
+#: A function of block indices (n,) and factors (q, n) that returns which of them exceed a limit.
 Exceeds = Callable[[np.ndarray, np.ndarray], np.ndarray]
-#: Largest number of factors times lanes in one call of the scan, which limits the memory.
+#: Largest number of factors times blocks in one call of the scan, which limits the memory.
 CASES_AT_ONCE = 16384
 #: The fields of :class:`ScaleIntervals` with one value for each interval.
 OF_INTERVALS = ("lower", "upper", "open", "resolved")
-#: Largest number of factors of the scan in one lane.
+#: Largest number of factors of the scan of one block.
 POINTS_MAX = 10**7
 
 
 @dataclass(frozen=True, eq=False)
 class ScaleIntervals(LaneValues):
-    """Scale factors at which a limit is exceeded, for m lanes with k intervals in total.
+    """Scale factors at which a limit is exceeded, for m blocks with k intervals in total.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class ScaleIntervals(LaneValues):
         Smallest factor found to exceed the limit [-], inf if none; largest factor up to which no exceedance was found:
         the lower end of the last bracket, or the end of the search.
     lane : (k,) ndarray of int
-        Lane of each interval; ascending, and within a lane the intervals ascend.
+        Index of the block of each interval, ascending; the intervals of a block ascend, too.
     lower, upper : (k,) ndarray
         Ends of the intervals of exceedance [-]; the limit is exceeded at both.
     open, resolved : (k,) ndarray of bool
@@ -53,7 +53,7 @@ class ScaleIntervals(LaneValues):
     (array([1.2]), array([10.]), array([ True]))
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     safety_factor: np.ndarray = field(metadata=OF_LANES)
     safe_up_to: np.ndarray = field(metadata=OF_LANES)
@@ -66,16 +66,16 @@ class ScaleIntervals(LaneValues):
 
     @classmethod
     def unknown(cls, lanes: tuple[int, ...]) -> Self:
-        """Return a result for `lanes` lanes that were not searched: without intervals, numbers NaN."""
+        """Return a result for blocks that were not searched: no intervals, and NaN for all numbers."""
         nan, none, no_flag = np.full(lanes, np.nan), np.empty(0), np.empty(0, dtype=bool)
         return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
 
     def among(self, known: np.ndarray) -> Self:
-        """Extend the intervals of the lanes marked in `known` (m,) to all lanes; the others count as not searched."""
+        """Extend the intervals of the blocks marked in `known` (m,) to all blocks; the others were not searched."""
         return self.join([self], [np.flatnonzero(known)], known.size)
 
     def take(self, places: np.ndarray) -> Self:
-        """Select lanes by index, each at most once."""
+        """Select blocks by index, each at most once."""
         number = np.full(self.safety_factor.size, -1)
         number[places] = np.arange(len(places))
         return super().take(places)._of_lanes(number[self.lane])
@@ -89,13 +89,13 @@ class ScaleIntervals(LaneValues):
         return whole.changed(**rows)._of_lanes(lane)
 
     def _of_lanes(self, lane: np.ndarray) -> Self:
-        """Sort the intervals by the lanes (k,) that they belong to, dropping those of lane -1."""
+        """Return a copy whose intervals belong to the blocks `lane` (k,), sorted; intervals with -1 are dropped."""
         order = np.argsort(lane, kind="stable")[np.count_nonzero(lane < 0) :]
         return self.changed(lane=lane[order], **{name: getattr(self, name)[order] for name in OF_INTERVALS})
 
     @property
     def count(self) -> np.ndarray:
-        """Number of intervals of each lane: (m,) ndarray of int."""
+        """Number of intervals of each block: (m,) ndarray of int."""
         return np.bincount(self.lane, minlength=self.safety_factor.size)
 
     @property
@@ -110,29 +110,29 @@ class ScaleIntervals(LaneValues):
 def exceedance_intervals(
     exceeds: Exceeds, start: np.ndarray, factor_max: float, points: ArrayLike, tolerance: float = 1e-6
 ) -> ScaleIntervals:
-    """Find the intervals of the factor in which each lane exceeds a limit, with a log-spaced scan and refined edges.
+    """Find the intervals of the factor in which each block exceeds a limit, by a log-spaced scan with refined edges.
 
     Parameters
     ----------
     exceeds : callable
-        Takes lane indices (n,), which may repeat, and factors (q, n), one column per index, and returns a (q, n) array:
-        bool, or the response divided by the limit, at least 1 if the limit is exceeded; NaN (no result) counts as
-        exceeding. It need not be monotonic in the factor.
+        Takes block indices (n,), which may repeat, and factors (q, n), one column per index, and returns a (q, n)
+        array: bool, or the response divided by the limit, at least 1 if the limit is exceeded; NaN (no result) counts
+        as exceeding. It need not be monotonic in the factor.
     start : (m,) array_like
-        Factor > 0 below which no exceedance is possible [-]; the scan of a lane starts here. A lane whose start is
+        Factor > 0 below which no exceedance is possible [-]; the scan of a block starts here. A block whose start is
         above `factor_max`, or inf, has no interval.
     factor_max : float
         End of the search [-].
     points : int or (m,) array_like of int
-        Number of factors of the scan in each lane, both ends included; at least 2.
+        Number of factors of the scan of each block, both ends included; at least 2.
     tolerance : float
         Relative width of the final bracket of each edge, at least 1e-12.
 
     Notes
     -----
     The scan has the step (factor_max/start)^(1/(points - 1)) and also includes the factor one. Below the first
-    exceedance of a lane, steps in which its response may come close to the limit are halved. A narrower interval or gap
-    is found only if a factor of the scan lies in it. Then all edges are refined by bisection at the same time.
+    exceedance of a block, steps in which its response may come close to the limit are halved. A narrower interval
+    or gap is found only if a factor of the scan lies in it. Then all edges are refined by bisection at the same time.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def exceedance_intervals(
     """
     start = np.asarray(start, dtype=float)
     if start.ndim != 1:
-        raise ValueError(f"start: expected one factor for each lane, (m,), got shape {start.shape}")
+        raise ValueError(f"start: expected one factor for each block, (m,), got shape {start.shape}")
     given = np.broadcast_to(np.asarray(points, dtype=float), start.shape)
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
@@ -181,7 +181,7 @@ def exceedance_intervals(
 
 
 def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Return the results of `exceeds` as numbers, with inf for NaN."""
+    """Return the results of `exceeds` as numbers; NaN becomes inf."""
     reach = np.asarray(exceeds(lanes, factors), dtype=float)
     return np.where(np.isnan(reach), np.inf, reach)
 
@@ -189,9 +189,9 @@ def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarr
 def _scan(
     exceeds: Exceeds, lanes: np.ndarray, start: np.ndarray, factor_max: float, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the lane index, scale factor and peak measure of every trial in the scan, sorted by lane, then factor."""
+    """Return block index, scale factor and peak measure of every trial of the scan, sorted by block and factor."""
     points = int(np.max(counts[lanes]))
-    # Lanes with fewer factors than others repeat the last one.
+    # Blocks with fewer factors than others repeat the last factor.
     share = np.minimum(np.arange(points)[:, np.newaxis] / (counts[lanes] - 1.0), 1.0)
     factors = start[lanes] * (factor_max / start[lanes]) ** share
     factors[share == 1.0] = factor_max
@@ -206,7 +206,7 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Halve scan steps that may hide an earlier exceedance, judged from second differences of the peak measure."""
+    """Halve the scan steps that may hide an earlier exceedance, judged from second differences of `reach`."""
     halvings = np.zeros(lane.size, dtype=np.int64)  # for the step that begins at the factor
     due = np.append(NEAR, np.inf)
     while True:
@@ -221,7 +221,7 @@ def _denser(
         step = np.flatnonzero(inside & (may_reach >= due[halvings[:-1]]))
         if step.size == 0:
             return lane, factor, reach >= 1.0
-        # The lowest steps of a lane come first: an exceedance in one of them makes all higher ones needless.
+        # The lowest steps of a block come first: an exceedance in one of them makes all higher ones needless.
         begin = np.flatnonzero(np.diff(lane[step], prepend=-1))
         count = np.diff(begin, append=step.size)
         step = step[np.arange(step.size) - np.repeat(begin, count) < np.repeat(np.maximum(TOGETHER, count / 2), count)]
@@ -237,7 +237,7 @@ def _denser(
 def _bisect(
     exceeds: Exceeds, lane: np.ndarray, below: np.ndarray, above: np.ndarray, rises: np.ndarray, tolerance: float
 ) -> None:
-    """Bisect the brackets (below, above) of all edges of all lanes at the same time, in place."""
+    """Bisect the brackets (below, above) of all edges of all blocks at the same time, in place."""
     while True:
         wide = np.flatnonzero(np.isfinite(above) & (above - below > tolerance * above))
         if wide.size == 0:

@@ -1,13 +1,13 @@
-"""Nonlinear marches of bodies in lanes, each with one factor on the record and a random restitution and angle.
+"""Random samples of bodies: each lane is a body with random C and angle under one factor on the record.
 
 .. note:: All bodies of a call share one scrambled Sobol set, so that the result of a body does not depend on the
    others. Free flight is UNRESOLVED and counts as overturning. Without vertical acceleration, and for bodies in the
-   measured range, a march ends as soon as its outcome is certain (docs/decisions/006).
+   measured range, the computation of a lane ends as soon as its outcome is certain (docs/decisions/006).
 
-The first part of the lanes surrounds an estimate of the capacity and is extended while its lowest lanes overturn or its
-highest lanes survive. The density of the second part is proportional to the standard deviation sqrt(P (1 - P)) of an
-outcome, with P the share of nearby lanes of the first part that overturn. The uncertainty of the factor is not sampled,
-but applied afterwards as a smoothing kernel in ln f (:mod:`rocking.spectrum.probability`).
+The first stage of lanes surrounds an estimate of the capacity and is extended while its lowest lanes overturn or its
+highest lanes survive. The density of the second stage is proportional to the standard deviation sqrt(P (1 - P)) of an
+outcome, with P the share of nearby lanes of the first stage that overturn. The uncertainty of the factor is not
+sampled, but applied afterwards as a smoothing kernel in ln f (:mod:`rocking.spectrum.probability`).
 """
 
 import math
@@ -29,25 +29,25 @@ from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
 REACH = 4.0
 #: Largest C of a lane: a body with C = 1 never comes to rest after the record and takes twenty times as long.
 MOST_RESTITUTION = 0.999
-#: Number of Sobol points drawn at once: the lanes of each part are a multiple of it.
+#: Number of Sobol points drawn at once: the number of lanes in each part is a multiple of this.
 SET = 32
 #: Build-up (demand.py) at the estimated capacity, divided by the build-up that overturns.
 BUILD_UP_AT_CAPACITY = 2.5
-#: Number of lanes of the first part, and its extent in ln f on each side of the estimate.
+#: Number of lanes of the first stage, and its extent in ln f on each side of the estimate.
 FIRST, FIRST_HALF = 64, 0.8
-#: Number of lanes of each extension of the first part, and its length in ln f.
+#: Number of lanes of each extension of the first stage, and its length in ln f.
 MORE, MORE_LENGTH = 32, 0.8
-#: The first part is complete if its lanes survive over this length in ln f at the bottom, and overturn at the top.
+#: The first stage is complete if its lanes survive over this length in ln f at the bottom, and overturn at the top.
 QUIET = 0.2
-#: Number of lanes of the second part, and their smallest density divided by the density at P = 0.5.
+#: Number of lanes of the second stage, and their smallest density divided by the density at P = 0.5.
 SECOND, FLOOR = 192, 0.2
-#: Width in ln f over which the outcomes of the first part are averaged, and number of points of the density.
+#: Width in ln f over which the outcomes of the first stage are averaged, and number of points of the density.
 NEIGHBOURS, POINTS = 0.12, 201
 
 
 @dataclass(frozen=True, eq=False)
 class LanePart:
-    """Lanes (b, n) of bodies (b,), with their density per unit of ln f on a grid (b, g), linear between its points."""
+    """Lanes (b, n) of b bodies, and their density per unit of ln f on a grid (b, g)."""
 
     body: np.ndarray
     grid: np.ndarray
@@ -59,7 +59,7 @@ class LanePart:
 
 @dataclass(frozen=True, eq=False)
 class BodyLanes:
-    """Marched lanes of one body."""
+    """The lanes of one body: their scale factors, weights and outcomes."""
 
     log_factor: np.ndarray  #: (n,) ln of the factor on the record
     weight: np.ndarray  #: (n,) width in ln f that each lane represents [-]: 1 over the density of lanes at its factor
@@ -70,14 +70,14 @@ class BodyLanes:
     open: bool  #: True if lanes survive the largest factor, so that outcomes above it are unknown
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Return lane weights at the levels (n, k), and probabilities (k,) of a shift below and above the lanes."""
+        """Return lane weights (n, k) at the levels, and probabilities (k,) of a shift below and above all lanes."""
         bells = lane_bells(self.log_factor, self.weight, log_level, shift)
         return bells, tail_masses(self.bottom, self.top, log_level, shift)
 
 
 @dataclass(eq=False)
 class LaneMarch:
-    """Marches of (m,) nominal bodies under a record, one part of the lanes at a time."""
+    """The lanes of (m,) bodies under a record, computed in several parts."""
 
     block: Block
     acceleration: np.ndarray
@@ -91,11 +91,11 @@ class LaneMarch:
     parts: list[LanePart] = field(default_factory=list)
 
     def evenly(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
-        """March lanes of constant density in ln f from `bottom` to `top` (b,) for (b,) bodies."""
+        """Compute `number` lanes for each body, evenly spaced in ln f from `bottom` to `top` (b,)."""
         self.add(body, np.stack([bottom, top], axis=1), np.ones((body.size, 2)), number, part)
 
     def add(self, body: np.ndarray, grid: np.ndarray, wanted: np.ndarray, number: int, part: int) -> None:
-        """March `number` lanes for each of (b,) bodies, with the density `wanted` given on a grid (b, g) of ln f."""
+        """Compute `number` lanes for each body, with the density `wanted` (b, g) on a grid of ln f."""
         from scipy.stats import qmc  # import takes half a second, and most bodies are covered by a spectrum
 
         points = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part]))
@@ -118,7 +118,7 @@ class LaneMarch:
         self.parts.append(LanePart(body, grid, density, log_factor, over, unresolved))
 
     def lanes(self, body: int, standing: bool) -> BodyLanes:
-        """Return all lanes of a body so far; `standing` is True if some survive the largest factor."""
+        """Return all lanes of a body so far; `standing` is True if some lanes survive the largest factor."""
         own = [(part, row) for part in self.parts for row in np.flatnonzero(part.body == body)]
         log_factor, over, unresolved = (
             np.concatenate([getattr(part, name)[row] for part, row in own])
@@ -132,7 +132,7 @@ class LaneMarch:
         return BodyLanes(log_factor, 1.0 / density, over, unresolved, bottom, top, standing)
 
     def _outcome(self, lanes: Block, factor: np.ndarray) -> np.ndarray:
-        """Compute the outcome of (l,) lanes."""
+        """Return the outcome of each lane, a body under its scale factor."""
         early = np.zeros(factor.size, dtype=bool)
         if self.vertical is None and self.acceleration.any():
             early = within_measured_range(lanes, self.dt)
@@ -150,7 +150,7 @@ class LaneMarch:
 def probability_lanes(
     march: LaneMarch, log_max: float, guess: np.ndarray | None = None
 ) -> tuple[np.ndarray, list[BodyLanes | None]]:
-    """Return the lowest ln f (m,) of uplift, and the lanes of each body, None without uplift below `log_max`."""
+    """Return ln f of uplift (m,), and the lanes of each body; None for a body without uplift below `log_max`."""
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
@@ -164,9 +164,9 @@ def probability_lanes(
     centre = np.clip(np.log(guess[some]), bottom[some], log_max)
     low = np.maximum(np.minimum(centre - FIRST_HALF, log_max - 2.0 * FIRST_HALF), bottom[some])
     march.evenly(some, low, np.minimum(low + 2.0 * FIRST_HALF, log_max), FIRST, 0)
-    standing = _extend_first_part(march, bottom, log_max).tolist()
+    standing = _extend_first_stage(march, bottom, log_max).tolist()
     first = [(body, march.lanes(body, standing[body])) for body in some.tolist()]
-    second = [(body, *_where_verdicts_differ(lanes)) for body, lanes in first if lanes.over.any()]
+    second = [(body, *_second_stage_density(lanes)) for body, lanes in first if lanes.over.any()]
     if second:
         bodies, grids, wanted = (np.array(column) for column in zip(*second, strict=True))
         march.add(bodies, grids, wanted, SECOND, 1)
@@ -175,8 +175,8 @@ def probability_lanes(
     return bottom, found
 
 
-def _extend_first_part(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
-    """Extend the first part, at most from uplift to the largest factor; return (m,) whether lanes survive it."""
+def _extend_first_stage(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
+    """Extend the first stage beyond the capacities; return (m,) whether lanes survive the largest factor."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
     seen = 0
@@ -200,8 +200,8 @@ def _extend_first_part(march: LaneMarch, bottom: np.ndarray, log_max: float) -> 
     return standing
 
 
-def _where_verdicts_differ(lanes: BodyLanes) -> tuple[np.ndarray, np.ndarray]:
-    """Return a grid (g,) of ln f and the density of the second part on it, in arbitrary units."""
+def _second_stage_density(lanes: BodyLanes) -> tuple[np.ndarray, np.ndarray]:
+    """Return a grid (g,) of ln f, and the relative density of the second stage on it."""
     grid = np.linspace(lanes.bottom, lanes.top, POINTS)
     near = np.exp(-0.5 * ((lanes.log_factor - grid[:, np.newaxis]) / NEIGHBOURS) ** 2) * lanes.weight
     share = np.sum(near * lanes.over, axis=1) / np.sum(near, axis=1)

@@ -1,8 +1,8 @@
-"""Probability of overturning P(f) of any body under a record times f, from nonlinear marches of this body.
+"""Probability of overturning P(f) of any body under a record times f, from nonlinear responses of this body.
 
-.. note:: The 90 % intervals are from resampling the lanes with replacement as if they were independent (Sobol points
-   scatter less). If all n = (sum w)^2/sum w^2 effective lanes near the factor one have the same outcome, resampling
-   gives no spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
+.. note:: The 90 % intervals are computed by resampling the lanes with replacement as if they were independent (Sobol
+   points scatter less). If all n = (sum w)^2/sum w^2 effective lanes near the factor one have the same outcome,
+   resampling gives no spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 from rocking.arguments import ArrayLike, numbers, positive
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability_lanes
 from rocking.spectrum.overturning import OverturningFactors
 from rocking.spectrum.probability import Uncertainty, factor_at, lane_probability, lane_sums, mean_capacity, rising
@@ -33,20 +33,20 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LaneFactors:
-    """Scale factors of one body with `_low` and `_high` [-], and its rising P (k,) from exp(LEVEL_STEP first) on."""
+    """Scale factors of one body with their 90 % intervals [-], and its probability of overturning P (k,)."""
 
     found: dict[str, float]
     first: int
     probability: np.ndarray
 
     def at(self, places: np.ndarray) -> np.ndarray:
-        """Return P at the levels exp(LEVEL_STEP k) for the given k [-]."""
+        """Return P at the levels exp(LEVEL_STEP k) [-]; `places` are the numbers k."""
         own = np.clip(places - self.first, 0, self.probability.size - 1)
         return np.where(places < self.first, 0.0, self.probability[own])
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Compute the factors of one body from its lanes (None: no uplift); shifts of ln f beyond `reach` are ignored."""
+    """Compute the scale factors of one body from its lanes; `lanes` is None for a body that does not lift."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)
@@ -71,7 +71,7 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
 
 
 def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
-    """Return first and last k of the levels: P = 0 below, and P = 1 above (unknown if lanes survive there)."""
+    """Return the first and the last level k: P is 0 below them and 1 above (unknown if lanes survive)."""
     lowest = np.min(lanes.log_factor, where=lanes.over, initial=lanes.top)
     highest = np.max(lanes.log_factor, where=~lanes.over, initial=lanes.bottom)
     end = lanes.top - reach if lanes.open else highest + reach
@@ -81,20 +81,20 @@ def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
 
 @cache
 def _counts(size: int) -> np.ndarray:
-    """Return how often each lane is counted: once in the first row, as drawn in each of the RESAMPLES other rows."""
+    """Return how often each lane is counted: once in the first row, at random in the RESAMPLES other rows."""
     drawn = np.random.default_rng(size).multinomial(size, np.full(size, 1.0 / size), size=RESAMPLES)
     return np.vstack([np.ones(size), drawn])
 
 
 def _interval(name: str, values: np.ndarray) -> dict[str, float]:
-    """Return the first value, and the ends of the interval of the others as `_low` and `_high`."""
+    """Return the first value, and the 5 % and 95 % quantiles of the other values as `_low` and `_high`."""
     low = np.quantile(values[1:], LOW, method="lower")
     high = np.quantile(values[1:], HIGH, method="higher")
     return {name: float(values[0]), f"{name}_low": float(low), f"{name}_high": float(high)}
 
 
 def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
-    """Set factors above `factor_max` to inf, and limit the low end to `factor_max`."""
+    """Set factors above `factor_max` to inf, and the lower end of the interval to at most `factor_max`."""
     return {
         name: min(value, factor_max) if name.endswith("_low") else value if value <= factor_max else math.inf
         for name, value in interval.items()
@@ -102,7 +102,7 @@ def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
 
 
 def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncertainty) -> dict[str, float]:
-    """Return P at the factor one and its interval, from P (r, k) of the lanes and of their resamples."""
+    """Return P at the scale factor one and its interval; `probability` (r, k) has one row for each resample."""
     if first > 0:
         return _interval("at_one", np.zeros(RESAMPLES + 1))
     place = min(-first, probability.shape[1] - 1)
@@ -122,7 +122,7 @@ def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncert
 
 @dataclass(frozen=True, eq=False)
 class OverturningProbability(OverturningFactors):
-    """Probability of overturning of (m,) bodies as a function of the factor on a record, from marches of each body.
+    """Probability of overturning of (m,) bodies as a function of the factor on a record, computed for each body.
 
     Attributes
     ----------
@@ -140,14 +140,14 @@ class OverturningProbability(OverturningFactors):
     array([[0. , 0.9]])
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     level: np.ndarray
     probability: np.ndarray
     unresolved: np.ndarray
 
     def overturning(self, factor: ArrayLike) -> np.ndarray:
-        """Return probabilities of overturning at factors (m, d) on the record, linear in ln f between levels [-]."""
+        """Return the probability of overturning at factors (m, d), interpolated in ln f between the levels [-]."""
         rows = zip(np.log(np.asarray(factor, dtype=float)), self.probability, strict=True)
         return np.array([np.interp(one, np.log(self.level), own) for one, own in rows])
 
@@ -171,7 +171,7 @@ def overturning_probability(
     Parameters
     ----------
     block : Block
-        One nominal body, which counts as (1,), or (m,) of them.
+        One nominal body, with results of shape (1,), or an array of m bodies.
     acceleration, dt, vertical
         As for :func:`~rocking.recorded_response`; the factor multiplies both accelerations.
     uncertainty : Uncertainty, optional
@@ -181,11 +181,11 @@ def overturning_probability(
     least, most : (m,) array_like, optional
         Limits of the uniform distribution of C [-]; by default shares of the nominal C (`uncertainty`), at most 0.999.
     guess : (m,) array_like, optional
-        Estimate of the factor at which a body overturns [-]. A good estimate saves lanes.
+        Estimate of the factor at which a body overturns [-]. A good estimate saves computing time.
     seed : int
         Seed of the random numbers, not negative.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
 
     Returns
     -------

@@ -14,7 +14,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.spectrum.overturning import OverturningSpectrum
 from rocking.spectrum.slender import lobe_tops, weighted_impulse
 from rocking.spectrum.slender_lanes import (
@@ -59,7 +59,7 @@ def half_wave_lanes(
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
-    """March the lanes of an overturning spectrum under half-waves, with :func:`piece_lanes`."""
+    """Compute the lanes of an overturning spectrum under half-waves, with :func:`piece_lanes`."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
     return piece_lanes(times, ground, p, between, threads)
 
@@ -85,7 +85,7 @@ def checked_half_waves(
 
 @dataclass(frozen=True, eq=False)
 class Lobes:
-    """Lobes of E(t0), its intervals of constant sign, in order of time."""
+    """The lobes of E(t0), the intervals in which it keeps its sign, in order of time."""
 
     times: np.ndarray  # (k,) time of the largest abs(E) of each lobe [s]
     sizes: np.ndarray  # (k,) E at that time, with its sign [m/s]
@@ -98,7 +98,7 @@ class HalfWaveDemand:
     Attributes
     ----------
     march, march_10 : (m,) ndarray
-        1/(overturning factor of the march) [-]: for exp of its mean logarithm, and for its value at P = 10 %.
+        1/(scale factor of overturning) [-]: for the geometric mean of this factor, and for its value at P = 10 %.
     main_count : (m,) ndarray of int
         Number of lobes above half the largest one; at least 1.
     ratio, interval : (m,) ndarray
@@ -112,7 +112,7 @@ class HalfWaveDemand:
     (array([2]), array([0.145]))
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     march: np.ndarray
     march_10: np.ndarray
@@ -160,11 +160,11 @@ def demand_of_half_waves(
     Parameters
     ----------
     block : Block
-        One block, which counts as (1,), or (m,) of them.
+        One block, with results of shape (1,), or an array of m blocks.
     start, centroid, end, impulse : (k,) array_like
         Times of the half-waves [s], in order, centroids inside, and their signed impulses [m/s].
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
 
     Returns
     -------
@@ -225,12 +225,12 @@ def lobe_shapes(
 
 
 def _step_number(p: ArrayLike) -> np.ndarray:
-    """Return the k of frequency parameters p = RATES[0] STEP^k."""
+    """Return the number k of each frequency parameter p = RATES[0] STEP^k."""
     return np.asarray(np.log(np.asarray(p, dtype=float) / RATES[0]) / math.log(STEP))
 
 
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
-    """Return number of main lobes, rms of the others between them divided by the largest, and median spacing."""
+    """Return the number of main lobes, the rms of other lobes between them over the largest, the median spacing."""
     sizes = np.abs(lobes.sizes)
     main = np.flatnonzero(sizes > MAIN_SHARE * np.max(sizes, initial=0.0))
     if main.size < 2:
@@ -244,7 +244,7 @@ def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
 def _spectra(
     waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
 ) -> np.ndarray:
-    """Return effective impulses (2, m) of the half-waves on blocks [m/s]: mean, and at a probability of 10 %."""
+    """Return effective impulses (2, m) of half-waves on blocks [m/s]: their mean, and their value at P = 10 %."""
     rates = np.asarray(block.p)
     found = np.empty((2, rates.size))
     # Divided by the largest impulse, so that the levels of the spectrum scale with the record.

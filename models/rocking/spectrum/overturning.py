@@ -18,7 +18,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.spectrum.probability import (
     NO_LANE,
     Uncertainty,
@@ -70,7 +70,7 @@ class OverturningFactors:
     (array([1.6]), array([2.4]))
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     at_one: np.ndarray
     at_one_low: np.ndarray
@@ -106,8 +106,8 @@ def covered(
 ) -> np.ndarray:
     """Return a mask (m,) of slender bodies to which a spectrum applies: symmetric and free, or beside a wall on `side`.
 
-    Their p and their range `least` to `most` (m,) of C must lie within those of the lanes; a range of C below a tenth
-    of the lanes' range contains too few lanes.
+    Their p and their range `least` to `most` (m,) of C must lie within the ranges of the lanes; a range of C below a
+    tenth of the lanes' range contains too few lanes.
     """
     alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
     alone &= np.asarray(block.symmetric) | (side != 0)
@@ -123,18 +123,18 @@ def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
 def covered_range(
     least: np.ndarray, most: np.ndarray, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
 ) -> np.ndarray:
-    """Return a mask of ranges of C with enough lanes of a spectrum whose restitutions cover the range `between`."""
+    """Return a mask of the ranges of C that lie within the range `between` of the lanes and contain enough lanes."""
     wide = most - least >= LEAST_SHARE * (between[1] - between[0]) * (1.0 - 1e-9)
     return wide & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
 
 
 class OverturningSpectrum:
-    """The overturning spectrum of one record for a given uncertainty, from its marched lanes.
+    """The overturning spectrum of one record for a given uncertainty, computed from its lanes.
 
     Parameters
     ----------
     lanes, uncertainty : SpectrumLanes, Uncertainty
-        Marched lanes (:func:`rocking.spectrum_lanes`); the restitution of the uncertainty is given with each block.
+        Lanes of the record (:func:`rocking.spectrum_lanes`); each block has its own range of restitution.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class OverturningSpectrum:
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
         """Return P(x; p, C) at the levels (a, c, k), fitted so that it never decreases with x.
 
-        The restitution varies between shares of the nominal C (c,), set by the uncertainty. The limit state is a
+        The uncertainty gives the range of restitution as shares of the nominal C (c,). The limit state is a
         `rotation` theta/alpha; inf for overturning. Raises ValueError for a C whose range lies outside the lanes, or a
         rotation that is not positive.
         """
@@ -228,7 +228,7 @@ class OverturningSpectrum:
     def _of_blocks(
         self, block: Block, least: ArrayLike | None, most: ArrayLike | None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return P (m, k) of blocks that the spectrum covers, its standard error, and g tan(alpha)/p (m,)."""
+        """Return P (m, k) of overturning for blocks, its standard error, and g tan(alpha)/p (m,)."""
         block = block.weaker  # the corner about which a block beside a wall turns
         nominal = np.asarray(block.restitution, dtype=float)
         least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
@@ -236,9 +236,9 @@ class OverturningSpectrum:
         outside = np.flatnonzero(~self.covers(block, least, most))
         if outside.size:
             raise ValueError(
-                f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
+                f"block: the spectrum is valid for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
                 f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.lanes.between[0]:g} to "
-                f"{self.lanes.between[1]:g}, not for {outside.size} of {nominal.size}, the first one at place "
+                f"{self.lanes.between[1]:g}, not for {outside.size} of {nominal.size} blocks, the first at index "
                 f"{int(outside[0])}"
             )
         speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
@@ -250,16 +250,16 @@ class OverturningSpectrum:
         if not np.all(covered_range(least, most, self.lanes.between)):
             lowest, highest = self.lanes.between
             raise ValueError(
-                f"restitution: expected a nominal C whose draws, {self.uncertainty.restitution[0]:g} to "
-                f"{self.uncertainty.restitution[1]:g} of it, lie in {lowest:g} to {highest:g} and are at least "
-                f"{LEAST_SHARE * (highest - lowest):.2g} apart, got {restitution!r}"
+                f"restitution: expected a nominal C whose range, {self.uncertainty.restitution[0]:g} to "
+                f"{self.uncertainty.restitution[1]:g} of it, lies in {lowest:g} to {highest:g} and is at least "
+                f"{LEAST_SHARE * (highest - lowest):.2g} wide, got {restitution!r}"
             )
         return least, most
 
     def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
         above = np.minimum(np.searchsorted(self.p, p), self.p.size - 1)
-        below = above - 1  # for the first one this is the last, which has zero weight
+        below = above - 1  # -1, the last frequency parameter, gets zero weight
         step = np.log(self.p[above] / self.p[below])
         share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
         probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
@@ -273,7 +273,7 @@ class OverturningSpectrum:
 
 
 class _AtOneRate:
-    """The lanes of one frequency parameter at (k,) levels; P is 0 below the range of the lanes and 1 above it."""
+    """The lanes of one frequency parameter, and the probabilities from them at all levels."""
 
     def __init__(self, lanes: SpectrumLanes, place: int, logs: np.ndarray, uncertainty: Uncertainty) -> None:
         bottom, top, reach = lanes.bottom[place], lanes.top[place], REACH * uncertainty.spread
@@ -286,14 +286,14 @@ class _AtOneRate:
 
     @cached_property
     def sums(self) -> np.ndarray:
-        """Sums (n + 1, 4, s) over lanes up to each restitution: all weights, overturning weights, their squares."""
+        """Cumulative sums over lanes of ascending C: weights, overturning weights, and the squares of both."""
         hit = self.bells * np.isinf(self.peak)[:, np.newaxis]
         sums = np.zeros((self.bells.shape[0] + 1, 4, self.bells.shape[1]))
         np.cumsum(np.stack([self.bells, hit, self.bells**2, hit**2], axis=1), axis=0, out=sums[1:])
         return sums
 
     def overturning(self, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return P (r, k) for (r,) ranges of restitution, and its variance."""
+        """Return the probability of overturning (r, k) for r ranges of restitution, and its variance."""
         first = np.searchsorted(self.restitution, least, side="left")
         last = np.searchsorted(self.restitution, most, side="right")
         weight, hit, square, hit_square = np.moveaxis(self.sums[last] - self.sums[first], 1, 0)
@@ -306,7 +306,7 @@ class _AtOneRate:
         return self._at_all(found, 1.0), self._at_all(variance, 0.0)
 
     def reaching(self, rotation: float, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """Return P (r, k) of reaching a rotation, for (r,) ranges of C; overturning lanes reach any rotation."""
+        """Return the probability (r, k) of reaching a rotation, for r ranges of restitution."""
         within = (self.restitution >= least[:, np.newaxis]) & (self.restitution <= most[:, np.newaxis])
         hit, whole = (lane_sums(counted, self.bells) for counted in (within & (self.peak >= rotation), within))
         return self._at_all(lane_probability(hit, whole, *self.tails), 1.0)
@@ -318,7 +318,7 @@ class _AtOneRate:
 
 
 def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
-    """Interpolate P (m, d) linearly at ln x (m, d), in rows (m, k) that start at the level exp(LEVEL_STEP first)."""
+    """Interpolate rows of P (m, k) at ln x (m, d); the rows start at the level exp(LEVEL_STEP first)."""
     place = log_x / LEVEL_STEP
     whole = np.clip(np.floor(place), first, first + probability.shape[1] - 2)
     share, below = np.clip(place - whole, 0.0, 1.0), whole.astype(int) - first

@@ -5,7 +5,7 @@
    and geometry together are one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the
    shape g/s (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
 
-Lane i was marched at ln f_i with the outcome v_i, 1 if it overturned. A block under the factor f experiences f exp(Z),
+Lane i was computed at ln f_i with the outcome v_i, 1 if it overturned. A block under the factor f experiences f exp(Z),
 so P(f) is the outcome smoothed with the density h of Z,
 
 P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
@@ -24,7 +24,7 @@ from scipy.special import ndtr, owens_t
 
 from rocking.arguments import ArrayLike, numbers
 from rocking.kernel_cache import njit
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 
 #: Smallest standard deviation of ln f [-]: a finite number of lanes cannot resolve a smaller one.
 LEAST_SPREAD = 0.02
@@ -56,7 +56,7 @@ class Uncertainty:
     3.989423
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     factor: float = 0.10
     restitution: tuple[float, float] = (0.9, 1.0)
@@ -109,7 +109,7 @@ def rising(probability: np.ndarray) -> np.ndarray:
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """Return the factor (...) at which increasing P (..., k) reaches `share`, linear in ln f; inf if it does not."""
+    """Return the factor at which a rising P (..., k) reaches `share`, linear in ln f; inf if it never does."""
     reached = probability >= share
     after = np.argmax(reached, axis=-1)
     before = np.maximum(after - 1, 0)
@@ -121,7 +121,7 @@ def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.nd
 
 
 def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """Return exp of the mean ln capacity (...) of the distribution (..., k), by the trapezoidal rule, or inf."""
+    """Return exp of the mean ln capacity from its distribution (..., k); inf if P stays below 1."""
     logs = np.log(level)
     gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
     # Summed in sequence, so that further levels without a change of P do not change the result.
@@ -130,7 +130,7 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """Return the weight of each lane at each level, w_i h(t_i - ln f) (n, k), with w_i its width in ln f."""
+    """Return the weight w_i h(t_i - ln f) of each lane at each level (n, k), with its width w_i in ln f."""
     return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
 
 
@@ -152,11 +152,11 @@ def _add(counted, bells, sums):
 
 
 def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
-    """Return probabilities at (k,) levels that the shifted factor is below `bottom` and above `top` (both as ln f)."""
+    """Return probabilities (k,) that the shifted ln f is below `bottom`, and that it is above `top`."""
     return shift.below(bottom - log_level), 1.0 - shift.below(top - log_level)
 
 
 def lane_probability(hit: np.ndarray, whole: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Return P at levels (..., k) from the weights of overturning and of all lanes, and the probabilities outside."""
+    """Return P at levels (..., k) from the weights of overturning and of all lanes, and the tail probabilities."""
     share = np.divide(hit, whole, out=np.zeros(np.shape(hit)), where=whole > NO_LANE)
     return (1.0 - below - above) * np.clip(share, 0.0, 1.0) + above

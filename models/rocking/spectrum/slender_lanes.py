@@ -1,4 +1,4 @@
-"""Lanes of an overturning spectrum: marches of slender blocks over ranges of strength, p and restitution.
+"""Lanes of an overturning spectrum: responses of slender blocks over ranges of strength, p and restitution.
 
 .. note:: The motion of a slender block under a record times f depends only on x = f p/(g tan alpha) [s/m], p and C:
    with phi = theta/alpha and tau = p t the nonlinear equation tends, as alpha -> 0, to
@@ -7,8 +7,8 @@
 
    (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001), linear between impacts, with a
    closed form for a straight piece of the ground (:mod:`rocking.spectrum.slender`). At each p the lanes cover (ln x, C)
-   with a golden-ratio lattice: a first part from uplift to overturning of every lane, and a second part in the range in
-   which the outcomes of the first differ.
+   with a golden-ratio lattice: a first stage from uplift to overturning of every lane, and a second stage in the range
+   in which the outcomes of the first stage differ.
 """
 
 import math
@@ -22,7 +22,7 @@ from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import STANDARD_GRAVITY
 from rocking.body.limits import RATES
 from rocking.lanes import split_lanes
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.spectrum.slender import march_pieces, weighted_impulse
 
 #: Largest acceleration divided by gravity that is accepted in a ground motion [-].
@@ -35,35 +35,35 @@ SHORTEST = 1e-12
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
-#: Number of lanes of each p in the first and in the second part.
+#: Number of lanes of each p in the first and in the second stage.
 FIRST, SECOND = 144, 700
-#: The first part ends at this multiple of the weighted impulse that overturns a resting block, ...
+#: The first stage ends at this multiple of the weighted impulse that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
 #: ... and at least this far above uplift [-], in ln x.
 LEAST_SPAN = 0.7
-#: The first part is extended if a lane survives in its top share of this size; largest number of extensions.
+#: The first stage is extended if a lane survives in this upper share of its range; largest number of extensions.
 LAST_SHARE, WIDENINGS = 0.1, 6
 #: Capacities decrease with C: lanes of equal expected outcome have equal ln x + SLOPE (C - MIDDLE).
 SLOPE, MIDDLE = 1.3, 0.85
-#: Width in ln x over which the outcomes of the first part are averaged, and smallest density of the second part divided
+#: Width in ln x over which the outcomes of the first stage are averaged; smallest density of the second stage divided
 #: by its density at P = 0.5.
 NEIGHBOURS, FLOOR = 0.12, 0.08
-#: Number of points at which the density of the second part is computed.
+#: Number of points at which the density of the second stage is computed.
 POINTS = 161
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumLanes:
-    """Marched lanes under one record, n at each of (a,) frequency parameters, in ascending order of restitution.
+    """Responses of slender blocks (lanes) under one record: n for each of (a,) frequency parameters, by ascending C.
 
     Attributes
     ----------
     p : (a,) ndarray
         Frequency parameters, ascending [1/s].
     log_x, restitution, weight : (a, n) ndarray
-        ln of x = f p/(g tan alpha) [s/m], C, and the width in ln x times the share of restitutions that a lane
-        represents [-].
+        ln of x = f p/(g tan alpha) [s/m]; restitution C; the width in ln x times the share of restitutions that
+        a lane represents [-].
     peak : (a, n) ndarray
         Largest abs(theta)/alpha [-]; inf if the lane overturns or is UNRESOLVED.
     bottom, top : (a,) ndarray
@@ -81,7 +81,7 @@ class SpectrumLanes:
     ((1, 844), (0.675, 1.0))
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     p: np.ndarray
     log_x: np.ndarray
@@ -103,7 +103,7 @@ def neighbours(p: np.ndarray) -> np.ndarray:
 def spectrum_lanes(
     acceleration: ArrayLike, dt: float, p: ArrayLike = RATES, threads: int | None = None, *, side: int = 0
 ) -> SpectrumLanes:
-    """March the lanes of a record's overturning spectrum.
+    """Compute the lanes of a record's overturning spectrum.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def spectrum_lanes(
     p : (a,) array_like
         Frequency parameters [1/s], ascending.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The results do not depend on it.
+        Number of threads; None for all available cores. The results do not depend on it.
     side : int
         1 or -1 for blocks beside a wall, which turn only towards theta > 0 or theta < 0; 0 for free blocks.
 
@@ -144,13 +144,13 @@ def piece_lanes(
     *,
     side: int = 0,
 ) -> SpectrumLanes:
-    """March lanes at ascending p [1/s] under a ground acceleration [m/s2] linear between ascending `times` (k,) [s]."""
+    """Compute lanes at ascending p under a ground acceleration [m/s2] that is linear between `times` (k,) [s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
     check_strength(ground)
     if not np.any(ground):
-        raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
+        raise ValueError("acceleration: expected a ground motion, got only zeros")
     if side < 0:
         ground = -ground  # mirror image
     long = np.flatnonzero(np.diff(times) > SHORTEST)
@@ -218,7 +218,7 @@ def _filled(
     march: Callable[..., np.ndarray],
     between: tuple[float, float],
 ) -> SpectrumLanes:
-    """Return lanes from `bottom` (uplift) to `top` (a,) in ln x, with peaks from `march(log_x, restitution)`."""
+    """Return the lanes of both stages from uplift at ln x = `bottom` (a,) to `top` (a,), with peaks from `march`."""
     restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
@@ -230,7 +230,7 @@ def _filled(
         top = np.where(standing, top + LEAST_SPAN, top)
     lowest, highest = _level(bottom, between[0]), _level(top, between[1])
     rows = zip(_level(log_x, restitution), np.isinf(peak), lowest, highest, strict=True)
-    placed = [_where_verdicts_differ(*one) for one in rows]
+    placed = [_second_stage_levels(*one) for one in rows]
     places, grid, density = (np.stack(column) for column in zip(*placed, strict=True))
     more = np.tile(_restitutions(SECOND, 0.25, between), (rates.size, 1))
     above = places - SLOPE * (more - MIDDLE)
@@ -249,20 +249,20 @@ def _filled(
 
 
 def _restitutions(count: int, start: float, between: tuple[float, float]) -> np.ndarray:
-    """Return the restitutions (count,) of one part of the lattice."""
+    """Return `count` restitutions in the range `between`, spread by the golden ratio."""
     least, most = between
     return least + (most - least) * ((np.arange(count) * _GOLDEN + start) % 1.0)
 
 
 def _level(log_x: np.ndarray, restitution: float | np.ndarray) -> np.ndarray:
-    """Return ln x corrected for restitution, so that lanes with equal expected outcome have equal levels."""
+    """Return ln x corrected for restitution, so that lanes at one level have the same expected outcome."""
     return log_x + SLOPE * (restitution - MIDDLE)
 
 
-def _where_verdicts_differ(
+def _second_stage_levels(
     level: np.ndarray, over: np.ndarray, lowest: float, highest: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return levels (SECOND,) of the second part, and their density on a grid, from sqrt(P (1 - P)) of the first."""
+    """Return levels (SECOND,) of the second stage, and the density of the second stage on a grid of levels."""
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
     share = np.sum(near * over, axis=1) / np.sum(near, axis=1)

@@ -1,4 +1,4 @@
-"""The results of one model for every body under every record of a results file, and the margin of each body."""
+"""The results of one model for every body under every record, and the margin of each body."""
 
 import math
 from dataclasses import dataclass
@@ -18,49 +18,49 @@ from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 
 class Share(NamedTuple):
-    """Probability that a record overturns a body [-], or share of overturning earthquakes, with its 90 % interval."""
+    """A probability of overturning [-] or a share of earthquakes that overturn a body, with its 90 % interval."""
 
     value: float
-    low: float  # ends of the interval for further earthquakes of this kind
+    low: float  # ends of the 90 % interval
     high: float
-    least: float  # its value if the records without a result never, or always, overturn the body
+    least: float  # value if the records without a result do not overturn the body, and if they do
     most: float
     unknown: int  # number of records without a result
 
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The ground motions of the results, and means over their earthquakes."""
+    """The ground motions of the results, and functions that average over their earthquakes."""
 
     names: list[str]  # ids of records or names of pairs
     index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
     events: list[str]  # earthquakes of the motions
     kind: str  # "record", "pair" or "sequence"
-    any_azimuth: bool = False  # directions of bodies unknown: a pair counts by its mean, not its worst
+    any_azimuth: bool = False  # if the directions of bodies are unknown, a pair counts by its mean
 
     @property
     def event_count(self) -> int:
-        """Number of different earthquakes; 1 if no earthquake is known."""
+        """Number of different earthquakes; 1 if no record states its earthquake."""
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
-        """Return a mask (motions, bodies) of motions with a direction that is not `left_out` (records, bodies)."""
+        """Return a mask (motions, bodies) of the motions that have at least one direction not `left_out`."""
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
-        """Return the number of earthquakes (bodies,) among the motions kept for each body (motions, bodies)."""
+        """Return, for each body, the number of earthquakes among the motions in the mask `kept` (motions, bodies)."""
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
-        """Arrange values (records, ...) as (motions, directions, ...), with `missing` in unassessed directions."""
+        """Arrange values (records, ...) as (motions, directions, ...); `missing` is for directions not assessed."""
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return (motions, ...) whether a condition (records, ...) holds in any direction; `missing` if unassessed."""
+        """Return a mask (motions, ...): `so` (records, ...) holds in any direction; `missing` if not assessed."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean over earthquakes, with equal weights, of the mean of the values of each that are not NaN."""
+        """Return the mean over the earthquakes of the mean of the known values of each earthquake."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -68,12 +68,12 @@ class Motions:
             return np.asarray(np.sum(sums / counts, axis=0, where=counts > 0.0) / (counts > 0.0).sum(axis=0))
 
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
-        """Return each body's probability over the earthquakes, from probabilities (records, bodies) under each record.
+        """Return the probability of overturning of each body, from probabilities (records, bodies) under the records.
 
-        Motions with all directions `left_out` (records, bodies) are excluded. The interval is that of Clopper & Pearson
-        (1934) for this number of earthquakes: a sum of independent numbers between 0 and 1 scatters no more than a
-        binomial one with the same mean (Hoeffding 1956, doi:10.1214/aoms/1177728178), so the interval is conservative.
-        For 0 of n its upper end is 1 - 0.05^(1/n), the rule of three 3/n.
+        Motions whose directions are all `left_out` (records, bodies) are excluded. The interval is that of Clopper &
+        Pearson (1934) for this number of earthquakes. It is conservative, as a sum of independent numbers between 0 and
+        1 scatters no more than a binomial number with the same mean (Hoeffding 1956, doi:10.1214/aoms/1177728178). For
+        0 of n, its upper end is 1 - 0.05^(1/n), approximately 3/n.
         """
         table = self.over(probability, np.nan)
         # The worst direction of a pair counts, unless the direction of the body is unknown.
@@ -89,11 +89,11 @@ class Motions:
 
 
 def _others(events: list[str]) -> int:
-    """Return the number of different earthquakes: 1 if none is known, 0 without motions."""
+    """Return the number of different earthquakes; unknown ones count only if all are unknown, and then as one."""
     return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 
-#: Items for which a margin is computed: each body, each block with its worst restitution, each motion with its worst
+#: A margin is computed for each body, for each block with its worst restitution, or for each motion with its worst
 #: block.
 Of = Literal["body", "block", "motion"]
 
@@ -109,26 +109,26 @@ class Body(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of the block, with the restitution if there are several."""
+        """Name of the block, with the restitution if the block has several."""
         return f"{self.block}, C = {self.restitution:.3f}" if self.several else self.block
 
 
 class Margin(NamedTuple):
-    """Smallest and median factor, or capacity/demand, [-] of motions with results in all directions; inf: none."""
+    """The smallest and the median scale factor, or capacity/demand, [-] over the motions; inf if none was found."""
 
     smallest: float
     median: float
-    bounds: tuple[bool, bool]  # whether each is only a lower bound, as the model gives no result there
-    open: bool  # whether the smallest is only an upper bound, as a direction of its motion has no result
+    bounds: tuple[bool, bool]  # whether each is a lower bound, as the model gives no result there
+    open: bool  # whether the smallest is an upper bound, as a direction of its motion has no result
     limit: float  # end of the search if no factor was found; NaN if one was found for all motions
-    place: int  # index of the motion with the smallest, -1 for none
-    unknown: int  # number of records without a result at all,
-    partial: int  # with a result in some directions only,
-    weak: int  # and too weak to move the body
+    place: int  # index of the motion with the smallest; -1 for none
+    unknown: int  # number of motions without a result in any direction
+    partial: int  # number of motions with results in some directions only
+    weak: int  # number of motions for which the search ended below 1
 
 
 class Answers:
-    """The results of one model, read on demand: arrays (records,), (records, bodies) or (records, bodies, demands)."""
+    """The results of one model, read on demand; `answers[name]` is an array over records and usually bodies."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary
@@ -147,7 +147,7 @@ class Answers:
 
     @cached_property
     def motions(self) -> Motions:
-        """The motions over which margins are computed, by default the records."""
+        """The ground motions over which margins are computed."""
         if self._motions is not None:
             return self._motions
         index, events = np.arange(len(self.records))[:, np.newaxis], [str(event) for event in self["event"]]
@@ -156,56 +156,56 @@ class Answers:
 
     @cached_property
     def of_models(self) -> "dict[str, Answers]":
-        """Return the results of every model, in their order."""
+        """The results of every model, by name."""
         others = {name: Answers(self.summary, self._motions, name) for name in self.models if name != self.model}
         return {name: others.get(name, self) for name in self.models}
 
     @cached_property
     def demands(self) -> dict[str, SiteDemand]:
-        """Demands of the site by name."""
+        """The demands of the site, by name."""
         return stored_demands(self.summary)
 
     def to_demand(self, demand: str) -> np.ndarray:
-        """Return the factors (records, bodies) that scale each record to a demand."""
+        """Return the scale factors (records, bodies) that scale each record to a demand."""
         return self._of_demand("demand_factor", demand)
 
     def at_demand(self, demand: str) -> np.ndarray:
-        """Return probabilities of overturning (records, bodies) under records scaled to a demand; NaN if unknown."""
+        """Return the probability (records, bodies) of overturning under records scaled to a demand; NaN if unknown."""
         return self._of_demand("demand_probability", demand)
 
     @cached_property
     def source(self) -> np.ndarray:
-        """Return the source of each probability (records, bodies), as a word."""
+        """Source of each probability in words (records, bodies)."""
         return flags_as_words(self["probability_source"], dict(enumerate(SOURCES)))
 
     @property
     def searched(self) -> bool:
-        """True if safety factors of the model are known."""
+        """True if the model has safety factors."""
         return not bool(np.isnan(self["safety_factor"]).all())
 
     @cached_property
     def probable(self) -> bool:
-        """True if the probability of overturning in the model is known."""
+        """True if the model has probabilities of overturning."""
         return is_full(self.model) and not bool(np.isnan(self["overturning_probability"]).all())
 
     @property
     def factor(self) -> str:
-        """Name of the variable that contains the overturning scale factor."""
+        """Name of the variable with the scale factor of each body."""
         return "factor_10" if self.probable else "safety_factor"
 
     @property
     def has_factor(self) -> bool:
-        """True if one of these factors is known."""
+        """True if at least one scale factor is known."""
         return not bool(np.isnan(self[self.factor]).all())
 
     @property
     def bound(self) -> np.ndarray:
-        """Mask (records, bodies) of factors that are lower bounds, as the model gives no result at them."""
+        """Mask (records, bodies) of scale factors that are lower bounds, as the model gives no result at them."""
         return np.asarray((self["factor_resolved"] == 0) & (not self.probable))
 
     @property
     def counts(self) -> list[int]:
-        """Return the number of results with each outcome, over all records and bodies, in the order of Outcome."""
+        """Number of results with each outcome, in the order of Outcome."""
         return [int(np.count_nonzero(self["outcome"] == outcome)) for outcome in Outcome]
 
     @cached_property
@@ -215,18 +215,18 @@ class Answers:
 
     @property
     def unresolved(self) -> list[int]:
-        """Number (bodies,) of motions without a result in some direction."""
+        """Number of motions without a result in at least one direction, for each body."""
         silent = self.motions.in_any_direction(self["outcome"] == Outcome.UNRESOLVED)
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """Return the factor, or multiple of a demand, (records, bodies) up to which the search found no overturning."""
+        """Return the factors (records, bodies) below which no overturning was found, or their ratio to a demand."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.to_demand(demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """Return factors (records, bodies); for a demand, divided by the factors that scale the records to it."""
+        """Return the scale factors (records, bodies), or their ratio to the scale factors of a demand."""
         if demand is None:
             return self[self.factor]
         if self.probable:
@@ -238,7 +238,7 @@ class Answers:
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the smallest factor over the directions (motions, bodies), and its row in /summary, -1 for none."""
+        """The smallest scale factor over directions (motions, bodies), and its row in /summary, or -1 if none."""
         factor = self.motions.over(self[self.factor], np.nan)
         place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
         finite = np.isfinite(factor).any(axis=1)
@@ -251,15 +251,15 @@ class Answers:
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
     def overturnings(self, of: Of = "body") -> list[int]:
-        """Return the number of unscaled motions that overturn each body or block, or of blocks per motion."""
+        """Return the number of overturning motions for each body or block, or of overturned blocks for each motion."""
         fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion as a scale factor, or as capacity divided by a demand."""
+        """Return the margin of every body, block or motion, as a scale factor or as capacity divided by a demand."""
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
-        # Lower bound of each, upper bound of each, and end of the search.
+        # Lower bound and upper bound of each scale factor, and end of the search.
         least, most = (np.fmin.reduce(values, axis=1) for values in (ratio, np.where(bound, np.inf, ratio)))
         reached = np.fmin.reduce(self.motions.over(self.proven(demand), np.nan), axis=1)
         partial = np.isnan(ratio).any(axis=1)
@@ -271,14 +271,14 @@ class Answers:
 
 
 def answers_of(tree: xr.DataTree) -> Answers:
-    """Return the results of the most complete model for the motions in a tree of results."""
+    """Return the results of the most complete model in a tree of results."""
     summary = tree["summary"].to_dataset()
     swept = "directions" in tree.children
     return swept_answers(summary, tree["directions"].to_dataset()) if swept else Answers(summary)
 
 
 def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
-    """Return the results of the most complete model for pairs of channels, whose directions are rows of /summary."""
+    """Return the results of the most complete model for pairs of channels; each direction of a pair is a record."""
     events = [str(event) for event in summary["event"].values]
     index = directions["record_index"].transpose("pair", "direction").values
     kept = np.flatnonzero((index >= 0).any(axis=1))
@@ -289,7 +289,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """Return a variable of /summary or /directions for one model, along record or pair, body and demand if present."""
+    """Return a stored variable for one model; its last dimensions are the bodies and, if it has any, the demands."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
@@ -303,7 +303,7 @@ def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.
 
 
 def bodies_of(summary: xr.Dataset) -> list[Body]:
-    """Return the bodies of results: every block, once for each of its different restitutions."""
+    """Return the bodies of results: a block with several restitutions is several bodies."""
     values = summary["restitution"].transpose("block", ...).values
     values = values.reshape(values.shape[0], -1)
     found = []
@@ -314,18 +314,18 @@ def bodies_of(summary: xr.Dataset) -> list[Body]:
 
 
 def fullest_model(summary: xr.Dataset) -> str:
-    """Return the model closest to the full equation of motion."""
+    """Return the name of the model that is closest to the full equation of motion."""
     return fullest(str(model) for model in summary["model"].values)
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """Return the smallest end of the searches without overturning; NaN if every search found overturning."""
+    """Return the smallest scale factor at which a search ended without overturning; NaN if there is no such search."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
 
 def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
-    """Return the margin of every column of tables with one row per motion."""
+    """Return the margin of every column; the tables have one row for each motion."""
     known = ~np.isnan(least)
     # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)
@@ -354,7 +354,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Return the median of every column over values other than NaN; NaN if there are none."""
+    """Return the median of the known values in every column; NaN if there are none."""
     count = (~np.isnan(values)).sum(axis=0)
     ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):

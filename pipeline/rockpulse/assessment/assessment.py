@@ -53,13 +53,13 @@ def assess(
     config : Config or path, optional
         Options; by default the default settings.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration; full sizes in m.
+        The bodies, in place of the bodies of the configuration; full sizes in m.
     failures : iterable of Failure
         Files and channels that were skipped on reading, to be stored with the results.
     progress : callable, optional
         Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
     units, dt : str, float, optional
-        Unit and sampling interval [s] of files that do not state them, in place of those of ``[records]``.
+        Unit and sampling interval [s] of files that do not state them, in place of the values in ``[records]``.
     all_models : bool
         Whether to run every model, in place of ``[models] use``.
 
@@ -72,7 +72,7 @@ def assess(
     Raises
     ------
     ConfigError
-        Without a body, for two records with the same id, or a table of events that does not match the records. A record
+        If there is no body, two records have the same id, or a table of events does not match the records. A record
         that cannot be assessed is a row of /failures instead.
 
     Examples
@@ -87,7 +87,7 @@ def assess(
 
 
 class Assessment(Analysis):
-    """Computes the response of every body to every record with every model."""
+    """The assessment: computes the response of every body to every record with every model."""
 
     name = "assess"
     doing = "assessing"
@@ -101,26 +101,26 @@ class Assessment(Analysis):
 
     @property
     def work(self) -> Work:
-        """Return the function that assesses all bodies under one record."""
+        """The function that assesses all bodies under one record."""
         return partial(assess_motion, bodies=self.bodies, config=self.config)
 
     @cached_property
     def empty_part(self) -> Part:
-        """Return empty variables, for a record without results."""
+        """Empty variables in place of the results of a record, for records without results."""
         return empty_rows(self.bodies, self.config)
 
     def dimension_of(self, name: str) -> str:
-        """Return the first dimension of a variable, given by its path."""
+        """Return the first dimension of a variable, which is named by its path."""
         group, _, name = name.rpartition("/")
         return ASSESSMENT_GROUPS[group][name].dims[0]
 
     @property
     def template(self) -> xr.DataTree:
-        """Return the tree of results without records."""
+        """The tree of results without records."""
         return empty_tree(self.bodies, self.config)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Join the parts, and for a sweep compute the statistics over direction."""
+        """Return the tree with the results of all records and, for a sweep, the statistics over direction."""
         return build_tree(parts, self.bodies, self.config, failures, swept_directions(planned, self.config))
 
 
@@ -153,9 +153,9 @@ def assess_sequence(
     sequence : ImpulseSequence or DesignSpectrum
         One sequence, or a design spectrum, as :func:`rockpulse.load_design` reads them.
     config : Config or path, optional
-        Sections site, models, search and the bodies are used; a [[demand]] is not, as a sequence has no PGA.
+        The sections site, models, search and [[block]] are used, but not [[demand]], as a sequence has no PGA.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration; full sizes in m.
+        The bodies, in place of the bodies of the configuration; full sizes in m.
     name, source : str
         Id of the row, in place of a record's id, and source file of the sequence.
 
@@ -169,7 +169,7 @@ def assess_sequence(
     Raises
     ------
     ConfigError
-        Without a body, for several sequences or an endless one, for bodies outside the design spectrum, or if no model
+        If there is no body, for several sequences or an endless one, for bodies outside the spectrum, or if no model
         in ``[models] use`` can use the design.
 
     Examples
@@ -190,7 +190,7 @@ def assess_sequence(
             sequence = sequence.sequence(gathered.lanes)
         except ValueError as error:
             outside = [body for body, covered in zip(gathered.names, inside, strict=True) if not covered]
-            told = f"[[block]] {', '.join(outside)}: leave out of the assessment under this design. " if outside else ""
+            told = f"[[block]] {', '.join(outside)}: outside the design spectrum; remove them. " if outside else ""
             raise ConfigError(f"{told}{error}") from None
     elif sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
@@ -213,7 +213,7 @@ def assess_sequence(
         uncertainty=replace(asked_for.uncertainty, probability=False, azimuth=False),
         demands=(),
     )
-    # A zero record: the remaining models use only the sequence.
+    # The record is zero, as the remaining models use only the sequence.
     rest = Record(np.zeros(2), dt=1.0, id=name, source=source)
     none = np.zeros(0)
     waves = HalfWaves(none, none, none, none, none, none, dt=rest.dt, record_id=name)

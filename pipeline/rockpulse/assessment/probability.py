@@ -1,4 +1,4 @@
-"""The probability of overturning of every body under one record; the result of a body does not depend on the others."""
+"""The probability of overturning of every body under one record; the other bodies have no effect on it."""
 
 from collections.abc import Sequence
 from dataclasses import fields
@@ -20,9 +20,9 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: A body whose probability of uplift at the largest factor is below this counts as at rest.
+#: A body whose probability of uplift at the largest scale factor is below this counts as at rest.
 NEVER = 1e-6
-#: Side of rotation of the bodies that a spectrum covers, and range of restitutions or rebounds of its lanes.
+#: For bodies on each side of a wall, or free (0): the range of restitutions or rebounds that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 
@@ -31,8 +31,8 @@ def record_probability(
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
     """Compute the probability of overturning under a record, unscaled and at each demand, and the record's spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND have all lanes, (b x c,) and (b x c, d); NaN without a probability, and
-    at a demand beyond FARTHEST or `[search] factor_max`. The factor to a demand is from `channels`, or from the record.
+    The variables of PROBABILITY and AT_DEMAND have a value for each lane; it is NaN if there is no probability, or if
+    the demand is beyond FARTHEST or `[search] factor_max`. Without `channels`, the record is scaled to the demand.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -46,7 +46,7 @@ def record_probability(
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
-    """Fill in the values of b bodies; return the spectrum if one of them uses it."""
+    """Fill the arrays of `values` for all bodies; return the spectrum if one of the bodies uses it."""
     record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
     found = senses(bodies, record, bodies.cases)
     origin = np.concatenate([np.arange(found.count), found.both])
@@ -107,7 +107,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
 
 def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
-    """Return the range of C of each of b bodies: the ends of its list, or shares of its single value."""
+    """Return the smallest and the largest C of each body: from its list, or from its single value with uncertainty."""
     restitution = bodies.per_case(np.asarray(bodies.lanes.restitution, dtype=float))
     low, high = restitution.min(axis=1), restitution.max(axis=1)
     least, most = uncertainty.restitution

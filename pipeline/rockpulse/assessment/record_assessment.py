@@ -30,26 +30,26 @@ from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 class ModelRows(NamedTuple):
     """The rows that one model adds to a table of the results."""
 
-    model: int  # its index in /summary
-    lane: np.ndarray  # lane of each row, and below its body and restitution case
-    block: np.ndarray
-    case: np.ndarray
-    source: Any  # source of the columns
-    cycle: np.ndarray  # in a table of half-cycles the index of each, from 0
+    model: int  # index of the model in /summary
+    lane: np.ndarray  # lane of each row
+    block: np.ndarray  # body of each row
+    case: np.ndarray  # index of the restitution of each row
+    source: Any  # object with the values of the rows
+    cycle: np.ndarray  # index of the half-cycle of each row, from 0; empty in other tables
 
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The response of every lane to one record; lanes are bodies times restitutions, those of one body adjacent."""
+    """The response to one record of every body with each of its restitutions; these are the lanes."""
 
     scene: Scene  # the conditioned record with its half-waves and sequence
     bodies: Bodies
     config: Config
-    responses: dict[str, Response]  # by model, for all lanes, as are the following
+    responses: dict[str, Response]  # by model, for all lanes
     scales: dict[str, ScaleIntervals]
     applicable: dict[str, np.ndarray]
     probability: dict[str, np.ndarray]  # probability of overturning by variable, for all lanes
-    strength: dict[str, np.ndarray]  # strength of the motion over that of the bodies, by variable, for all lanes
+    strength: dict[str, np.ndarray]  # strength of the motion relative to the bodies by variable, for all lanes
     spectrum: OverturningSpectrum | None = None  # None if no body uses it
     shaken: bool = True  # False if a sequence of impulses replaces the record
 
@@ -60,7 +60,7 @@ class RecordAssessment:
 
     @cached_property
     def spectra(self) -> dict[str, np.ndarray]:
-        """Variables of the overturning spectrum; NaN at frequency parameters that no body uses."""
+        """Variables of the overturning spectrum; NaN at the p that no body uses."""
         found = {name: np.full([AXIS_SIZES[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if self.spectrum is not None:
             places = np.searchsorted(RATES, self.spectrum.p)
@@ -71,17 +71,17 @@ class RecordAssessment:
 
     @property
     def sequence(self) -> ImpulseSequence | None:
-        """The calibrated sequence; None if the record has no sequence, or every body has its own."""
+        """The sequence of the record; None if it has none, or if every body has its own sequence."""
         sequence = self.scene.sequence
         return None if sequence is None or sequence.shape else sequence
 
     def per_lane(self, values: np.ndarray) -> np.ndarray:
-        """Reshape values (b x c, ...) to (b, c, ...)."""
+        """Reshape values (bodies x restitutions, ...) to (bodies, restitutions, ...)."""
         return values.reshape(len(self.bodies.names), self.bodies.cases, *values.shape[1:])
 
     @cached_property
     def half_cycles(self) -> list[ModelRows]:
-        """Rows of the half-cycles of all models with such a table."""
+        """The rows of /half_cycles for each model that has half-cycles."""
         found = []
         for place, response in enumerate(self.responses.values()):
             if (table := response.half_cycles) is not None:
@@ -91,12 +91,12 @@ class RecordAssessment:
 
     @cached_property
     def intervals(self) -> list[ModelRows]:
-        """Rows of the overturning intervals of all models."""
+        """The rows of /overturning_intervals for each model."""
         return [self._rows(place, one.lane, one) for place, one in enumerate(self.scales.values())]
 
     @cached_property
     def histories(self) -> list[ModelRows]:
-        """Rows of the lanes of all models that have histories."""
+        """The rows of the response histories for each model that has them."""
         return [
             self._rows(place, np.arange(len(self.bodies.names) * self.bodies.cases), response)
             for place, response in enumerate(self.responses.values())
@@ -113,7 +113,7 @@ def assess_scene(
 ) -> RecordAssessment:
     """Assess all bodies under one record, which may be rotated from `pair`; raise ValueError if a model rejects it."""
     places = places_of(bodies, scene.record, pair, config)
-    of_record = places[0][0] == FeltMotion(None, ())  # on the ground, without its own direction
+    of_record = places[0][0] == FeltMotion(None, ())  # all bodies feel the motion of the record
     if len(places) == 1 and of_record:
         return _assess_at(scene, bodies, config, channels, 1.0)
     parts, record = [], scene.record
@@ -128,7 +128,7 @@ def assess_scene(
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(table: str) -> dict[str, np.ndarray]:
-        """Join the tables of parts of the lanes into one table, by variable, for all lanes."""
+        """Join a table of the parts into one table, in the order of all lanes."""
         tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
         return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 
@@ -154,7 +154,7 @@ def assess_scene(
 def _assess_at(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
 ) -> RecordAssessment:
-    """Assess bodies on the same ground or floor; `stronger` is its peak divided by that of the ground."""
+    """Assess bodies that feel the same motion; `stronger` is its peak divided by the peak of the ground motion."""
     lanes, sides = bodies.lanes, senses(bodies, scene.record)
     warnings: list[str] = []
     responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
@@ -166,11 +166,11 @@ def _assess_at(
                 f"{np.size(contact)} bodies touch the ground within a half-cycle; use another spacing"
             )
     for model in responses:
-        # The column of the sequence marks it for each record and body.
+        # The variable `applicable` has the result for each body.
         rule = MODELS[model].rule(scene) if MODELS[model].fitted else None
         if rule is not None and (outside := np.count_nonzero(~rule.applicable(lanes))):
             warnings.append(
-                f"{model}: {outside} of {np.size(lanes.p)} bodies lie outside the range that the rule was fitted on "
+                f"{model}: {outside} of {np.size(lanes.p)} bodies are outside the range on which the rule was fitted "
                 f"({rule.range_text}): its error rates do not apply to them"
             )
     if warnings:
@@ -196,7 +196,7 @@ def _assess_at(
 
 
 def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
-    """Return measures of the motion relative to each body, and the friction that the motion requires."""
+    """Return the strength of the motion relative to each body, and the friction that the motion requires."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
     found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}

@@ -158,7 +158,7 @@ class Results(Shown):
         return facts | {"model": self._answers.model} | {word: str(count) for word, count in counts.items()}
 
     def _picture(self) -> Picture | None:
-        """Draw the probability of overturning of every body, with its interval, in the colour of its verdict."""
+        """Draw the probability of overturning of every body with its interval; the colour is that of the verdict."""
         if not self._assessed or not self._verdicts:
             return None
         shown = self._verdicts[:DRAWN]
@@ -177,7 +177,7 @@ class Results(Shown):
 
 
 def registered(tree: xr.DataTree) -> xr.DataTree:
-    """Register :class:`Results` in xarray as the accessor ``rockpulse`` of all trees, and return the tree."""
+    """Register :class:`Results` as the accessor ``rockpulse`` of all trees, and return the tree."""
     if not hasattr(xr.DataTree, "rockpulse"):
         xr.register_datatree_accessor("rockpulse")(Results)
     return tree

@@ -1,4 +1,4 @@
-"""Preparation of one record for the models, also for bodies on floors, in other directions or beside a wall."""
+"""Preparation of a record for the models, on the ground or a floor, and in the direction of a body."""
 
 import math
 from collections.abc import Sequence
@@ -28,13 +28,13 @@ from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record and its vertical channel, then :func:`extract`; raise RockpulseError if it is rejected."""
+    """Condition a record and its vertical channel, and extract their scene; raise RockpulseError if one is rejected."""
     up = None if vertical is None else conditioned(vertical, config)
     return extract(conditioned(record, config), config, up)
 
 
 def extract(conditioned: Record, config: Config, up: Record | None = None) -> Scene:
-    """Extract half-waves and sequence of a conditioned record; too few half-waves for a sequence give a warning."""
+    """Return the scene of a conditioned record: half-waves, intense phase, sequence and options of the models."""
     lift = None
     if up is not None:
         lift = align(up, conditioned)
@@ -56,19 +56,19 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
 
 
 def solver_options(config: Config) -> dict[str, Any]:
-    """Return the options of a scene that the configuration sets for all models."""
+    """Return the solver options of the configuration, as fields of a scene."""
     models, search = config.models, config.search
     own = {"gain": models.gain, "histories": models.histories}
     return own | {"factor_max": search.factor_max, "points": search.points, "step": search.step}
 
 
-#: The motion of a floor ends when its oscillations are below this share of gravity: a thousandth of the uplift of a
-#: body of slenderness 10.
+#: The motion of a floor ends when its acceleration is below this share of gravity, a thousandth of the acceleration
+#: that lifts a body of slenderness 10.
 QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
-    """Return the positions of bodies, each with its bodies' indices; raise RecordRefused for a missing direction."""
+    """Return each motion that bodies feel, with the indices of its bodies; RecordRefused if a direction is missing."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -83,7 +83,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
 
 
 def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
-    """Return the scene in the direction of a position, rotated from the two channels of the record."""
+    """Return the scene in the direction of a body, rotated from the two channels of the record."""
     if place.azimuth is None:
         return scene
     assert pair is not None
@@ -91,7 +91,7 @@ def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -
 
 
 def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
-    """Return the scene on the floor of a position; the vertical motion is that of the ground."""
+    """Return the scene on the floor below a body; the vertical motion is that of the ground."""
     if not place.floors:
         return scene
     record, found = scene.record, floor_record(scene.record, place.floors)
@@ -104,7 +104,7 @@ def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
 
 
 def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
-    """Compute the motion of a floor under a conditioned record, from the modes of its building."""
+    """Return the motion of a floor under a conditioned record, from the modes of the building."""
     period, damping, share = ([getattr(one, name) for one in floors] for name in ("period", "damping", "participation"))
     found = floor_motion(record.acceleration, record.dt, period, damping, share, quiet=QUIET * STANDARD_GRAVITY)
     return replace(record, acceleration=found.acceleration, dt=found.dt)
@@ -113,7 +113,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Join responses of parts of the lanes; a part has `steps` samples for each sample of the ground."""
+    """Join the responses of parts of the bodies; `steps` are the samples of each part per sample of the ground."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
         motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
@@ -121,25 +121,25 @@ def joined_responses(
     return Response.join(whole, lanes, sum(places.size for places in lanes))
 
 
-#: Largest angle between the azimuths of a record and of a body's fall (or its opposite) at which the sense is known
-#: [degrees]; else a body beside a wall is assessed in both senses, and the worse result is used.
+#: Largest angle between the direction of a record and the direction in which a body can fall, or its opposite
+#: [degrees]; at larger angles a body beside a wall is assessed in both senses, and the worse result is used.
 SAME_DIRECTION = 30.0
 
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Lanes (m,) of bodies in the sense of the record, with a second lane if the sense is unknown."""
+    """Blocks that face the record; a block whose sense is unknown occurs a second time, mirrored."""
 
-    block: Block  # the m lanes, followed by the other sense of
-    both: np.ndarray  # the lanes at these indices
+    block: Block  # the blocks, followed by the mirrored ones
+    both: np.ndarray  # indices of the blocks that are also mirrored
 
     @property
     def count(self) -> int:
-        """Number of lanes, m."""
+        """Number of blocks without the mirrored ones."""
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return the worse response of both senses of each lane (overturning, then no result, then larger rotation)."""
+        """Return the worse response of both senses of each block; overturning is worst, then no result."""
         if self.both.size == 0:
             return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
@@ -147,16 +147,16 @@ class Senses:
         return response.take(self._chosen(rank))
 
     def smaller(self, found: ScaleIntervals) -> ScaleIntervals:
-        """Return the intervals of the sense with the smaller factor."""
+        """Return the intervals of the sense with the smaller safety factor, for each block."""
         rank = -np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor)
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
     def higher_probability(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
-        """Return the index in ``block`` of each lane's sense with the higher P, or if equal with the smaller factor."""
+        """Return the index in ``block`` of the sense with the higher probability, or else the smaller factor."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:
-        """Return the index in ``block`` of each lane's sense with the higher rank."""
+        """Return the index in ``block`` of the sense with the higher rank, for each block."""
         places = np.arange(self.count)
         second = self.count + np.arange(self.both.size)
         places[self.both] = np.where(rank[second] > rank[self.both], second, self.both)
@@ -164,13 +164,13 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """Return 1 if a record acts towards the fall of a body, -1 against it, both if an azimuth [degrees] is NaN."""
+    """Return 1 if a record acts in the direction in which a body falls, -1 against it, and both if this is unknown."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 
 
 def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
-    """Return the lanes of bodies in the senses of a record, or only every `step`-th lane."""
+    """Return the blocks of bodies as they face a record, or only every `step`-th block."""
     lanes = bodies.lanes.take(slice(None, None, step))
     leaning = np.asarray(lanes.side) != 0
     if not np.any(leaning):

@@ -14,12 +14,12 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import ROWS, RecordOnBodies
 from rockpulse.record.record import Record
 
-#: Range of scale factors within which a record still represents an earthquake of that strength (docs/limits.md).
+#: Range of scale factors in which a scaled record represents an earthquake of the demand (docs/limits.md).
 FARTHEST = (0.25, 4.0)
 
 
 class SiteDemand(NamedTuple):
-    """Demand of a site for a limit state: its value, and measure and value as strings."""
+    """The demand of a site for a limit state; `words` is measure and value as text."""
 
     value: float
     limit_state: str
@@ -27,7 +27,7 @@ class SiteDemand(NamedTuple):
 
 
 def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
-    """Return the demands of the node /summary by name."""
+    """Return the demands that are stored in /summary, by name."""
     if "demand" not in summary.dims:
         return {}
     found = {}
@@ -41,7 +41,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """Return factors (m, d) that scale the geometric mean of conditioned channels to d demands, for (m,) blocks."""
+    """Return factors (m, d) that scale the geometric mean of the channels' intensities to each of d demands."""
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))
     for place, demand in enumerate(config.demands):

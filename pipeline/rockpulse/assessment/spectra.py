@@ -1,4 +1,4 @@
-"""The overturning spectrum S(p, C), the effective impulse of a record on a slender block, and the rocking spectrum."""
+"""The overturning spectrum S(p, C), which is the effective impulse of a record on a block, and the rocking spectrum."""
 
 from collections.abc import Callable, Sequence
 from typing import Literal
@@ -21,7 +21,7 @@ from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
 from rockpulse.storage.variables.summary import ANSWER
 
-#: Angle of the blocks that represent all slender ones [rad]; capacity divided by g tan(alpha)/p does not depend on it.
+#: alpha of the blocks that represent all slender ones [rad]; capacity/(g tan(alpha)/p) does not depend on it.
 ALPHA = 0.1
 
 
@@ -57,8 +57,8 @@ def overturning_spectrum(
     method : {"nonlinear", "rule"}
         The nonlinear equation, or the rule of :func:`rockpulse.load_rule`, which uses only the record's half-waves.
     uncertainty : Uncertainty, optional
-        Uncertainty of factor, restitution and geometry; by default that of :class:`rockpulse.models.Uncertainty`, the
-        only one that the rule accepts.
+        Uncertainty of factor, restitution and geometry; by default :class:`rockpulse.models.Uncertainty`, the only one
+        that the rule accepts.
     threads : int, optional
         Threads that share the work; None for all available cores. The result does not depend on it.
 
@@ -66,7 +66,7 @@ def overturning_spectrum(
     -------
     xarray.Dataset
         `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (p, restitution), `probability` over (p, restitution,
-        level), with level the factor on the record divided by the mean capacity, and `rotation_spectrum` [m/s] over
+        level) with the level, a scale factor divided by the mean capacity, and `rotation_spectrum` [m/s] over
         (rotation, p, restitution); attributes `record` and `method`.
 
     Raises
@@ -103,10 +103,10 @@ def overturning_spectrum(
 def stored_spectrum_values(
     spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
 ) -> dict[str, np.ndarray]:
-    """Return a spectrum's :data:`~rockpulse.storage.variables.probability.SPECTRUM` variables at nominal C (c,)."""
+    """Return the variables of a spectrum that a file stores, at nominal restitutions (c,)."""
     least, most = (share * restitution for share in spectrum.uncertainty.restitution)
     if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
-        # The lanes do not cover wide ranges around a low nominal C, and are too sparse for narrow ranges.
+        # The spectrum covers neither wide ranges around a low C, nor narrow ranges.
         sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
         found = {name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if not np.all(outside):
@@ -134,14 +134,14 @@ def stored_spectrum_values(
 
 
 def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:
-    """Read the probability of overturning of blocks, and factors at given probabilities, from an overturning spectrum.
+    """Read the probability of overturning of blocks, and their scale factors, from an overturning spectrum.
 
     Parameters
     ----------
     spectrum : xarray.Dataset
         Result of :func:`overturning_spectrum`, or one record of /spectra of a results file.
     block : Block
-        One block, which counts as (1,), or (m,) slender free-standing ones inside the p and C of the spectrum.
+        One block (then m = 1), or m blocks; slender, free-standing, inside the p and C of the spectrum.
 
     Returns
     -------
@@ -173,13 +173,13 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
 
 
 def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Return factors on a record (l,) and the probability of overturning at each; NaN if the spectrum is missing."""
+    """Return scale factors (l,) and the probability that one block overturns at each; NaN without a spectrum."""
     capacity, probability = _at_blocks(spectrum, block)
     return capacity[0] * spectrum["level"].values, probability[0]
 
 
 def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean capacity (m,) of blocks, and P (m, l) at the spectrum's levels times this capacity."""
+    """Return the mean capacity (m,) of blocks, and the probabilities (m, l) at `level` times this capacity."""
     block = block.lanes()
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)

@@ -32,14 +32,14 @@ def direction_statistics(
     pairs: Mapping[str, Sequence[str]],
     with_probability: bool = False,
 ) -> xr.Dataset:
-    """Compute the node /directions from /summary: statistics over the directions of `pairs` (record ids by name)."""
+    """Compute the group /directions: statistics over the directions of each pair, whose record ids are in `pairs`."""
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
     pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
     index = np.array([[place.get(record, -1) for record in records] for records in pairs.values()], dtype=int)
     index = index.reshape(len(pairs), len(azimuths))
 
     def swept(name: str) -> np.ndarray:
-        """Return values (pair, direction, ...); NaN if the direction was not assessed."""
+        """Return the values (pair, direction, ...) of a variable; NaN for a direction that was not assessed."""
         values = summary[name].values.astype(float)
         return np.concatenate([values, np.full((1, *values.shape[1:]), np.nan)])[index]
 
@@ -52,7 +52,7 @@ def direction_statistics(
 
     peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
     over = swept("outcome") == Outcome.OVERTURNS
-    # Among several directions that overturn, the first in time.
+    # If several directions overturn, the one that overturns first counts.
     first = np.where(over, np.nan_to_num(swept("overturning_time"), nan=np.inf), np.inf)
     largest, at = largest_over(peaks, first)
     smallest, factor_at = smallest_over(factors)
@@ -75,14 +75,14 @@ def direction_statistics(
 
 
 def median_over(values: np.ndarray) -> np.ndarray:
-    """Return the median over axis 1 of values (a, d, ...) from 0 to inf; NaN if it depends on missing values."""
+    """Return the median over axis 1, of values from 0 to inf; NaN if it depends on missing values."""
     unknown = np.isnan(values)
     low, high = (np.median(np.where(unknown, bound, values), axis=1) for bound in (0.0, np.inf))
     return np.where(low == high, low, np.nan)
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value over axis 1 of (a, d, ...), its index or -1; for several inf, the lowest `first`."""
+    """Return the largest value over axis 1, and its index or -1; `first` decides between several inf."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -92,7 +92,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the smallest value over axis 1 of (a, d, ...), NaN if one is missing, and its index or -1."""
+    """Return the smallest value over axis 1, and its index or -1; NaN if a value is missing."""
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
 
@@ -101,7 +101,7 @@ def _at(azimuths: np.ndarray, place: np.ndarray) -> np.ndarray:
     return np.append(azimuths, np.nan)[place]
 
 
-#: The only variable along the records that is missing in the parts, as it depends on all records.
+#: The only variable of the records that is not in the parts, as it depends on all records.
 EVENT = "/summary/event"
 
 
@@ -112,7 +112,7 @@ def build_tree(
     failures: Sequence[Failure],
     swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
-    """Build one tree from the parts of all records in order; `swept` maps pairs to record ids of their directions."""
+    """Build the tree of results from the parts of all records; `swept` has the record ids of each pair."""
     arrays = joined_parts([empty_rows(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in _variables(config).items():
@@ -136,17 +136,17 @@ def build_tree(
 
 
 def empty_tree(bodies: Bodies, config: Config) -> xr.DataTree:
-    """Return the tree without records: variables that depend on records are empty."""
+    """Return the tree of results without records."""
     return build_tree([], bodies, config, [], {} if config.records.components == "sweep" else None)
 
 
 def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
-    """Return every variable that grows with the records, with zero rows, by path."""
+    """Return the variables that grow with the records as empty arrays, by path."""
     return {path: _absent(one, 0, bodies, config) for path, one in _variables(config).items() if one.dims[0] in GROWING}
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
-    """Join parts; record indices, which start at 0 in each part, continue from `records_before`."""
+    """Join the parts of several records; record indices in the parts are increased so that they stay correct."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
     joined = {}
     for path in parts[0]:
@@ -158,7 +158,7 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
-    """Return the rows that one record adds to the results, by path ("/summary/pga"), without its earthquake."""
+    """Return the variables of one record, by path ("/summary/pga"), except its earthquake."""
     return {
         path: _of_record(variable, one)
         for path, variable in _variables(one.config).items()
@@ -176,7 +176,7 @@ def _of_record(variable: StoredVariable, one: RecordAssessment) -> np.ndarray:
 
 
 def _variables(config: Config) -> dict[str, StoredVariable]:
-    """Return the variables of an assessment except those of /failures and /directions, by path."""
+    """Return the stored variables of an assessment by path, except those of /failures and /directions."""
     return {
         f"{group}/{name}": variable
         for group in ("/summary", "/half_cycles", "/overturning_intervals", "/spectra", "/records")
@@ -191,7 +191,7 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """Return the dimensions of a variable in the file; a single restitution has no dimension."""
+    """Return the dimensions of a variable in the file; there is none for restitutions if every body has one."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 
@@ -200,7 +200,7 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
-    """Return `rows` rows of missing values."""
+    """Return an array of missing values with `rows` rows."""
     own = {"block": len(bodies.names), "case": bodies.cases}
     sizes = own | {"model": len(config.models.use), "demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))

@@ -17,31 +17,31 @@ from rockpulse.model_table import is_upper_bound
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
 #: Smallest number of earthquakes among the records scaled to a demand for a verdict.
 FEWEST_AT_DEMAND = 5
-#: Rounding tolerance of a mean probability, and probability of uplift below which a body counts as at rest [-].
+#: Tolerance of a mean probability, and probability of uplift below which a body counts as at rest [-].
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
 class Standing(IntEnum):
     """The result for a body under one record, from best to worst."""
 
-    STANDS = auto()  #: neither the record nor, if searched, a scaled-down copy overturns it
-    UNKNOWN = auto()  #: the model gives no result, or no reliable one
-    WEAKER_OVERTURNS = auto()  #: it survives the record, but a scaled-down copy overturns it
-    OVERTURNS = auto()  #: the record overturns it
+    STANDS = auto()  #: neither the record nor, as far as computed, a scaled-down copy overturns the body
+    UNKNOWN = auto()  #: the result is missing or unreliable
+    WEAKER_OVERTURNS = auto()  #: the body survives the record, but a scaled-down copy overturns it
+    OVERTURNS = auto()  #: the record overturns the body
 
 
 class Grade(IntEnum):
     """The verdict on a body under all records, from best to worst."""
 
-    AT_REST = auto()  #: no motion lifts it
-    ROCKS = auto()  #: the probability of overturning is below 0.05
-    MAY_OVERTURN = auto()  #: from 0.05 to 0.5; the worst grade for upper-bound inputs
-    NOT_KNOWN = auto()  #: depends on records without a result
-    OVERTURNS = auto()  #: 0.5 or more
+    AT_REST = auto()  #: no ground motion lifts the body
+    ROCKS = auto()  #: the probability of overturning is less than 0.05
+    MAY_OVERTURN = auto()  #: it is 0.05 to 0.5, or more under a model with an upper-bound input
+    NOT_KNOWN = auto()  #: the grade depends on records without a result
+    OVERTURNS = auto()  #: the probability of overturning is 0.5 or more
 
     @property
     def word(self) -> str:
-        """The verdict as shown to users."""
+        """The verdict in words."""
         return self.name.lower().replace("_", " ")
 
 
@@ -53,12 +53,12 @@ class DemandVerdict:
     grade: Grade  # NOT_KNOWN for fewer earthquakes than FEWEST_AT_DEMAND
     share: Share  # probability over the earthquakes of the records that can be scaled to the demand
     earthquakes: int
-    left_out: int  # number of records farther from the demand than a factor of FARTHEST
-    margin: Margin  # margin in the factor over the one that scales the record to the demand
+    left_out: int  # number of motions that cannot be scaled to the demand within FARTHEST
+    margin: Margin  # margin as the ratio to the demand
 
     @property
     def few(self) -> bool:
-        """True if there are too few earthquakes for a verdict."""
+        """True if the earthquakes are too few for a verdict."""
         return self.earthquakes < FEWEST_AT_DEMAND
 
 
@@ -69,25 +69,25 @@ class BodyVerdict:
     body: Body
     grade: Grade
     share: Share  # probability over earthquakes, which determines the grade
-    overturned: int  # number of unscaled records that overturn it
-    at_rest: int  # number of records that do not lift it
-    margin: Margin  # margin in the scale factor
-    governing: int  # row of /summary with the smallest factor, else of the first record that overturns it, else -1
+    overturned: int  # number of unscaled motions that overturn the body
+    at_rest: int  # number of motions that do not move the body
+    margin: Margin  # margin as a scale factor
+    governing: int  # row of the most severe record in /summary; -1 if there is none
     demands: tuple[DemandVerdict, ...]
 
     @property
     def deciding(self) -> DemandVerdict | None:
-        """The demand with the worst grade, which determines the verdict; None without demands."""
+        """The verdict at the worst demand, which determines the verdict on the body; None without demands."""
         return max(self.demands, key=lambda one: (one.grade, one.share.value), default=None)
 
     @property
     def overall(self) -> Grade:
-        """Worst grade over the demands of the site, or without demands the grade under the unscaled records."""
+        """The worst grade at the demands of the site; without demands, the grade under the unscaled records."""
         return self.grade if self.deciding is None else self.deciding.grade
 
     @property
     def word(self) -> str:
-        """The verdict as shown to users."""
+        """The verdict in words."""
         return "no verdict" if self.deciding is not None and self.deciding.few else self.overall.word
 
     @property
@@ -97,7 +97,7 @@ class BodyVerdict:
 
 
 def standings(answers: Answers) -> np.ndarray:
-    """Return the :class:`Standing` of every body under every record, (records, bodies)."""
+    """Return the :class:`Standing` (records, bodies) of every body under every record."""
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
     for doubtful, _ in _doubts(answers):
@@ -108,7 +108,7 @@ def standings(answers: Answers) -> np.ndarray:
 
 
 def reasons_unknown(answers: Answers) -> np.ndarray:
-    """Return codes (records, bodies) of the reason for a missing or unreliable result; empty for reliable results."""
+    """Return a code (records, bodies) for the reason why a result is missing or unreliable; empty if it is reliable."""
     found = np.full(answers["outcome"].shape, "", dtype=object)
     for doubtful, why in _doubts(answers):
         found[doubtful] = why
@@ -119,7 +119,7 @@ def reasons_unknown(answers: Answers) -> np.ndarray:
 
 
 def verdicts(answers: Answers) -> list[BodyVerdict]:
-    """Return the verdict on every body over the motions of the results."""
+    """Return the verdict on every body over all ground motions of the results."""
     motions, single = answers.motions, standings(answers)
     moved = answers["outcome"] != Outcome.AT_REST
     lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
@@ -144,7 +144,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
 
 
 def _grade(share: Share, bound: bool) -> Grade:
-    """Grade a probability, or an upper bound; NOT_KNOWN if records without a result could change the grade."""
+    """Return the grade of a probability; NOT_KNOWN if the records without a result could change the grade."""
     worst = Grade.MAY_OVERTURN if bound else Grade.OVERTURNS
     low, high = (
         worst if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
@@ -154,7 +154,7 @@ def _grade(share: Share, bound: bool) -> Grade:
 
 
 def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
-    """Return the verdict on every body for one demand."""
+    """Return the verdict on every body at one demand."""
     motions, left_out = answers.motions, too_far(answers, demand)
     kept = motions.kept(left_out)
     shares, events = (
@@ -171,13 +171,13 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
 
 
 def too_far(answers: Answers, demand: str) -> np.ndarray:
-    """Return a mask (records, bodies) of records that are too far from a demand to be scaled; they are excluded."""
+    """Return a mask (records, bodies) of records that are excluded, as their factor to the demand is too far from 1."""
     factor = answers.to_demand(demand)
     return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
 
 
 def overturning_probabilities(answers: Answers, demand: str | None = None) -> np.ndarray:
-    """Return the probability (records, bodies) that a record, unscaled or at a demand, overturns a body, or NaN."""
+    """Return the probability (records, bodies) of overturning, unscaled or at a demand; NaN if unknown."""
     if answers.probable:
         return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
     if demand is not None:
@@ -187,7 +187,7 @@ def overturning_probabilities(answers: Answers, demand: str | None = None) -> np
 
 
 def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
-    """Return (records, bodies) 1 if the safety factor is exceeded at the demand, 0 if not, NaN if unknown."""
+    """Return 1 (records, bodies) if the demand exceeds the safety factor, 0 if not, and NaN if unknown."""
     ratio = answers.ratios(demand)
     # A search that ends below the demand gives no information on the factors up to it.
     unknown = np.isnan(ratio) | ((ratio < 1.0) & answers.bound)
@@ -197,7 +197,7 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """Return masks of doubtful results, by the code of the reason, the most serious reason last."""
+    """Return masks of doubtful results with the code of the reason; the most serious reason is last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     outside, unresolved = answers["applicable"] == 0, answers["outcome"] == Outcome.UNRESOLVED
     return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
@@ -211,7 +211,7 @@ def _governing(factor: np.ndarray, standing: np.ndarray) -> int:
 
 
 class Sliding(NamedTuple):
-    """A body that may slide: `above` of `total` records require more friction than it has; `most` is the largest."""
+    """A body that may slide: `above` of `total` records require more friction than it has, at most `most`."""
 
     body: Body
     above: int
@@ -221,7 +221,7 @@ class Sliding(NamedTuple):
 
 
 def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
-    """Return the name and the worse verdict of every body that is assessed with and without its pedestal."""
+    """Yield name and worse verdict of every body that is assessed with and without its pedestal."""
     whole = answers.summary["pedestal_of"].values.tolist()
     for alone in dict.fromkeys(filter(None, whole)):
         screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
@@ -230,7 +230,7 @@ def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Itera
 
 
 def sliding(answers: Answers) -> Iterator[Sliding]:
-    """Return every body with less friction than some records require."""
+    """Yield every body that has less friction than some records require."""
     friction = answers.summary["friction"].values
     for lane, body in enumerate(answers.bodies):
         required, own = answers["friction_required"][:, lane], float(friction[body.place])

@@ -74,9 +74,8 @@ VERB = Verb(
         from_records("RESULTS"),
         {
             "--sequence SITE": "assess the design sequence of this site file (rockpulse calibrate) instead of PATHS",
-            "--all-models": "all models side by side, from resonance (upper bound) to the nonlinear equation, "
-            "instead of "
-            "[models] use",
+            "--all-models": "run all models, from resonance (upper bound) to the nonlinear equation, instead "
+            "of [models] use",
         },
         *BATCH,
     ),

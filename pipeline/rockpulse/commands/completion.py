@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 
-#: Help text on the installation of the script.
+#: Command that installs the script, for each shell.
 HOW = {
     "bash": "rockpulse completion bash > ~/.local/share/bash-completion/completions/rockpulse",
     "zsh": "rockpulse completion zsh > ~/.zfunc/_rockpulse     (~/.zfunc in fpath, before compinit)",
@@ -25,7 +25,7 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.model_table import MODELS
     from rockpulse.readers import UNITS
-    from rockpulse.views.plots.kinds import KINDS
+    from rockpulse.views.plots.picture_kinds import KINDS
 
     words = {"KIND": tuple(KINDS), "UNIT": tuple(UNITS), "MODEL": tuple(MODELS)}
     for action in _actions(args.program):
@@ -54,7 +54,7 @@ VERB = Verb(
     summary="print a script for shell completion",
     description="Print a script with which a shell completes verbs, options, kinds of pictures, units and file names. "
     "The examples show where to put it; it takes effect in the next shell.",
-    options=({"shell": ("the shell", {"choices": tuple(HOW), "metavar": None})},),
+    options=({"shell": ("shell that reads the script", {"choices": tuple(HOW), "metavar": None})},),
     run=_run,
     examples=tuple(HOW.values()),
 )

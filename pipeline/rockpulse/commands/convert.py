@@ -58,11 +58,11 @@ VERB = Verb(
     "when they were read. The warnings of each record, and what the new format cannot hold, are printed.",
     options=(
         {
-            "PATHS": ("files, folders, zips or globs of records", {"nargs": "+"}),
-            "-o --output OUT !": "a file (.AT2, .csv, .mseed), or a folder for one AT2 or CSV file per channel; "
-            "several channels in one AT2 or CSV name become OUT.CHANNEL.AT2",
+            "PATHS": ("files, folders, zip archives or patterns of records", {"nargs": "+"}),
+            "-o --output OUT !": "file to write (.AT2, .csv, .mseed), or folder for one AT2 or CSV file per channel; "
+            "if several channels are written to one AT2 or CSV name, each file is named OUT.CHANNEL.AT2",
             "--format FORMAT": (
-                "format of OUT; default: by its suffix",
+                "format of OUT; default: the format of its suffix",
                 {"choices": ("at2", "csv", "mseed"), "metavar": None},
             ),
             **READING,

@@ -63,17 +63,17 @@ VERB = Verb(
             "RESULTS": "results file of any kind",
             "-o --output TABLE !": "name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install "
             "'rockpulse[tables]'); name.README.md, written next to it, explains the columns",
-            "--group NAME": "group of the file: half_cycles, overturning_intervals, directions, failures, records ...; "
-            "default: the one with the answers (summary)",
-            "--rows DIM[,DIM]": "dimensions of a row: record, or record,block ...; default: record,block,model",
-            "--columns NAME[,NAME]": "only these variables, in addition to the names; default: all",
+            "--group NAME": "group of the file, such as half_cycles, overturning_intervals, directions, failures or "
+            "records; default: the group with the answers (summary)",
+            "--rows DIM[,DIM]": "dimensions of a row, such as record or record,block; default: record,block,model",
+            "--columns NAME[,NAME]": "variables to write in addition to the names; default: all",
             "--record ID ...": "only this record (* and ? are wildcards); repeatable",
             "--block NAME ...": "only this body (* and ? are wildcards); repeatable",
             **SELECTION,
-            "--decimal-comma": "decimal commas, and semicolons between columns, for a spreadsheet in Italian, French, "
-            "German ...; default: decimal points and commas",
-            "--raw": "texts as stored; default: control characters as escapes, and an apostrophe before a text that a "
-            "spreadsheet would take as a formula",
+            "--decimal-comma": "write decimal commas, and semicolons between columns, for a spreadsheet in Italian, "
+            "French, German ...; default: decimal points, and commas between columns",
+            "--raw": "write texts as stored; default: control characters are escaped, and a text that a "
+            "spreadsheet would read as a formula begins with an apostrophe",
             "--overwrite": "replace an existing table and its README",
         },
     ),

@@ -18,7 +18,7 @@ BEGIN, END = 28, 122
 
 
 def config_template() -> str:
-    """Return the template: every key with default and meaning, with models and measures from their tables."""
+    """Return the text of the configuration template, with the names of models and measures filled in."""
     from rockpulse.config.study_settings import HAZARD_UNITS
     from rockpulse.model_table import DEFAULT_MODELS, MODELS, NAMES, UPPER_BOUND
     from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING

@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """Return the requested parts in the order of the help; the overview if none is requested."""
+    """Return the parts of the results that the options request, or the overview."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
@@ -118,14 +118,13 @@ VERB = Verb(
         {
             "RESULTS": "file of rockpulse assess, calibrate or fragility",
             "--record ID ...": "one record in detail, or the cases of a pattern such as '*CCC*' (* and ? are "
-            "wildcards); "
-            "repeatable",
+            "wildcards); repeatable",
             "--block NAME ...": "one body in detail, or the cases of a pattern; repeatable",
-            "--all": "the verdict of every model for every record and body",
-            "--failures": "files and channels that failed or were skipped, with the reason",
+            "--all": "show the verdict of every model for every record and body",
+            "--failures": "list the files and channels that failed or were skipped, with the reason",
             "--records": "list the records",
             "--blocks": "list the bodies",
-            "--worst N": ("the N cases with the smallest scale factor that overturns", {"type": parse_count}),
+            "--worst N": ("list the N cases with the smallest scale factors of overturning", {"type": parse_count}),
             **SELECTION,
         },
     ),

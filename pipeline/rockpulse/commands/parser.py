@@ -1,4 +1,4 @@
-"""Verbs of the command line as data, and a parser that accepts only full option names and suggests known words."""
+"""Defines a verb of the command line as data, and a parser that accepts only full names and suggests known words."""
 
 import argparse
 import sys
@@ -47,7 +47,7 @@ class Verb:
 
 
 def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
-    """Return the flags or the name of an option given as text, and the keywords for ``add_argument``."""
+    """Convert an option such as "-o --output FILE" to its flags or name, and keywords for ``add_argument``."""
     parts = words.split()
     flags = [part for part in parts if part.startswith("-")]
     metavar = next((part for part in parts if not part.startswith("-") and part not in ("...", "!")), None)

@@ -15,17 +15,17 @@ class _List(argparse.Action):
         super().__init__(option_strings, dest, nargs=0, **options)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        from rockpulse.views.plots.kinds import kind_list
+        from rockpulse.views.plots.picture_kinds import kind_list
 
-        tell(kind_list())  # standard output may be closed, as in `| head`
+        tell(kind_list())  # works also if standard output is closed, as by `| head`
         parser.exit()
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.files import check_file, write_files
     from rockpulse.views.plots.drawing import plot
-    from rockpulse.views.plots.kinds import OPTIONS
     from rockpulse.views.plots.picture import picture_bytes
+    from rockpulse.views.plots.picture_kinds import OPTIONS
 
     target = check_file(args.output, args.overwrite, (".svg", ".png", ".pdf"))
     options = {name: getattr(args, name) for name in OPTIONS}
@@ -61,15 +61,15 @@ VERB = Verb(
             "--record ID": "one record, by its id or a pattern (* and ?) that matches it alone",
             "--block NAME": "one body, by its name or a pattern (* and ?) that matches it alone",
             "--model MODEL ...": ("a model; repeatable; default: all", {"default": None}),
-            "--demand NAME": "a demand of the file; default: the records as recorded",
-            "--case K": ("number of the restitution in a list of several, from 1", {"type": int}),
-            "--factor F": ("scale factor on the record of a rotation history; default: 1", {"type": float}),
+            "--demand NAME": "a demand of the results; default: the records as recorded",
+            "--case K": ("number, from 1, of the restitution if a body has a list of them", {"type": int}),
+            "--factor F": ("scale factor [-] on the record of a rotation history; default: 1", {"type": float}),
             "--measure NAME": "intensity measure; default: velocity_ratio",
             "--limit-state STATE ...": (
                 "a limit state of the file; repeatable; default: all",
                 {"default": None},
             ),
-            "--restitution C": 'restitution of the bodies of a spectrum: a number; default: "housner"',
+            "--restitution C": 'restitution [-] of the bodies of a spectrum, from 0 to 1; default: "housner"',
             "--overwrite": "replace an existing picture",
             "--quiet": "do not print the name of the file",
         },

@@ -84,24 +84,23 @@ VERB = Verb(
             'hazard curves, or return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section '
             "[hazard]",
             "--site LONGITUDE": (
-                "site in a file of several places [degrees]; the nearest one within 50 km is taken",
+                "position [degrees] of the site in a hazard of several sites; the nearest one within 50 km is used",
                 {"nargs": 2, "type": float, "metavar": ("LONGITUDE", "LATITUDE")},
             ),
             "--soil-factor S": (
-                "factor S on the levels of a hazard on rock; default: that of [hazard], 1",
+                "soil factor S [-] on the levels of a hazard on rock; default: [hazard] soil_factor",
                 {"type": float},
             ),
             "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility file",
             "--limit-state STATE": "limit state of the fragility file; default: overturning",
-            "--years T": ("time [years] of the probability; default: that of [hazard]", {"type": float}),
+            "--years T": ("exposure time [years] of the probability; default: [hazard] years", {"type": float}),
             "--age YEARS": (
-                "time that the bodies have survived: test whether it contradicts the hazard",
+                "time [years] that the bodies have survived: test whether it contradicts the hazard",
                 {"type": float},
             ),
             "--resamples N": ("resamples for the bands of a fragility file, 0 for none; default: 500", {"type": int}),
-            "-o --output TABLE": "also write the table (CSV) and, of a fragility file, TABLE_levels.csv with the "
-            "contribution "
-            "of each range of levels",
+            "-o --output TABLE": "file for the table (CSV) and, of a fragility file, TABLE_levels.csv with the "
+            "contribution of each range of levels; default: only printed",
             "--overwrite": "replace an existing file",
             "--quiet": QUIET,
         },

@@ -1,4 +1,4 @@
-"""Runs a verb that processes many records, with its log file, the message of a stopped run, and the final output."""
+"""Parts common to verbs that process many records: options of the batch, log file, signals, and final output."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class _Escaping(logging.Formatter):
 
 
 class _LogFile(logging.FileHandler):
-    """A log file that takes no more lines after a write error, stored in `failed`, while the run continues."""
+    """A log file that stops writing after an error, which it stores in `failed`, while the run continues."""
 
     failed = ""
 
@@ -126,9 +126,9 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
     message = f"rockpulse: no record could be {what}; nothing was written"
-    # Where nothing failed, records that were too weak are why.
-    weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
-    why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))
+    # If nothing failed, the reason is that records were too weak, or no horizontal ground motion.
+    unused = [row for row in failures if row.kind not in ("failed", "duplicate") and row.stage not in ("find", "read")]
+    why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(unused))
     tell("\n".join(filter(None, (listed, f"{message}: {why}" if why else message))), sys.stderr)
     return 1
 

@@ -1,4 +1,4 @@
-"""The options of several verbs, and the configuration or selection of results that they define."""
+"""Options of several verbs, and functions that read the configuration or a selection of results from them."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ if TYPE_CHECKING:
     from rockpulse.storage.export.row_selection import RowSelection
 
 
-#: What --quiet does.
+#: Help text of --quiet.
 QUIET = "print only one line that summarises failures"
 
-#: Options for properties that a file may lack.
+#: Options for the unit and the sampling interval of files that do not state them.
 READING: Options = {
-    "--units UNIT": 'unit of files that do not state theirs: "g", "cm/s2", ...',
-    "--dt SECONDS": ("sampling interval [s] of columns without times, such as 0.01", {"type": float}),
+    "--units UNIT": 'unit of acceleration of files that do not state it, such as "g" or "cm/s2"',
+    "--dt SECONDS": ("sampling interval [s] of files of columns without times, such as 0.01", {"type": float}),
 }
 
 
 def from_records(output: str) -> Options:
     """Return the options of a verb that reads records and writes RESULTS or SITE: paths, configuration and bodies."""
     return {
-        "PATHS": ("files, folders, zips or globs; they replace the paths of the configuration", {"nargs": "*"}),
+        "PATHS": ("files, folders, zip archives or patterns of records; default: [records] paths", {"nargs": "*"}),
         f"-o --output {output} !": "file to write (HDF5)",
-        "--config FILE": "configuration (TOML), see rockpulse init-config; default: the default of every key, no "
-        "bodies",
+        "--config FILE": "configuration file (TOML, see rockpulse init-config); default: all keys at their defaults, "
+        "no bodies",
         "--block NAME=WIDTHxHEIGHT ...": "a body by its full width and height in m, in addition to those of the "
         "configuration; repeatable",
         "--confirm-size": "accept a --block larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
@@ -63,11 +63,11 @@ BATCH: tuple[Options, ...] = (
                 'number of worker processes, or "all" (one per core; none for few files); default: [run] workers',
                 {"type": _workers},
             ),
-            "--scheduler ADDRESS": "run on this dask.distributed cluster, such as tcp://10.0.0.1:8786",
+            "--scheduler ADDRESS": "address of a dask.distributed scheduler to run on, such as tcp://10.0.0.1:8786",
         }
     ),
     {
-        "--resume": "continue a stopped run, or start a new one",
+        "--resume": "continue a stopped run with its finished records, or start a new run",
         "--strict": "stop at the first file or record that fails and write no output; --resume continues from the "
         "finished records",
         "--log-file FILE": "append a log with times to this file",
@@ -76,7 +76,7 @@ BATCH: tuple[Options, ...] = (
 
 
 def parse_count(words: str) -> int:
-    """Parse a whole number from 1."""
+    """Parse a whole number, at least 1."""
     number = int(words) if words.isdecimal() else 0
     if number < 1:
         raise argparse.ArgumentTypeError(f"expected a whole number >= 1, found {words!r}")
@@ -87,17 +87,16 @@ def parse_count(words: str) -> int:
 SELECTION: Options = {
     "--model NAME ...": "only this model (* and ? are wildcards); repeatable",
     "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
-    "--where CONDITION ...": "only where a variable or a column of the tables meets a condition: 'factor_10 < 1', "
-    "'SF < "
-    "1', 'P > 0.5', 'source = *.AT2'; repeatable, all must be met",
+    "--where CONDITION ...": "only rows in which a variable or a column of the tables meets a condition: "
+    "'factor_10 < 1', 'SF < 1', 'P > 0.5', 'source = *.AT2'; repeatable, all must be met",
     "--sort VARIABLE": "sort by this variable or column, smallest first, unknown values last",
-    "--descending": "with --sort: largest first",
+    "--descending": "sort with --sort from largest to smallest",
     "--limit N": ("at most N rows", {"type": parse_count}),
 }
 
 
 def read_selection(args: argparse.Namespace) -> RowSelection:
-    """Return the selection from the options SELECTION, ``record`` and ``block``; raise ResultsError if invalid."""
+    """Return the rows that --record, --block and the options of SELECTION select; raise ResultsError if invalid."""
     from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
@@ -110,7 +109,7 @@ def read_selection(args: argparse.Namespace) -> RowSelection:
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """Return the section [records] with the options READING, which apply to all files and to [[records.file]]."""
+    """Return the section [records] with the values of --units and --dt, which replace those of [[records.file]] too."""
     from rockpulse.config.settings import RecordSettings
     from rockpulse.readers.kit.text import canonical_unit
 
@@ -126,7 +125,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
 
 def configured(args: argparse.Namespace) -> Config:
-    """Return the configuration with the bodies of the command line and absolute paths of its tables."""
+    """Return the configuration of --config, with the bodies of --block added and absolute paths of its tables."""
     from rockpulse.config.block_settings import parse_block_option
     from rockpulse.config.configuration import Config, load_config, located
     from rockpulse.config.settings import WEIGHTS
@@ -142,7 +141,7 @@ def configured(args: argparse.Namespace) -> Config:
 
 
 def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
-    """Return the configuration with absolute paths, so that any folder can repeat the run, and the paths as typed."""
+    """Return the configuration with absolute paths of records and tables, and the paths of records as given."""
     from rockpulse.config.configuration import located
 
     config = configured(args)

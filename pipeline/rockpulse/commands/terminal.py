@@ -41,7 +41,7 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
 
 
 class _KernelLines(logging.Handler):
-    """Prints warnings of the kernel cache above a progress bar, and the start of a compilation only on terminals."""
+    """Log handler that prints messages of the kernel cache; those below warnings only on a terminal."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print the message of a log record."""
@@ -96,7 +96,7 @@ BARE = ("results", "first", "second")
 
 
 def file_fault(error: OSError, args: argparse.Namespace) -> str:
-    """Describe the fault of a file, name the argument that contains it, and suggest a remedy."""
+    """Describe an error of a file, with the argument that names the file, and suggest a remedy."""
     if not isinstance(error.filename, str | bytes | os.PathLike):
         return str(error.strerror or error)
     shown = os.fsdecode(error.filename)

@@ -39,7 +39,7 @@ VERB = Verb(
         {
             "RESULTS": "results file of any verb",
             "--inputs": (
-                "also read the record files again, if they are still in place; default: yes",
+                "also compare the record files with their checksums, if they still exist; default: yes",
                 {"action": argparse.BooleanOptionalAction, "default": True},
             ),
             "--quiet": "print only what differs",

@@ -61,10 +61,10 @@ _CORNERS = ("b_1", "b_2", "centre", "gyration")
 
 @dataclass(frozen=True)
 class _OfModel(Section):
-    """Base class of settings with the same keys as a class of the model."""
+    """Base class of settings whose keys are the arguments of a class of :mod:`rocking`."""
 
     def made(self) -> Any:
-        """Return the object of the model with these values."""
+        """Return the object of the class in :mod:`rocking` with these values."""
         import rocking
 
         cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))
@@ -156,7 +156,7 @@ class PedestalSettings(Section):
 
 
 def floors_as_text(floors: Sequence[FloorSettings]) -> str:
-    """Return the modes of a building as JSON text; empty for the ground."""
+    """Return the modes of a building as JSON text; an empty text for a body on the ground."""
     return json.dumps([vars(one) for one in floors]) if floors else ""
 
 
@@ -177,8 +177,8 @@ class BlockSettings(Section):
         Full size in the plane of rocking [m].
     p, alpha, radius : float or None
         Frequency parameter [1/s] and critical angle [rad] of a body of another shape, and distance R from the corner to
-        the centre of mass [m], which its angular momentum needs; R is by default that of a rectangle with the same p
-        and alpha.
+        the centre of mass [m], which determines the largest restitution; by default R is that of a rectangle with the
+        same p and alpha.
     restitution : float, str or tuple of float
         Velocity ratio of an impact [-], "housner" (the largest that angular momentum allows), or several values that
         are assessed in parallel.
@@ -296,7 +296,7 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """Make the block, with one lane per restitution, and log its warnings; raise ConfigError if it is rejected."""
+        """Make the block, or one for each restitution of a list, and log its warnings; raise ConfigError if invalid."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
@@ -320,7 +320,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """Return by name the body combined with its first pedestal, the first two, ...; ConfigError without a mass."""
+        """Return, by name, one body made of this body and its first pedestal, one with the first two, and so on."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}

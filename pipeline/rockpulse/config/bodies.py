@@ -1,4 +1,4 @@
-"""The bodies of an assessment, from a configuration or from Python, as the lanes of one :class:`rocking.Block`."""
+"""The bodies of an assessment, from a configuration or from Python, combined in one array of blocks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rockpulse.config.block_settings import BlockSettings, FloorSettings, requir
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 
-#: A body whose mass divided by the mass of its floor exceeds this ratio would change the floor's motion noticeably [-].
+#: Largest ratio of the mass of a body to that of its floor at which the body hardly changes the floor's motion [-].
 LIGHT = 0.05
 
 
@@ -28,12 +28,12 @@ class FeltMotion(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Named bodies in the order of the configuration, and their lanes."""
+    """The bodies of an assessment, in the order of the configuration, with one block for each body and restitution."""
 
     names: tuple[str, ...]
-    #: len(names) x `cases` lanes; the cases of one body are adjacent.
+    #: Array of len(names) x `cases` blocks; those of one body, with its restitutions, are adjacent.
     lanes: Block
-    #: Number of restitution values per body; 1 unless a list was given (single values are then repeated).
+    #: Number of restitution values per body; 1 unless a body has a list (other bodies then repeat their value).
     cases: int
     #: Full width and height of each body [m]; NaN for a body given by p and alpha.
     width: np.ndarray
@@ -52,7 +52,7 @@ class Bodies:
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
-        """Group body indices by direction and floor; directions `within` degrees of `azimuth` are the record's own."""
+        """Group the indices of bodies under the same motion; directions `within` degrees of `azimuth` are the same."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
@@ -61,7 +61,7 @@ class Bodies:
         return [(one, np.flatnonzero([place == one for place in own])) for one in every]
 
     def chosen(self, places: np.ndarray) -> Bodies:
-        """Select bodies by index."""
+        """Return the bodies with these indices."""
         lanes = (places[:, np.newaxis] * self.cases + np.arange(self.cases)).reshape(-1)
         some: dict[str, Any] = {
             name: getattr(self, name)[places] for name in ("width", "height", "facing", "azimuth", "friction")
@@ -71,11 +71,11 @@ class Bodies:
         return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
-        """Reshape values of lanes (..., b x cases) to (..., b, cases)."""
+        """Reshape the values of all blocks (..., b x cases) to b bodies with their restitutions (..., b, cases)."""
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
     def apart(self) -> tuple[list[str], Block, np.ndarray]:
-        """Split bodies by restitution ("wall C 0.9"): return names, lanes, body index; ConfigError for equal names."""
+        """Return names ("wall C 0.9"), blocks and body indices, with one entry for each body and restitution."""
         names, kept = [], []
         for place, (name, own) in enumerate(
             zip(self.names, self.per_case(np.asarray(self.lanes.restitution)), strict=True)
@@ -95,7 +95,7 @@ class Bodies:
 
 
 def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodies:
-    """Collect the bodies of a configuration or from Python; a Block (c,) is one body with c restitutions."""
+    """Collect the bodies of a configuration or from Python; an array of c blocks is one body with c restitutions."""
     bodies = list(given_bodies(blocks))
     if records is not None:
         require_pairs([one for _, one in bodies if isinstance(one, BlockSettings)], records)
@@ -182,7 +182,7 @@ EXPECTED = (
 
 
 def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
-    """Return names and bodies, with sizes converted to BlockSettings; raise ConfigError for other input."""
+    """Yield the name and the body of each block; sizes become BlockSettings; raise ConfigError for other input."""
     if isinstance(blocks, Block | BlockSettings):
         blocks = {getattr(blocks, "name", "block"): blocks}
     if isinstance(blocks, Mapping):
@@ -213,6 +213,6 @@ def _named(name: Any, body: Any) -> Block | BlockSettings:
 
 
 def _found(value: Any) -> str:
-    """Describe a wrong value by its type and as much of it as fits on a line."""
+    """Describe a wrong value by its type and its text, of which at most 60 characters are given."""
     text = repr(value)
     return f"{type(value).__name__} {text if len(text) <= 60 else text[:57] + '...'}"

@@ -101,11 +101,11 @@ class Config:
 
     @property
     def has_probability(self) -> bool:
-        """Whether a probability of overturning is computed, which must be requested and needs a full model."""
+        """Whether a probability of overturning is computed: it must be requested, and needs the nonlinear model."""
         return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
-        """Return ``records.paths`` relative to the current folder."""
+        """Return the paths of the records, of which relative ones are joined to the folder of the configuration."""
         return [located(path, self.folder) for path in self.records.paths]
 
     def as_text(self) -> str:
@@ -156,7 +156,7 @@ def stored_sections(text: str) -> dict[str, Any]:
 def given_config(
     config: Config | str | os.PathLike[str] | None, units: str | None = None, dt: float | None = None
 ) -> Config:
-    """Return a given configuration, one read from a file, or the defaults (None), with a unit and interval of files."""
+    """Return the given Config, one read from a path, or the defaults; `units` and `dt` replace those of [records]."""
     if units is not None or dt is not None:
         asked = given_config(config)
         return dataclasses.replace(asked, records=asked.records.for_all(units, dt))
@@ -198,7 +198,7 @@ def load_config(path: str | Path) -> Config:
     document = parse_toml(read_text(path, TOML_LIMIT, "a TOML file"), str(path))
     try:
         config = _build(document, path.parent)
-        logo_bytes(config.report, config.folder)  # an unusable logo is reported before any work
+        logo_bytes(config.report, config.folder)  # reports an unusable logo before any work
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
     return config

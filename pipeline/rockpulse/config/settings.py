@@ -40,10 +40,10 @@ class SiteSettings(Section):
 
 @dataclass(frozen=True)
 class RecordSettings(Section):
-    """The records to read, their unit if the file does not state it, and which part of them is stored.
+    """The records to read, the unit of files that do not state it, and the groups of results to store.
 
     `confirm` contains patterns of the ids of channels that are confirmed in spite of a doubt (a peak above 5 g, a
-    defect, a twin that differs); `files` contains units and intervals of single files, in TOML [[records.file]].
+    defect, a duplicate that differs); `files` contains units and intervals of single files, in TOML [[records.file]].
 
     The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, e.g. 45 degrees
     for a façade that faces north-east. For a body that rocks to both sides, 45 and 225 degrees are the same.
@@ -74,8 +74,8 @@ class RecordSettings(Section):
         if self.components == "azimuth" and self.azimuth is None:
             raise ConfigError(
                 '[records] components: "azimuth" needs the direction in which the body rocks, for a wall or façade '
-                "the perpendicular to its plane; give azimuth, in degrees clockwise from north (a façade looking "
-                "north-east: 45)"
+                "the perpendicular to its plane; give azimuth, in degrees clockwise from north (45 for a façade that "
+                "faces north-east)"
             )
         if self.components != "azimuth" and self.azimuth is not None:
             raise misplaced(self, "azimuth", "components", '"azimuth"', "remove it or change components")
@@ -86,7 +86,7 @@ class RecordSettings(Section):
             )
 
     def for_all(self, units: str | None, dt: float | None) -> RecordSettings:
-        """Return these settings with a unit and an interval [s] for files that state none, also in [[records.file]]."""
+        """Return these settings with the given unit and interval [s], which also replace those of [[records.file]]."""
         rows = []
         for row in self.files:
             own = row.units if units is None else None, row.dt if dt is None else None
@@ -214,7 +214,9 @@ class DemandSettings(Section):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.acceleration is None and self.value is None:
-            raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found neither")
+            raise ConfigError(
+                f"{self.where} {self.name}: no level is given; state 'value', or 'acceleration' for a PGA"
+            )
         if self.acceleration is not None and (self.measure != PGA or self.value not in (None, self.acceleration)):
             raise ConfigError(
                 f'{self.where} {self.name}: acceleration is the value of measure = "{PGA}"; found measure = '

@@ -77,7 +77,7 @@ _LEVELS = KeyType("a list of positive numbers in ascending order", _ascend, _flo
 
 @dataclass(frozen=True)
 class UncertaintySettings(Section):
-    """The uncertainty of the probability of overturning, and whether it is computed.
+    """The uncertainties behind the probability of overturning, and whether this probability is computed.
 
     The probability is computed only with the nonlinear model. For a body whose restitution is a list, the range of its
     values replaces `restitution`.
@@ -88,14 +88,14 @@ class UncertaintySettings(Section):
 
     heading = "[uncertainty]"
     probability: bool = boolean(True)
-    factor: float = number(0.10, low=0.02, high=1.0)  # as the solver checks it
+    factor: float = number(0.10, low=0.02, high=1.0)  # the limits of the solver
     restitution: tuple[float, float] = key((0.9, 1.0), _RANGE)
     geometry: float = number(0.05, low=0.0, high=1.0)
     azimuth: bool = boolean(False)
     spectrum: str = choice("bodies", ("bodies", "all"))
 
     def of_draws(self) -> Uncertainty:
-        """Return the uncertainty as the solver needs it."""
+        """Return the uncertainties as an object of :mod:`rocking`."""
         from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
@@ -253,7 +253,7 @@ class CheckSettings(Section):
 
     @property
     def given(self) -> bool:
-        """Whether the demand is given."""
+        """Whether a spectrum is given, by `ag` or by a file."""
         return self.ag is not None or self.file is not None
 
 

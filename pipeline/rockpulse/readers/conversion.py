@@ -268,16 +268,16 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         found = f"would not be read again ({fault}); nothing was kept, write into another folder"
         raise RecordRefused(f"{path}: {found}") from fault
     if len(back) != len(records):
-        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} come back; nothing was kept")
+        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} would be read; nothing was kept")
     for again in back:
         # A file of one record has no name for it.
         code = f"{again.network}.{again.station}.{again.location}.{again.channel}"
         record = records[code if writer.one is None else ""]
         tolerance = writer.digits * np.abs(record.acceleration) + (_UNDERFLOW if writer.digits else 0.0)
         if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
-            raise RecordRefused(f"{path}: the samples of {record.id} do not come back as written; nothing was kept")
+            raise RecordRefused(f"{path}: the samples of {record.id} would differ after reading; nothing was kept")
         if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
-            told = f"the interval of {record.id}, {record.dt!r} s, comes back as {again.dt!r} s"
+            told = f"the sampling interval of {record.id}, {record.dt!r} s, would be read again as {again.dt!r} s"
             raise RecordRefused(f"{path}: {told}; use another format, or resample the record")
         lost = _wrong(record, again, writer.whole)
         if lost:
@@ -289,18 +289,18 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
-        return f"the orientation comes back as {again.orientation!r} instead of {orientation_of(record)!r}"
+        return f"the orientation would be read again as {again.orientation!r} instead of {orientation_of(record)!r}"
     azimuth, back = azimuth_of(record), again.azimuth
     known = record.orientation != "vertical" and np.isfinite(azimuth)
     off = abs((back - azimuth + 180.0) % 360.0 - 180.0) if known else np.nan
     missing = not np.isfinite(back)
     if (missing and known and whole) or not (missing or off <= _AZIMUTH_TOLERANCE):
-        return f"the azimuth comes back as {back:g} instead of {azimuth:g}"
+        return f"the azimuth would be read again as {back:g} instead of {azimuth:g}"
     return _wrong_state(record, again, whole)
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
     """Return a text if reading changed the state of processing; else an empty text."""
     if again.processed != record.processed and (whole or again.processed is not None):
-        return f"processed comes back as {again.processed} instead of {record.processed}"
+        return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

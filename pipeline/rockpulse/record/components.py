@@ -1,4 +1,4 @@
-"""Selects the channels that are assessed, horizontal pairs, and the vertical channel of each."""
+"""Selects horizontal channels, finds pairs of them, and finds the vertical channel recorded with each."""
 
 import re
 from bisect import bisect_left
@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rockpulse.errors import Failure, some
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText
@@ -43,7 +43,7 @@ class Pair:
     [0.0, 90.0]
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     first: Record
     second: Record
@@ -70,12 +70,12 @@ class Neighbours:
                 self._of_event[_occasion(record)].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Return channels of the same file or time (without times, of the same event and folder) in the given order."""
+        """Return the channels of the same file or time as a record; if it has no time, of the same event and folder."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
             start = record.start_time.timestamp()
-            # One sampling interval for the rounding of the stamps.
+            # One sampling interval is added for rounded start times.
             first = bisect_left(self._timed, (start - self._longest - record.dt,))
             last = bisect_left(self._timed, (start + record.duration + record.dt,))
             places = {place for _, place in self._timed[first:last]}
@@ -86,7 +86,7 @@ class Neighbours:
 def select_horizontal(
     records: Iterable[Record], structural: bool = False, configured: bool = True
 ) -> tuple[list[Record], list[Failure]]:
-    """Return the channels of horizontal ground motion (also `structural` ones), and a row for each other channel."""
+    """Return the horizontal channels (with `structural` also on structures), and a row of failures for each other."""
     horizontal, failures = [], []
     for record in records:
         kind = record.orientation
@@ -234,7 +234,7 @@ def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[R
         how = f"; {_BOTH_IN_ONE}" if record.format == "columns" else ""
         return f"its azimuth is unknown, so that it cannot be rotated{how}"
     if not found:
-        how = f" (files of columns tell neither station nor time: {_BOTH_IN_ONE})" if record.format == "columns" else ""
+        how = f" (files of columns state no station or time: {_BOTH_IN_ONE})" if record.format == "columns" else ""
         return f"no second horizontal channel with a known azimuth was recorded together with it{how}"
     if len(found) == 1:
         rivals = [other.id for one in found for other in partners[id(one)] if other is not record]
@@ -251,7 +251,7 @@ def _together(record: Record, other: Record) -> bool:
         record.source == other.source or (record.station and all(starts))
     ):
         return True
-    # Two files that know no time may be parts of one recording.
+    # Two files without times may be parts of one recording.
     named = bool(record.event and (record.station or record.station_name))
     return not any(starts) and named and _occasion(record) == _occasion(other)
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import ConfigError
-from rockpulse.record.defects import DRIFT, checked, slow_velocity
+from rockpulse.record.defects import DRIFT, slow_velocity, with_defects
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
@@ -68,7 +68,7 @@ def condition(
     resample_s : float, optional
         New sampling interval [s].
     pre_event_s : float, optional
-        Length of the pre-event window from the first sample [s]; by default it is found.
+        Length of the pre-event window from the first sample [s]; by default it is detected.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def condition(
     ([0.0, -1.0, 1.0, 0.0], ('baseline: mean of all samples, 2 m/s2, subtracted',))
     """
     _check(record, baseline, highpass_hz, lowpass_hz, order, taper_s, resample_s, pre_event_s)
-    record = BASELINES[baseline](checked(record), pre_event_s)
+    record = BASELINES[baseline](with_defects(record), pre_event_s)
     corner, unfiltered = highpass_hz or lowpass_hz, record
     if taper_s is None:
         taper_s = 0.0 if corner is None else min(1.0 / corner, TAPER_SHARE * record.duration)
@@ -213,7 +213,7 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
 
 def quiet_samples(record: Record) -> int:
     """Return the number of samples of the pre-event window found in a record, at least 1."""
-    # From the first sample, not from zero: an offset would drown the energy of the noise.
+    # Subtract the first sample, as a constant offset would exceed the noise.
     shifted = record.acceleration - record.acceleration[0]
     number = np.arange(1, record.npts + 1)
     energy = np.cumsum(shifted**2) - np.cumsum(shifted) ** 2 / number
@@ -223,7 +223,7 @@ def quiet_samples(record: Record) -> int:
 
 def _auto(record: Record, pre_event: float | None) -> Record:
     if record.processed:
-        return _noted(record, record.acceleration, "baseline: left as it is, a processed volume")
+        return _noted(record, record.acceleration, "baseline: unchanged, as the record is processed")
     if record.processed is False:
         return _pre_event(record, pre_event)
     record = _polynomial(record, 0, "mean")
@@ -251,7 +251,7 @@ def _taper(record: Record, length: float) -> Record:
 
 
 def _filter(record: Record, highpass: float | None, lowpass: float | None, order: int, unfiltered: Record) -> Record:
-    from scipy import signal  # takes as long to import as all else, and by default nothing is filtered
+    from scipy import signal  # imported late, as its import is slow
 
     rate = 1.0 / record.dt
     corners = {kind: corner for kind, corner in (("high-pass", highpass), ("low-pass", lowpass)) if corner is not None}
@@ -267,7 +267,7 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
         )
     filtered = signal.sosfiltfilt(np.concatenate(sections), np.pad(record.acceleration, pad), padtype=None)
     cut = replace(record, acceleration=filtered[pad : pad + record.npts])
-    # Trapezoids up to the first sample that is kept, where the integration of the cut record begins.
+    # Velocity at the first sample that is kept, by the trapezoidal rule.
     lead = record.dt * float(np.sum(filtered[:pad]) + 0.5 * filtered[pad])
     note = (
         f"filter: Butterworth {' and '.join(words)}, zero phase, order {order} each way (effective {2 * order}), "

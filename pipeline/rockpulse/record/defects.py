@@ -31,13 +31,14 @@ DEFECTS = (
 )
 #: Number of samples that are checked at once where each needs several numbers.
 AT_ONCE = 2**18
-#: Shortest record that is checked for all defects [samples]; shorter ones are only checked for being dead.
+#: Shortest record that is checked for all defects [samples]; shorter ones are only checked for equal samples.
 FEWEST = 100
 #: Shortest straight line that is reported [s] and [samples]; digitised film has shorter ones.
 LINE_LENGTH, LINE_SAMPLES = 0.12, 8
 #: Smallest ratio of the second differences on both sides of a straight line to those within it.
 LINE_CONTRAST = 20.0
-#: Share of equal neighbours in the strong part that is reported, if a step is this many times the resolution.
+#: Smallest share of repeated samples in the strong part that is reported, and smallest median step for this check, in
+#: steps of the resolution.
 REPEATED_SHARE, STEP_CONTRAST = 0.3, 10.0
 #: Shortest repeated block of samples that is reported [samples].
 BLOCK_SAMPLES = 32
@@ -47,6 +48,8 @@ SPIKE_HALF, SPIKE_AROUND = 3, 50
 #: exceeds all other deviations by another ratio, and a larger share of the peak.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
+#: Smallest number of samples of zero, each between two of one sign above `SPIKE_NEAR_SHARE`, that are lost ones.
+DROPOUTS = 3
 #: Length of the two ends of a record [s], and ratio of their root mean square to the peak above which one is in strong
 #: motion; it must also exceed that of the quietest such window by a ratio, or weak motion in noise would be included.
 END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
@@ -65,8 +68,8 @@ SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
 DRIFT, DECIDING_DRIFT = 1.25, 1.5
 
 
-def checked(record: Record) -> Record:
-    """Return the record with a warning for each defect of its samples; unchanged if it was checked before."""
+def with_defects(record: Record) -> Record:
+    """Return the record with a warning on each defect of its samples; a record is checked only once."""
     if record.stage != "read":
         return record
     known = {code_of(warning) for warning in record.warnings}
@@ -75,11 +78,11 @@ def checked(record: Record) -> Record:
 
 
 def deciding(record: Record) -> list[WarningText]:
-    """Return the defects of a conditioned record that may change its results: it is used only if confirmed."""
+    """Return the defects of a conditioned record that may change its results, and must be confirmed before use."""
     found = [one for one in record.warnings if isinstance(one, WarningText) and one.values.get("decides")]
     if find(record.warnings, "dead_channel"):
         found += [WarningText("dead_channel")]
-    # What a filter or a baseline has taken out makes no velocity any more.
+    # A drift that the filter or the baseline has removed no longer affects the velocity.
     left = find(record.warnings, "baseline_drift")
     decides = left is not None and left.values["slow"] > DECIDING_DRIFT * left.values["rest"]
     return [one for one in found if one.code != "velocity_drift" or decides]
@@ -105,7 +108,7 @@ def defects(record: Record) -> list[WarningText]:
     found = [
         *_lines(record, centred, resolution, strong),
         *_repeated(samples, dt, resolution, strong),
-        *_spikes(centred, dt),
+        *_spikes(samples, centred, dt),
         *_ends(samples, centred, dt),
     ]
     if dt > COARSE:
@@ -116,12 +119,13 @@ def defects(record: Record) -> list[WarningText]:
         key=lambda one: one[0] / one[1],
     )
     if slow > DRIFT * rest:
-        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=True))
+        # A pulse that is given as an array may leave a velocity on purpose.
+        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(record.source)))
     return found
 
 
 def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
-    """Return the largest slow velocity (mean over 10 s or a quarter of the record), and the largest rest [m/s]."""
+    """Return the largest moving mean of the ground velocity over 10 s, and the largest deviation from it [m/s]."""
     velocity = ground_velocity(acceleration, dt)
     size = velocity.size
     half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
@@ -150,7 +154,7 @@ def _strong_part(centred: np.ndarray) -> np.ndarray:
 
 
 def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | None:
-    """Return a warning on a channel that spans only a few steps of its resolution, or never exceeds its noise."""
+    """Return a warning on a channel that is dead or contains only noise; None for other channels."""
     span = float(np.ptp(samples))
     if span <= DEAD_STEPS * resolution:
         return WarningText("noise_only", reason=f"the samples span {span / resolution:.0f} steps only", decides=True)
@@ -170,12 +174,12 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
 
 
 def _runs(mask: np.ndarray) -> np.ndarray:
-    """Return the first index of each run of True and the index after its last, as (k, 2)."""
+    """Return the start and the end (exclusive) of each run of True, as rows (k, 2)."""
     return np.flatnonzero(np.diff(np.pad(mask.view(np.int8), 1))).reshape(-1, 2)
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on the longest constant part and the longest straight line between curved parts."""
+    """Return warnings on the longest constant part, and on the longest straight line between curved parts."""
     bend = np.abs(np.diff(centred, 2))
     peak = largest(centred)
     straight = max(2.1 * resolution, 1e-6 * peak)
@@ -190,7 +194,7 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
         held = not np.any(np.diff(centred[begin : end + 2]))
         level = float(np.abs(centred[begin]))
         if min(side.size for side in sides) < LINE_SAMPLES // 2:
-            # At an end of the record: zeros before the motion are sound, a recorder that hangs is not.
+            # At an end of the record zeros are no defect, but a constant strong acceleration is.
             sides = [side for side in sides if side.size >= LINE_SAMPLES // 2]
             if not sides or level < END_SHARE * peak:
                 continue
@@ -213,7 +217,7 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
     if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:
         return []
     share = 1.0 - moved.size / change.size
-    # One long hold is a gap, reported as such: runs count by their number, each as its median length.
+    # One long run is reported as a gap; repeated samples form many runs.
     runs = _runs(change == 0.0)
     longest = int(np.max(runs[:, 1] - runs[:, 0], initial=0))
     share = share if len(runs) > 2 * longest else 0.0
@@ -254,8 +258,8 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningTex
     return []
 
 
-def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return a warning on samples far larger than their neighbours."""
+def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
+    """Return a warning on samples far from their neighbours, which include several of zero in strong motion."""
     windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
     beyond = np.zeros(centred.size)
     for first in range(0, len(windows), AT_ONCE):
@@ -263,7 +267,7 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
         here = slice(first + SPIKE_HALF, first + SPIKE_HALF + median.size)
         beyond[here] = np.abs(centred[here] - median)
     peak, strongest_sample = largest(centred), int(np.argmax(np.abs(centred)))
-    # A cubic through the four samples beside it follows the band; the median also sees spikes of two or three samples.
+    # A cubic through its four neighbours finds a spike of one sample; the median finds spikes of up to three samples.
     curved = np.zeros(centred.size)
     curved[2:-2] = np.abs(centred[2:-2] - (4.0 * (centred[1:-3] + centred[3:-1]) - centred[:-4] - centred[4:]) / 6.0)
     spikes = sorted({*_outliers(beyond, peak), *_outliers(curved, peak)})
@@ -275,6 +279,10 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
         near[max(own - SPIKE_HALF - 1, 0) : own + SPIKE_HALF + 2] = 0.0
         if all(abs(place - one) > SPIKE_HALF for one in spikes) and beyond[place] > SPIKE_NEAR * float(np.max(near)):
             spikes.append(place)
+    before, after = samples[:-2], samples[2:]
+    beside = np.where(before * after > 0.0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+    lost = 1 + np.flatnonzero((samples[1:-1] == 0.0) & (beside > SPIKE_NEAR_SHARE * peak))
+    spikes += lost.tolist() if lost.size >= DROPOUTS else []
     if not spikes:
         return []
     decides = any(abs(place - strongest_sample) <= SPIKE_HALF for place in spikes)

@@ -28,7 +28,7 @@ class HalfWaves(Shown):
     Attributes
     ----------
     impulse : (k,) ndarray
-        Integral of the acceleration over the wave [m/s], positive where the ground acceleration is.
+        Integral of the acceleration over the wave [m/s], positive for positive acceleration.
     centroid : (k,) ndarray
         Centre of the impulse in time [s] from the first sample, inside [start, end].
     start, end : (k,) ndarray
@@ -179,11 +179,10 @@ def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last
     acceleration = record.acceleration[begin : None if last is None else crossing[last] + 2]
     crossing = crossing[first : None if last is None else last + 1] - begin
     before, after = acceleration[crossing], acceleration[crossing + 1]
-    # Both parts of the interval come from the values, for 1 - fraction would lose the digits of a short second part.
+    # Both parts of an interval are computed from the samples, as 1 - fraction loses digits of a short second part.
     fraction, rest = before / (before - after), after / (after - before)
 
-    # Points: the samples and, between them, the crossings; pieces: what lies between two points. Lengths are in units
-    # of dt.
+    # Points are the samples and the crossings between them; pieces connect two points; lengths are in units of dt.
     value = np.insert(acceleration, crossing + 1, 0.0)
     whole = begin + np.insert(np.arange(acceleration.size), crossing + 1, crossing)
     part = np.insert(np.zeros(acceleration.size), crossing + 1, fraction)
@@ -197,7 +196,7 @@ def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last
     start = np.flatnonzero(np.concatenate(([True], sign[1:] != sign[:-1])))
     end = np.append(start[1:], value.size - 1)
     lobe = np.repeat(np.arange(start.size), end - start)
-    # Offsets count from the start of the lobe: measured from the start of the record the moments would cancel.
+    # Offsets are relative to the start of the lobe, as moments about the start of the record would lose digits.
     offset = (whole[:-1] - whole[start][lobe]) + (part[:-1] - part[start][lobe])
     piece_impulse = 0.5 * length * (left + right)
     piece_moment = piece_impulse * offset + length**2 * (left + 2.0 * right) / 6.0
@@ -205,13 +204,13 @@ def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last
     impulse = np.add.reduceat(piece_impulse, start)
     moment = np.add.reduceat(piece_moment, start)
     peak = sign[start] * np.maximum.reduceat(np.maximum(np.abs(left), np.abs(right)), start)
-    kept = impulse != 0.0  # neither the stretches at zero nor slivers whose impulse underflows
-    # The piece before the first crossing, and that behind the last, belong to lobes of other parts.
+    kept = impulse != 0.0  # omits parts at zero, and parts whose impulse underflows
+    # The pieces before the first and after the last crossing belong to lobes of other parts.
     kept[0] &= first is None
     kept[-1] &= last is None
     begins = dt * (whole[start][kept] + part[start][kept])
     ends = dt * (whole[end][kept] + part[end][kept])
-    # A sliver may be shorter than the rounding of its time.
+    # A lobe may be shorter than the rounding error of its time.
     centroid = np.clip(begins + dt * (moment[kept] / impulse[kept]), begins, ends)
     return dt * impulse[kept], centroid, begins, ends, peak[kept], np.ones(begins.size, dtype=np.int64)
 
@@ -233,7 +232,7 @@ def _merge(lobes: HalfWaves, floor: float, min_duration: float) -> HalfWaves:
 
     for wave in range(count):
         offer(wave)
-    while queue:  # every merger takes two waves away and offers at most three
+    while queue:  # every merger removes two waves and offers at most three
         _, middle, valid = heapq.heappop(queue)
         if stamp[middle] != valid:
             continue

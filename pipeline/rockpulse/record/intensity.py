@@ -1,4 +1,4 @@
-"""Measures of a record that is linear between its samples, and its intense phase; velocities start at zero."""
+"""Intensity measures and intense phase of a record that is linear between samples; velocities start at zero."""
 
 import math
 from collections.abc import Callable
@@ -56,10 +56,10 @@ def ground_velocity(acceleration: np.ndarray, dt: float) -> np.ndarray:
 
 
 def spectral_acceleration(record: Record, period: float) -> float:
-    """Return the 5 % damped pseudo-acceleration at T [s]: (2 pi/T)^2 times the largest displacement [m/s2]."""
-    from scipy import signal  # takes as long to import as all else
+    """Return the 5 % damped pseudo-acceleration at a period [s]: (2 pi/period)^2 times the peak displacement [m/s2]."""
+    from scipy import signal  # imported late, as its import is slow
 
-    # At enough instants, and exact there for a ground acceleration that is linear between samples.
+    # Exact at each computed time; interpolation adds times if the sampling is coarse for the period.
     finer = max(1, math.ceil(POINTS * record.dt / period))
     times = np.arange((record.npts - 1) * finer + 1) / finer
     ground = record.acceleration if finer == 1 else np.interp(times, np.arange(record.npts), record.acceleration)
@@ -70,7 +70,7 @@ def spectral_acceleration(record: Record, period: float) -> float:
 
 
 def spectrum_intensity(record: Record) -> float:
-    """Return Housner's intensity as mean 5 % damped pseudo-velocity over 0.1 to 2.5 s (his integral over 2.4 s)."""
+    """Return Housner's intensity divided by 2.4 s: the mean 5 % damped pseudo-velocity from 0.1 to 2.5 s [m/s]."""
     velocities = [period / (2.0 * math.pi) * spectral_acceleration(record, period) for period in PERIODS]
     return float(np.trapezoid(velocities, PERIODS) / (PERIODS[-1] - PERIODS[0]))
 
@@ -162,7 +162,7 @@ def _nonzero_energy(record: Record) -> np.ndarray:
 
 
 def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
-    """Return the first time at which the integral reaches a level between 0 and its last value [s]."""
+    """Return the first time [s] at which the integral of the squared acceleration reaches a level."""
     after = max(int(np.searchsorted(energy, level)), 1)
     before = after - 1
     left, right = record.acceleration[before : after + 1].tolist()
@@ -239,8 +239,7 @@ def _strongest_window(record: Record) -> IntensePhase:
     step = record.acceleration[np.minimum(ends + 1, record.npts - 1)] - left
     inside = record.dt * part * (left * left + part * left * step + part * part * step * step / 3.0)
     content = energy[ends] + inside - energy[starts]
-    # Equal windows differ in their last digits: the first within rounding of the largest, so that the choice is not
-    # left to chance.
+    # Equal windows differ by rounding errors: the first one within these errors of the largest is chosen.
     start = record.dt * int(np.argmax(content >= np.max(content) * (1.0 - 1e-12)))
     return IntensePhase(start, min(start + WINDOW_LENGTH, record.duration))
 

@@ -46,7 +46,7 @@ class RecordOnBodies:
 
     @property
     def demand(self) -> Demand:
-        """Return the lobes of E divided by the value that overturns each body."""
+        """Return the lobes of E, each divided by the value that overturns the body."""
         from rocking.march.demand import ground_demand  # compiled
 
         return ground_demand(self.block, self.record.acceleration, self.record.dt)
@@ -61,17 +61,17 @@ class Measure:
     title: str
     #: Function of a RecordOnBodies and, for a family, of the period [s]; returns a number or, for bodies, (m,) numbers.
     value: Callable[..., Any]
-    detail: str = ""  # what the long name adds to the title
-    uses: str = ""  # what it serves beside fragility: any of "demand hazard scaling"
+    detail: str = ""  # addition to the title in the long name
+    uses: str = ""  # uses besides fragility, such as "demand hazard scaling"
     of_bodies: bool = False
-    proportional: bool = True  # to a factor on the record, so that a capacity found as a factor is one in the measure
-    periods: tuple[float, ...] = ()  # of a family: those of its members in fragility and hazards [s]
-    drifts: bool = False  # whether a baseline that drifts puts it in doubt
-    openquake: str = ""  # unit of its levels in OpenQuake's hazard curves, where it has them
-    stored: str | None = None  # whether /summary has it, and what its long name there adds to the meaning
-    meaning: str = ""  # in words; the long name without
-    heading: str = ""  # in tables; the title without
-    explanation: str = ""  # for docs/schema.md
+    proportional: bool = True  # whether it is proportional to the scale factor on the record
+    periods: tuple[float, ...] = ()  # periods of the members of a family [s]; empty for one measure
+    drifts: bool = False  # whether a drifting baseline makes it doubtful
+    openquake: str = ""  # unit of its levels in OpenQuake's hazard curves; empty if not in them
+    stored: str | None = None  # addition to its meaning in /summary; None if it is not there
+    meaning: str = ""  # description; by default the long name
+    heading: str = ""  # heading in tables; by default the title
+    explanation: str = ""  # text in docs/schema.md
 
     @property
     def long_name(self) -> str:
@@ -211,8 +211,7 @@ FRAGILITY = tuple(name for name, one in MEASURES.items() if one.proportional)
 HAZARD, SCALING = (tuple(name for name, one in MEASURES.items() if use in one.uses) for use in ("hazard", "scaling"))
 DEMAND = tuple(name for name, row in ROWS.items() if "demand" in row.uses)
 PERIODIC = tuple(name for name in DEMAND if ROWS[name].periods)
-#: Measures stored for every record, those proportional to the scale factor, and measures stored for every record and
-#: body.
+#: Measures stored for each record, those proportional to the scale factor, and those stored for each record and body.
 STORED = tuple(row for row in _TABLE if row.stored is not None and not row.of_bodies)
 STORED_LEVELS = tuple(row for row in STORED if row.proportional)
 STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row.of_bodies)

@@ -49,8 +49,8 @@ class Record(Shown):
     Attributes
     ----------
     acceleration : (n,) ndarray
-        Ground acceleration [m/s2], n >= 2, finite, read-only, linear between samples. A constant made by
-        ``np.broadcast_to`` is kept as it is, and needs no memory for n samples.
+        Ground acceleration [m/s2], n >= 2, finite, read-only, linear between samples. A constant from
+        ``np.broadcast_to`` is not copied, and needs the memory of one number only.
     dt : float
         Sampling interval [s].
     id : str
@@ -60,9 +60,9 @@ class Record(Shown):
     component : str
         The channel's direction as worded in the file ("90 Deg", "UP").
     orientation : {"horizontal", "vertical", "structural", "unknown"}
-        What the direction means; "structural" is a channel on a building.
+        Kind of direction; "structural" is a channel on a building.
     azimuth : float
-        Clockwise from north [degrees]; NaN (given as None or not at all) if unknown or not horizontal.
+        Direction, clockwise from north [degrees]; NaN (given as None or not at all) if unknown or not horizontal.
     start_time, origin_time : datetime or None
         UTC times of the first sample and of the earthquake, with ``tzinfo=UTC``.
     source, source_sha256 : str
@@ -244,7 +244,7 @@ def largest(values: np.ndarray) -> float:
 
 
 def outline_of(record: Record) -> tuple[float, ...]:
-    """Return number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % energy [s]; empty if flat."""
+    """Return number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % of the energy [s]."""
     if _spread(record.acceleration):
         return record.outline if record.outline[:1] == (record.npts,) else ()
     if not np.ptp(record.acceleration):
@@ -257,7 +257,7 @@ def outline_of(record: Record) -> tuple[float, ...]:
 
 
 def _restored(kind: type[Record], values: list[Any]) -> Record:
-    """Restore a pickled record; thousands of records share their codes, units and unknown numbers."""
+    """Restore a pickled record; equal codes and units of many records share one string in memory."""
     if isinstance(values[0], tuple):
         values[0] = np.broadcast_to(*values[0])
     values[0].setflags(write=False)

@@ -1,4 +1,4 @@
-"""Brings a pair of horizontal channels to the same samples, rotates it to any direction, and finds the strongest one.
+"""Samples two horizontal channels at the same times, rotates the pair, and finds its strongest direction.
 
 .. note:: Azimuths are in degrees, clockwise from north. A channel with the azimuth z records x . u(z), where u = (cos
 z, sin z) has a north and an east component. Two channels that are not parallel give the vector x, and the motion in
@@ -20,13 +20,12 @@ import numpy as np
 from rockpulse.errors import RecordRefused
 from rockpulse.record.components import Pair, offset
 from rockpulse.record.conditioning import QUIET_LENGTH, condition, quiet_samples
-from rockpulse.record.defects import checked
+from rockpulse.record.defects import with_defects
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.warning_text import WarningText, code_of, has_warning
 
-#: Smallest sine of the angle between two channels; below it (10 degrees) rotation multiplies their noise by more than
-#: 6.
+#: Smallest sine of the angle between two channels (10 degrees), at which rotation multiplies their noise by 6.
 SMALLEST_SINE = 0.17
 #: Search for the strongest direction: successive steps [degrees]; number of maxima of the first step that are refined;
 #: smallest share of the highest maximum for this.
@@ -49,8 +48,8 @@ def rotate(pair: Pair, azimuth: float) -> Record:
     -------
     Record
         The rotated record, with the direction in the channel code of its id (``H045``), the sources, processing steps
-        and warnings of both channels, and the formula. In the direction of a channel, its samples equal those of the
-        channel.
+        and warnings of both channels, and the formula of the rotation. In the direction of a channel, its samples
+        equal those of the channel.
 
     Raises
     ------
@@ -90,14 +89,14 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         source_unit=first.source_unit if same_unit else "",
         unit_factor=first.unit_factor if same_unit else float("nan"),
         header_peak=float("nan"),
-        stage="checked",  # the defects are those of the channels
-        # Whether the velocity drifts is a matter of the direction.
+        stage="checked",  # the channels were checked for defects
+        # The drift of the velocity depends on the direction.
         warnings=tuple(
             text for text in _of_both(first, second, "warnings") if not has_warning(code_of(text), "baseline_drift")
         ),
         processing=(*_of_both(first, second, "processing"), note),
     )
-    return condition(rotated, baseline="none")  # looks whether the velocity of this direction drifts
+    return condition(rotated, baseline="none")  # warns if the velocity in this direction drifts
 
 
 def pair_id(pair: Pair) -> str:
@@ -106,7 +105,7 @@ def pair_id(pair: Pair) -> str:
 
 
 def rotated_id(record: Record, azimuth: float) -> str:
-    """Return the id of the motion of a pair in a direction, clockwise from north [degrees], from its first channel."""
+    """Return the id of a pair rotated to an azimuth [degrees], given the first channel of the pair."""
     return _name(record, f"H{math.floor(azimuth + 0.5):03d}")
 
 
@@ -201,7 +200,7 @@ def _name(record: Record, code: str) -> str:
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
-    """Return the texts of both channels: common ones once, others after the name of the channel."""
+    """Return the warnings or steps of both channels; one that only the second has begins with its channel code."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
         text if text in mine and text in others else WarningText("of_channel", channel=record.channel, warning=text)
@@ -252,10 +251,10 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
     check_angle(pair)
     if pair.first.processed != pair.second.processed:
         raise RecordRefused(
-            f"{pair.first.id}, {pair.second.id}: one of them is a corrected volume and the other is not; "
-            "take both channels from one volume"
+            f"{pair.first.id}, {pair.second.id}: one of them is a corrected record and the other is not; "
+            "use two corrected channels, or two raw ones"
         )
-    first, second = map(checked, pair.channels)
+    first, second = map(with_defects, pair.channels)
     cut = Pair(_cut(first, second), _cut(second, first))
     if all(channel.stage == "conditioned" for channel in pair.channels):
         return Pair(*_same_samples(*cut.channels))
@@ -281,7 +280,7 @@ def _check_overlap(channel: Record, other: Record, samples: int) -> None:
 
 
 def _cut(channel: Record, other: Record) -> Record:
-    """Return the channel cut to the time of the other, widened to whole samples, with a warning on what was cut."""
+    """Return the channel cut to its common time with another one, with a warning that states what was cut."""
     start = offset(channel, other)
     share = CLOCK_SHARE
     begin = max(0, math.floor(start / channel.dt + share))
@@ -299,7 +298,7 @@ def _cut(channel: Record, other: Record) -> Record:
 
 
 def _with_common_window(pair: Pair, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """Return the conditioning options for both channels, and the processing step on their pre-event window."""
+    """Return options that use one pre-event window for both channels, and a processing step that states this window."""
     baseline = options.get("baseline", "auto")
     searched = baseline == "pre-event" or (baseline == "auto" and pair.first.processed is False)
     if not searched or options.get("pre_event_s") is not None:

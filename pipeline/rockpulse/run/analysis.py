@@ -38,13 +38,13 @@ Records: TypeAlias = str | os.PathLike[str] | Record | Iterable[str | os.PathLik
 Part = Mapping[str, np.ndarray]
 #: Function that measures the time of a named step: ``with watch("solve"): ...``
 Watch = Callable[[str], AbstractContextManager[Any]]
-#: Function that makes the part of a record; a ValueError that it raises becomes a row of /failures.
+#: Function that computes the part of a record; a ValueError that it raises becomes a row of /failures.
 Work = Callable[[Motion, Watch], Part]
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The planned records and their earthquakes."""
+    """The records to be processed, their earthquakes, and the failures of other records."""
 
     planned: list[PlannedMotion]  # in the order of the results
     events: dict[str, str]  # earthquake by id of the record
@@ -52,7 +52,7 @@ class Plan:
 
 
 class Analysis(ABC):
-    """Base class of an analysis, which makes a part from every record and collects the parts."""
+    """Base class of an analysis, which computes a part of the results for every record and combines the parts."""
 
     name: ClassVar[str]  # the command, and the stage in rows of failures
     doing: ClassVar[str]  # the command in a progress bar
@@ -67,12 +67,12 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def work(self) -> Work:
-        """Return the function that makes the part of a record; it is small and can be pickled."""
+        """Return the function that computes the part of the results for one record; it can be pickled."""
 
     @property
     @abstractmethod
     def empty_part(self) -> Part:
-        """Return the arrays of a part and of its earthquake with their types and shapes, but without rows."""
+        """Return a part without rows, whose arrays have the names, types and shapes of every part."""
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
@@ -106,7 +106,7 @@ class Analysis(ABC):
         return "record"
 
     def fits(self, part: Part) -> bool:
-        """Return whether arrays have the names, types and shapes of a part of this analysis."""
+        """Return whether a part has the names, types and shapes that belong to this analysis."""
         expected = {name: array for name, array in self.empty_part.items() if name != self.event_name}
         if part.keys() != expected.keys():
             return False
@@ -121,7 +121,7 @@ class Analysis(ABC):
         return all(len(every) == 1 for every in lengths.values())
 
     def of_event(self, part: Part, event: str) -> Part:
-        """Add the earthquake of the record to a part."""
+        """Return the part with the earthquake of its record added."""
         rows = len(part["record"]) if "record" in part else 1
         return {**part, self.event_name: np.array([event] * rows)}
 
@@ -147,7 +147,7 @@ def run(
 def _given(
     records: Records, failures: Iterable[Failure], options: RecordSettings
 ) -> tuple[list[Record], list[Failure]]:
-    """Return the records, which are read first if paths are given, and all failures including those of reading."""
+    """Return the given records, or the records read from given paths, and all failures."""
     one = isinstance(records, (str, os.PathLike, Record))
     every: list[Any] = [records] if one else list(cast(Iterable[Any], records))
     if every and all(isinstance(item, (str, os.PathLike)) for item in every):
@@ -167,7 +167,7 @@ def _given(
 def worked(
     planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = nullcontext
 ) -> Iterator[Part | Failure]:
-    """Yield the parts of the records of each channel or pair, or a failure for each channel that is not used."""
+    """Process a channel or pair; yield the part of each of its records, or a failure for each unused channel."""
     try:
         with watch("condition"):
             copies = clock_twin(planned.channels, planned.comparisons, config.records.confirm, "select")

@@ -41,7 +41,7 @@ SWEPT_PROBABILITY = ("overturning_probability",)
 
 @dataclass(frozen=True)
 class JournalParts:
-    """The parts of finished tasks in an open journal, which can be iterated repeatedly, in the order of the keys."""
+    """The parts of the results of finished tasks in a journal; it can be iterated several times."""
 
     journal: Journal
     analysis: Analysis
@@ -152,7 +152,7 @@ def _stored_bytes(values: np.ndarray) -> int:
 def _create_variables(
     writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
 ) -> None:
-    """Create every variable in its full size, and write the values that do not depend on the records."""
+    """Create every variable with its final size, and write the values that do not depend on the records."""
     for node in template.subtree:
         dataset = node.to_dataset(inherit=False)
         if node.path == "/":
@@ -185,7 +185,7 @@ def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
 def _write_directions(
     writer: TreeWriter, empty: xr.Dataset, pairs: Mapping[str, Sequence[str]], records: Sequence[str], chunk: int
 ) -> None:
-    """Write the statistics over directions, for several pairs at a time."""
+    """Write the statistics over the directions of pairs, several pairs at a time."""
     place = {record: number for number, record in enumerate(records)}
     azimuths = empty["direction_azimuth"].values.tolist()
     answers = empty["median_rotation_ratio"]

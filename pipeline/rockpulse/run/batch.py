@@ -106,7 +106,7 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
 
 class _Batch:
-    """One batch with its journal, its workers, and its tasks once they are known."""
+    """One batch run, with its journal and its tasks."""
 
     journal: Journal
     tasks: Sequence[Task] = ()
@@ -122,7 +122,7 @@ class _Batch:
         check_target(output, options.overwrite or options.resume, self.analysis.kind)
         if options.scheduler is not None:  # the workers run in other folders
             given = [paths] if isinstance(paths, str | os.PathLike) else paths
-            paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
+            paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links are not resolved
         found, rows = find_files(paths, (output, journal_path(output), *options.written))
         check_patterns(found, self.analysis.config.records.files)
         with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as resources:
@@ -141,15 +141,15 @@ class _Batch:
                     raise Interrupted(f"interrupted; {left}") from None
                 silent = isinstance(error, ResultsError) and not error.tells_resume
                 if silent or isinstance(error, StoppedAtFailure | ConnectionError):
-                    raise type(error)(f"{error}; {left}") from error
+                    raise type(error)(f"{error}\n{left}" if "\n" in str(error) else f"{error}; {left}") from error
                 raise
             report = self.report
             if not report.records:
                 self.drop_empty_journal()
             elif report.broken_off:
-                counted = "1 file or record" if report.broken_off == 1 else f"{report.broken_off} files or records"
+                many = "1 file or record" if report.broken_off == 1 else f"{report.broken_off} files or records"
                 again = f"the same command with --resume tries them again, for which {journal.path} is kept"
-                self.log_and_tell(f"{counted} broke off: {again}")
+                self.log_and_tell(f"{many} could not be finished: {again}")
             else:
                 journal.remove()
         report.path = Path(output) if report.records else None
@@ -160,7 +160,7 @@ class _Batch:
         return report
 
     def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
-        """Survey, plan and process the records and write the file; return True if an earlier run has done all this."""
+        """Process the records and write the results file; return True if an earlier run had already completed this."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
         replace = options.overwrite or run_id == journal.run_id
@@ -194,7 +194,7 @@ class _Batch:
         return False
 
     def pool_for(self, items: int, resources: ExitStack, before: WorkerPool | None = None) -> WorkerPool:
-        """Return workers for a number of items, with compiled kernels: the earlier workers `before` if sufficient."""
+        """Return workers for a number of items: the earlier workers `before` if they suffice, or new ones."""
         options = self.options
         if options.executor is not None:
             return before or resources.enter_context(WorkerPool.through(options.executor))
@@ -209,14 +209,14 @@ class _Batch:
             return before
         if workers == 1:
             return resources.enter_context(WorkerPool.inline())
-        resources.close()  # of the earlier workers
+        resources.close()  # ends the earlier workers
         warm_up(self.analysis)  # compile here once instead of in every worker
         return resources.enter_context(WorkerPool.local(int(workers)))
 
     def surveyed(
         self, pool: WorkerPool, found: Sequence[Found], failures: Sequence[Failure]
     ) -> tuple[list[Located], list[Failure], int]:
-        """Return all channels without samples, the failures, and the number of files that may be read again."""
+        """Return all channels without samples, the failures, and the number of files that a resumed run reads again."""
         look = partial(survey_file, options=read_options(self.analysis.config))
         surveys, rows, unread = [], list(failures), 0
         self.stop_at(rows)
@@ -241,7 +241,7 @@ class _Batch:
         own, told = set(self.finished()), journal.failures()
 
         def is_result(key: str, parts: Sequence[bytes]) -> bool:
-            # other tasks may belong to other options
+            # a task of other records or options is kept
             return key not in own or ((bool(parts) or key in told) and all(_is_part(part, analysis) for part in parts))
 
         damaged = journal.drop_damaged(is_result) if options.resume else []
@@ -249,7 +249,7 @@ class _Batch:
             results = f"the results of {some(damaged, 5)}" if damaged else ""
             places = f"{journal.gaps} damaged part{'s' * (journal.gaps != 1)}" if journal.gaps else ""
             lost = " and ".join(filter(None, (results, places)))
-            self.log_and_tell(f"{journal.path} is damaged: {lost} cannot be used; what is missing is done again")
+            self.log_and_tell(f"{journal.path} is damaged: {lost} cannot be used; missing records are processed again")
         before = journal.finished()
         missing = [task for task in self.tasks if before.get(task.key) != task.fingerprint]
         resumed = self.report.resumed = len(self.tasks) - len(missing)
@@ -258,7 +258,7 @@ class _Batch:
             "%s %d records; finished before: %d, of another state: %d", analysis.doing, len(missing), resumed, stale
         )
         if options.resume:
-            again = f"; {stale} are done again, because they, the options or the version of rockpulse have changed"
+            again = f"; {stale} are processed again, because they, the options or the version of rockpulse have changed"
             options.tell(f"{resumed} of {len(self.tasks)} records were finished before{again if stale else ''}")
         rows = journal.failures()
         for key in self.finished():
@@ -294,7 +294,7 @@ class _Batch:
         return [task.key for task in self.tasks if before.get(task.key) == task.fingerprint]
 
     def kept(self, strict: bool = False) -> str:
-        """Return the message of a stopped run on what is kept; remove a journal without finished records."""
+        """Return a message that states which finished records are kept; remove the journal if there are none."""
         journal, every = self.journal, self.journal.complete
         if not journal.is_current:
             return f"nothing is kept, because {journal.path} was removed during the run"
@@ -305,9 +305,9 @@ class _Batch:
         if not count:
             others = f"{journal.path} keeps {len(every)} records of other files or options"
             return f"nothing of this run was finished yet; {others}"
-        are = "record is" if count == 1 else "records are"
-        past = ", past this failure without --strict" if strict else ""
-        return f"{count} finished {are} kept in {journal.path}: the same command with --resume goes on from there{past}"
+        are = f"{count} finished {'record is' if count == 1 else 'records are'}"
+        past = ", and without --strict past this failure" if strict else ""
+        return f"{are} kept in {journal.path}: the same command with --resume continues from there{past}"
 
     def drop_empty_journal(self) -> None:
         """Remove the journal of a run that writes no file, unless it contains other records."""
@@ -353,7 +353,7 @@ class _Batch:
             raise StoppedAtFailure(f"stopped at the first failure (--strict): {failed[0].reason}")
 
 
-def _is_part(packed: bytes, analysis: Analysis) -> bool:  # bytes with a correct checksum may still be foreign
+def _is_part(packed: bytes, analysis: Analysis) -> bool:  # bytes with a correct checksum may come from another program
     try:
         return analysis.fits(unpack(packed))
     except (ValueError, TypeError, RecursionError):

@@ -1,4 +1,4 @@
-"""Packs arrays into bytes, and reads and writes files of frames, in which damage affects only single frames."""
+"""Packs arrays into bytes, and reads and writes files of frames, each with a checksum against damage."""
 
 import json
 import math
@@ -60,7 +60,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
 
 
 class Frame(NamedTuple):
-    """A frame of a file: a valid head in JSON, and a body of bytes that may be damaged."""
+    """One entry of a file: a head in JSON with a valid checksum, and a body of bytes that may be damaged."""
 
     head: dict[str, Any]
     body: int  # position of the body in the file
@@ -100,7 +100,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """Return the frames with valid heads, the end of the last one, and the number of gaps (not a truncated end)."""
+    """Return the frames with valid heads, the end of the last one, and the number of damaged parts of the file."""
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0
@@ -163,14 +163,14 @@ def _crc(length: int, body: int, text: bytes) -> int:
 
 
 def _write(file: FileIO, content: bytes) -> None:
-    """Write all bytes in several calls: the system writes at most 2 GB at a time, and less near a limit."""
+    """Write all bytes, in several calls if necessary, as the system writes at most 2 GB at a time."""
     left = memoryview(content)
     while left:
         left = left[file.write(left) :]
 
 
 def _read(file: FileIO, place: int, size: int) -> bytes:
-    """Read up to `size` bytes from a position on."""
+    """Read up to `size` bytes from a position in the file."""
     file.seek(place)
     pieces = []
     while size and (piece := file.read(size)):

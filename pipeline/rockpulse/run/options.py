@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rockpulse.errors import Failure
 
 
@@ -55,7 +55,7 @@ class BatchOptions:
     1
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     workers: int | str | None = None
     scheduler: str | None = None
@@ -92,7 +92,7 @@ class BatchReport:
     (None, 0, 'failed')
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     path: Path | None = None
     records: int = 0

@@ -1,4 +1,4 @@
-"""Executor of worker processes, with a pipe to each so that a dead worker affects only one item; few imports."""
+"""Executor of worker processes, with a pipe to each, so that a dead worker affects only one item."""
 
 import multiprocessing
 import os
@@ -25,7 +25,7 @@ MASKS = hasattr(signal, "pthread_sigmask")
 
 
 def call(function: Callable[[Any], Any], item: Any) -> Any:
-    """Return the result of the function for the item, with kernels on one thread, as other cores have other workers."""
+    """Return function(item), with kernels on one thread, as the other cores are used by other workers."""
     with thread_limit(1):
         return function(item)
 

@@ -1,4 +1,4 @@
-"""Reads every file a first time, for its records without samples and the locations of the samples."""
+"""Reads every file once, and keeps its records without samples and the locations of the samples."""
 
 import hashlib
 import logging
@@ -26,13 +26,13 @@ class SamplesLocation:
     path: str  # the file, or the zip archive
     member: int | None  # index of the file in the archive; None outside archives
     channel: int  # index of the channel in the file, from 0
-    source_sha256: str  # of the file
-    digest: str  # of samples and interval (`rockpulse.readers.parts.sample_digest`)
+    source_sha256: str  # SHA-256 of the file
+    digest: str  # digest of samples and interval (`rockpulse.readers.parts.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
-    """A record without its samples, small and picklable, with their location."""
+    """A record without its samples, and the locations of the samples in files; small and picklable."""
 
     record: Record  # zeros instead of the samples, in the memory of one number
     parts: tuple[SamplesLocation, ...]  # several for a record split over several files
@@ -132,7 +132,7 @@ def unexpected_fault(fault: BaseException) -> RuntimeError:
 def gather_survey(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """Collect all records without samples, as ``read_all`` does, and all failures; the surveys may be in any order."""
+    """Combine the surveys of all files: join records that are split over files, and collect the failures."""
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
     located = {id(one.record): one for survey in ordered for one in survey.located}

@@ -39,7 +39,7 @@ IDLE = {
     "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
 }
 
-#: Keys of [calibration] and [fragility] that affect only the statistics at the end of a run.
+#: Keys of [calibration] and of [fragility] that affect only the statistics at the end of a run.
 LATE = ("weights", "quantile", "confidence", "bootstrap")
 OF_FITS = ("model", "overturning_model", "confidence")
 
@@ -104,7 +104,7 @@ def read_options(config: Config) -> ReadOptions:
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
-    """Return the SHA-256 of the program, the schema, and the options that affect the numbers of a record.
+    """Return the SHA-256 of the program, the schema, and the options that affect the results of a record.
 
     It excludes paths, duplicate selection, workers, names, and options for the end of a run (tables of events and
     weights, statistics, fits). Units, intervals and confirmed ids are part of the fingerprint of each task; the seed is
@@ -211,7 +211,7 @@ def _log_lines() -> Iterator[list[Message]]:
 
     loggers = [logging.getLogger("rockpulse"), kernel_logger]
     for logger in loggers:
-        logger.filters.insert(0, take)  # before the filter that lets a text pass once
+        logger.filters.insert(0, take)  # before the filter that drops repeated messages
     try:
         yield messages
     finally:
@@ -242,5 +242,5 @@ def warm_up(analysis: Analysis) -> None:
     for one in small.plan([record]).planned:
         for motion in conditioned_motions(one, plain):
             small.work(motion, nullcontext)
-    # The kernel of bodies with their own lanes, as under vertical acceleration.
+    # This kernel computes bodies one by one, as with vertical acceleration.
     ground_demand(blocks["a"], record.acceleration, record.dt)

@@ -37,7 +37,7 @@ class WorkerLost:
 
 @dataclass(eq=False)
 class WorkerPool:
-    """The workers of a ``with`` block, made by one of the class methods."""
+    """The workers of a batch; a context manager that is made by one of the class methods."""
 
     executor: Executor | None  # None for this process
     count: Callable[[], int]  # number of items processed at the same time

@@ -37,12 +37,12 @@ FACING_WITHIN = 1.0
 class PlannedMotion:
     """A channel, or a pair of channels to be rotated, and the vertical channel used with it."""
 
-    name: str  # id of the channel, or name of the pair; no two are the same
+    name: str  # id of the channel, or name of the pair; unique
     channels: tuple[Record, ...]  # one, or the two of a pair, as read
     vertical: Record | None = None  # as read
-    partner: Record | None = None  # as read: the other channel of its pair, whose strength counts beside its own
-    warnings: tuple[str, ...] = ()  # warnings for every motion that comes of it
-    copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
+    partner: Record | None = None  # the other channel of its pair, as read, for the intensity of both
+    warnings: tuple[str, ...] = ()  # warnings on each motion that is made from it
+    copy: int = 1  # number, from 1, among pairs whose rotated records would have the same id
     comparisons: tuple[Comparison, ...] = ()  # other records that its channels are compared with
 
     @property
@@ -62,12 +62,12 @@ class Motion:
 
     record: Record  # a channel or a rotated pair, conditioned
     vertical: Record | None = None  # the vertical channel that acts too, conditioned
-    channels: tuple[Record, ...] = ()  # that it is made of, conditioned
+    channels: tuple[Record, ...] = ()  # the channel, or the pair, that it is made from, conditioned
     partner: Record | None = None  # the other channel of its pair, conditioned
 
     @property
     def pair(self) -> tuple[Record, ...]:
-        """Return the channels from which the intensity is measured: both of a pair, or the only known one."""
+        """Return the channels whose intensity is measured: both of a pair, or one if the other is unknown."""
         return self.channels if self.partner is None else (*self.channels, self.partner)
 
 
@@ -78,7 +78,7 @@ class VerticalRefused(RecordRefused):
 def plan_motions(
     records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
 ) -> tuple[list[PlannedMotion], list[Failure]]:
-    """Return the channels and pairs that section [records] requests, in order, and a row for each other channel.
+    """Return the channels and pairs that section [records] requests, and a failure row for each other channel.
 
     A channel within :data:`FACING_WITHIN` of the requested azimuth needs no partner; with a demand it gets one if
     available.
@@ -111,10 +111,10 @@ def plan_motions(
 
 
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
-    """Return the conditioned channel, or the pair in every requested direction; RockpulseError if one is rejected."""
+    """Return the conditioned channel, or the conditioned pair rotated to every requested direction."""
     up = _conditioned_vertical(planned, config)
     planned = replace(planned, channels=tuple(compared(planned.channels, planned.comparisons)), comparisons=())
-    if not planned.rotated:  # with the warnings first: conditioning adds its own behind them
+    if not planned.rotated:  # its warnings precede those of conditioning
         warnings, partner = planned.warnings, None
         if planned.partner is not None:
             try:
@@ -169,16 +169,16 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
 def _with_comparisons(
     planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
 ) -> list[PlannedMotion]:
-    """Return the planned motions with the records that they are compared with."""
-    of_voter: dict[str, list[Twin]] = defaultdict(list)
+    """Return the planned motions with the other records with which their channels are compared."""
+    by_id: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
-        of_voter[twin.voter.id].append(twin)
+        by_id[twin.accepted.id].append(twin)
     partner, clocks = partners(horizontal), clock_candidates(horizontal)
     found = []
     for one in planned:
         comparisons = list(component_comparisons(one.channels, partner))
         for place, channel in enumerate(one.channels):
-            comparisons += [Comparison("volume", place, twin.record, twin.beside) for twin in of_voter[channel.id]]
+            comparisons += [Comparison("duplicate", place, twin.rejected, twin.beside) for twin in by_id[channel.id]]
             if id(channel) in clocks:
                 comparisons.append(Comparison("clock", place, clocks[id(channel)]))
         found.append(replace(one, comparisons=tuple(comparisons)))
@@ -186,7 +186,7 @@ def _with_comparisons(
 
 
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
-    """Return a channel without a partner if it is in the requested direction, or its opposite; else None."""
+    """Return the planned motion of a channel without a pair if it is along the azimuth; otherwise None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
@@ -196,7 +196,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Return channels with the other one of their pair, or with a note that it is missing; pairs are unchanged."""
+    """Add to each channel the other channel of its pair, or a warning if it has none; pairs are unchanged."""
     partner = partners(horizontal)
     alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
 
@@ -219,7 +219,7 @@ def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMoti
 
 
 def sweep_azimuths(step: float) -> list[float]:
-    """Return directions from 0 to below 180 degrees, which `step` divides; opposite directions are mirror images."""
+    """Return the directions from 0 to below 180 degrees at equal steps; `step` must divide 180."""
     count = round(180.0 / step)
     return [180.0 * number / count for number in range(count)]
 
@@ -240,7 +240,7 @@ def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
 
 
 def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
-    """Return why a doubtful channel (peak above 5 g, decisive defect) is not used, and what to do; empty for others."""
+    """Return why a channel with a doubtful peak or defect is not used, and what to do; empty for other channels."""
     if id_matches(conditioned.id, confirm):
         return ""
     if conditioned.pga > LARGEST:
@@ -257,7 +257,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
 def unconfirmed_channels(
     planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
 ) -> list[Failure]:
-    """Return a row for each channel not used because of a doubtful one: itself, its partner or its vertical channel."""
+    """Return a failure row for each channel that is not used because it, or a channel used with it, is doubtful."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""

@@ -1,8 +1,8 @@
-"""Duplicate selection: chooses the record that is assessed among several of one motion.
+"""Duplicate selection: chooses the record to assess if several records contain the same ground motion.
 
-Records are of one motion if they agree in station, time (half of the shorter) and direction (within 5 degrees); a pair
-that is rotated contains every direction. The choice is among volumes, the channels that one instrument recorded
-together.
+Records contain the same ground motion if they agree in station, time (overlap of at least half of the shorter one) and
+direction (within 5 degrees); a pair that is rotated contains every direction. The choice is among recordings: a
+recording is the set of channels that one instrument recorded together.
 """
 
 import math
@@ -19,20 +19,20 @@ from rockpulse.record.components import concurrent, find_pairs, instrument, plac
 from rockpulse.record.record import Record, id_matches
 from rockpulse.warning_text import find
 
-#: Largest difference, or difference from 180 degrees, of azimuths of one direction [degrees].
+#: Largest angle between channels of the same direction, or of opposite directions [degrees].
 SAME_DIRECTION = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """A duplicate: a record that is not used, as another one of its motion is."""
+    """A rejected duplicate, and the accepted record of the same ground motion."""
 
-    voter: Record
-    record: Record
-    beside: tuple[Record, ...]  # the other channels of its volume
+    accepted: Record
+    rejected: Record
+    beside: tuple[Record, ...]  # the other channels that were recorded together with the rejected one
 
 
-_PROCESSED = {True: "a processed volume", None: "one that may be processed", False: "a raw one"}
+_PROCESSED = {True: "a processed record", None: "one that may be processed", False: "a raw one"}
 
 
 def without_duplicates(
@@ -41,12 +41,12 @@ def without_duplicates(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure], list[Twin]]:
-    """Return one record of each motion, in the given order, rows for the others, and twins to be compared.
+    """Return one record of each ground motion, a failure row for each other record, and the twins to be compared.
 
-    Preferred are, in this order, volumes at the surface; confirmed ones; those whose horizontal channels can all be
-    used; with a pair or a vertical channel if these are requested; processed; with the higher sampling rate; longer;
-    first by path. A dead channel, and one with an unconfirmed odd peak, is used only if there is no other. Records of
-    ``[records] keep`` are assessed in addition to the chosen one. A row ends with `advice`.
+    Recordings are preferred in this order: at the surface; confirmed; all horizontal channels usable; with a pair or a
+    vertical channel, if these are requested; processed; higher sampling rate; longer; first by path. A dead channel, or
+    one with an unconfirmed odd peak, is used only if there is no other. Records of ``[records] keep`` are assessed in
+    addition to the chosen one. A failure row ends with `advice`.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -59,9 +59,9 @@ def without_duplicates(
     twins: list[Twin] = []
     for members in sites.values():
         for at_once in _at_once(members):
-            poll = _DuplicateSelection(at_once, settings, advice)
-            rejected |= poll.rejected
-            twins += poll.twins
+            selection = _DuplicateSelection(at_once, settings, advice)
+            rejected |= selection.rejected
+            twins += selection.twins
     selected = [record for record in records if id(record) not in rejected]
     return selected, [*rows, *(rejected[id(record)] for record in records if id(record) in rejected)], twins
 
@@ -69,7 +69,7 @@ def without_duplicates(
 def unmatched_patterns(
     option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """Return a row if patterns of an option match no id and files are unread; raise ConfigError if all were read."""
+    """Return a failure row if a pattern matches no record id; raise ConfigError instead if all files were read."""
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
@@ -81,7 +81,7 @@ def unmatched_patterns(
 
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
-    """Return network, station and, on a structure, location; None for a record that cannot be a duplicate."""
+    """Return network, station and, on a structure, place of a record; None if it cannot have duplicates."""
     if not record.station or record.start_time is None or record.orientation == "unknown":
         return None
     if record.orientation != "vertical" and not math.isfinite(record.azimuth):
@@ -93,7 +93,7 @@ def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
 
 
 def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
-    """Group the records of a site into periods between which the station did not record."""
+    """Yield groups of records of a site; between two groups the station did not record."""
     stretch: list[Record] = []
     end = -math.inf
     timed = [(record.start_time.timestamp(), record) for record in members if record.start_time is not None]
@@ -106,11 +106,11 @@ def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
     yield stretch
 
 
-class _Volume:
+class _Recording:
     """The channels that one instrument recorded together, all in different directions."""
 
     def __init__(self, channels: list[Record], confirm: Sequence[str]) -> None:
-        self.channels, self.confirm = channels, confirm  # patterns of the ids of channels whose peak is right
+        self.channels, self.confirm = channels, confirm  # confirm: patterns of ids with confirmed peaks
         self.horizontal = [one for one in channels if one.orientation != "vertical"]
         self.vertical = [one for one in channels if one.orientation == "vertical"]
         self.level, self.processed = sensor_level(channels[0]), channels[0].processed
@@ -120,12 +120,12 @@ class _Volume:
 
     @cached_property
     def pair(self) -> tuple[Record, ...]:
-        """Return the two horizontal channels without a fault that can be rotated; empty if there are none."""
+        """Return the two horizontal channels that can be rotated; empty if there is no such pair."""
         pairs, _ = find_pairs([one for one in self.horizontal if not _fault(one, self.confirm)])
         return pairs[0].channels if len(pairs) == 1 else ()
 
     def rank(self, settings: RecordSettings) -> tuple[object, ...]:
-        """Return the sort key of volumes, the preferred ones first."""
+        """Return the key by which recordings are sorted, beginning with the preferred one."""
         return (
             self.level,
             not any(id_matches(one.id, self.confirm) for one in self.horizontal),
@@ -140,7 +140,7 @@ class _Volume:
 
 
 class _DuplicateSelection:
-    """The duplicate selection among the records of a site at one time."""
+    """The duplicate selection among records of one site that overlap in time."""
 
     def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
         self.settings, self.advice = settings, advice
@@ -148,94 +148,96 @@ class _DuplicateSelection:
         self.twins: list[Twin] = []
         if len(records) == 1:
             return
-        self.volumes = sorted(_volumes(records, settings.confirm), key=lambda volume: volume.rank(settings))
-        self.voters: list[tuple[Record, _Volume]] = []
-        for yields in (False, True):
-            for volume in self.volumes:
-                for record in volume.horizontal:
-                    if bool(_fault(record, settings.confirm)) is yields:
-                        self._ask(record, volume)
-        # Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays.
-        stays = {id(volume): any(id(one) not in self.rejected for one in volume.horizontal) for volume in self.volumes}
+        self.recordings = sorted(_recordings(records, settings.confirm), key=lambda recording: recording.rank(settings))
+        self.accepted: list[tuple[Record, _Recording]] = []
+        for faulty in (False, True):
+            for recording in self.recordings:
+                for record in recording.horizontal:
+                    if bool(_fault(record, settings.confirm)) is faulty:
+                        self._decide(record, recording)
+        # Accept vertical channels with the horizontal ones of their recording; of others accept one per motion.
+        used = {id(one): any(id(each) not in self.rejected for each in one.horizontal) for one in self.recordings}
         for following in (True, False):
-            for volume in self.volumes:
-                if stays[id(volume)] is following:
-                    for record in volume.vertical:
-                        self._ask(record, volume, following)
+            for recording in self.recordings:
+                if used[id(recording)] is following:
+                    for record in recording.vertical:
+                        self._decide(record, recording, following)
 
-    def _ask(self, record: Record, volume: _Volume, following: bool = False) -> None:
+    def _decide(self, record: Record, recording: _Recording, following: bool = False) -> None:
         """Accept a record, or reject it as a duplicate of an accepted one; `following` records are always accepted."""
-        rivals = [(one, other) for one, other in self.voters if self._same(record, one, other, volume)]
+        rivals = [(one, other) for one, other in self.accepted if self._same(record, one, other, recording)]
         if following or not rivals:
-            self.voters.append((record, volume))
+            self.accepted.append((record, recording))
         elif not id_matches(record.id, self.settings.keep):
             nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
-            self.rejected[id(record)] = self._row(record, volume, *nearest)
-            voter, elected = nearest
-            faults = [bool(_fault(one, self.settings.confirm)) for one in (record, voter)]
-            alike = _one_direction(record, voter) and volume.level == elected.level and record.orientation != "vertical"
-            if alike and faults[0] <= faults[1]:
-                self.twins.append(Twin(voter, record, tuple(one for one in volume.channels if one is not record)))
+            self.rejected[id(record)] = self._row(record, recording, *nearest)
+            accepted, of_accepted = nearest
+            faults = [bool(_fault(one, self.settings.confirm)) for one in (record, accepted)]
+            alike = _one_direction(record, accepted) and recording.level == of_accepted.level
+            if alike and record.orientation != "vertical" and faults[0] <= faults[1]:
+                self.twins.append(Twin(accepted, record, tuple(one for one in recording.channels if one is not record)))
 
-    def _same(self, record: Record, voter: Record, elected: _Volume, volume: _Volume) -> bool:
-        """Return whether a record and an accepted one, each in its volume, are of one motion."""
-        if volume is elected or not concurrent(record, voter):
+    def _same(self, record: Record, accepted: Record, of_accepted: _Recording, recording: _Recording) -> bool:
+        """Return whether a record and an accepted record of another recording contain the same ground motion."""
+        if recording is of_accepted or not concurrent(record, accepted):
             return False
-        if _one_direction(record, voter):
+        if _one_direction(record, accepted):
             return True
-        whole = self.settings.components != "horizontal" and any(voter is one for one in elected.pair)
-        return whole and record.orientation != "vertical" and all(concurrent(record, one) for one in elected.pair)
+        whole = self.settings.components != "horizontal" and any(accepted is one for one in of_accepted.pair)
+        return whole and record.orientation != "vertical" and all(concurrent(record, one) for one in of_accepted.pair)
 
-    def _row(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> Failure:
-        deeper = volume.level > elected.level
-        how = "duplicate of" if _one_direction(record, voter) else "duplicate of the pair with"
-        reason_text = f"{record.id}: {how} {voter.id} in {voter.source}, which is used instead: "
-        reason_text += self._why(record, volume, voter, elected)
-        if (bare := uncovered(voter, record)) > 0.5 * record.duration:
+    def _row(self, record: Record, recording: _Recording, accepted: Record, of_accepted: _Recording) -> Failure:
+        deeper = recording.level > of_accepted.level
+        how = "duplicate of" if _one_direction(record, accepted) else "duplicate of the pair with"
+        reason_text = f"{record.id}: {how} {accepted.id} in {accepted.source}, which is used instead: "
+        reason_text += self._why(record, recording, accepted, of_accepted)
+        if (bare := uncovered(accepted, record)) > 0.5 * record.duration:
             reason_text += f"; {bare:.0f} s of the {record.duration:.0f} s of this record are not in it"
         reason_text += f"; {self.advice}" if self.advice else ""
         return Failure(record.source, "select", reason_text, "depth" if deeper else "duplicate")
 
-    def _why(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> str:
-        """Return the rule by which one record is preferred to the other."""
+    def _why(self, record: Record, recording: _Recording, accepted: Record, of_accepted: _Recording) -> str:
+        """Return the reason why the accepted record is preferred, as text."""
         confirm = self.settings.confirm
-        if (fault := _fault(record, confirm)) and not _fault(voter, confirm):
+        if (fault := _fault(record, confirm)) and not _fault(accepted, confirm):
             return fault
-        own, others = volume.rank(self.settings), elected.rank(self.settings)
+        own, others = recording.rank(self.settings), of_accepted.rank(self.settings)
         if record.orientation == "vertical" and own < others:
-            return "the horizontal channels of its volume are assessed"
+            return "the horizontal channels of its recording are assessed"
         place = next(place for place, pair in enumerate(zip(own, others, strict=True)) if pair[0] != pair[1])
-        depth = "at the bottom of a borehole" if math.isinf(volume.level) else f"{volume.level:g} m below the ground"
+        depth = (
+            "at the bottom of a borehole" if math.isinf(recording.level) else f"{recording.level:g} m below the ground"
+        )
         rules = (
-            f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
-            "its volume is confirmed ([records] confirm), that of this one is not",
-            "all horizontal channels of its volume can be used, but not all those of this one's volume",
-            "its volume holds a pair of horizontal channels that can be used, that of this one does not",
-            "its volume holds a vertical channel that can be used, that of this one does not",
-            f"{_PROCESSED[elected.processed]} is preferred to {_PROCESSED[volume.processed]}",
-            f"it has a sample every {elected.dt:g} s, this one every {volume.dt:g} s",
-            f"it lasts {elected.duration:.6g} s, this one {volume.duration:.6g} s",
+            f"this one was recorded {depth}, the other {'at' if of_accepted.level == 0.0 else 'nearer to'} the surface",
+            "its recording is confirmed ([records] confirm), the recording of this one is not",
+            "all horizontal channels of its recording can be used, but not all those of this one's recording",
+            "its recording has two horizontal channels that can be rotated, the recording of this one does not",
+            "its recording has a vertical channel that can be used, the recording of this one does not",
+            f"{_PROCESSED[of_accepted.processed]} is preferred to {_PROCESSED[recording.processed]}",
+            f"it has a sample every {of_accepted.dt:g} s, this one every {recording.dt:g} s",
+            f"it lasts {of_accepted.duration:.6g} s, this one {recording.duration:.6g} s",
             "both are alike in processing, rate and length; the first by path is used",
         )
         return rules[place]
 
 
-def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]:
-    """Return the volumes of the records of a site; a second channel in the same direction begins a new volume."""
+def _recordings(records: Sequence[Record], confirm: Sequence[str]) -> list[_Recording]:
+    """Group the records of a site into recordings; a second channel in the same direction begins a new recording."""
     channels = Counter(record.source for record in records)
     groups: dict[tuple[object, ...], list[list[Record]]] = defaultdict(list)
     for record in sorted(records, key=attrgetter("start_time", "source", "channel", "id")):
-        # Members of an archive lie in folders of it.
+        # Treat members of an archive as files in a folder.
         folder = str(PurePath(record.source.replace("!", "/")).parent)
         together = record.source if channels[record.source] > 1 else folder
         found = groups[*instrument(record), together]
-        for volume in found:
-            if all(concurrent(record, one) and not _one_direction(record, one) for one in volume):
-                volume.append(record)
+        for recording in found:
+            if all(concurrent(record, one) and not _one_direction(record, one) for one in recording):
+                recording.append(record)
                 break
         else:
             found.append([record])
-    return [_Volume(volume, confirm) for found in groups.values() for volume in found]
+    return [_Recording(recording, confirm) for found in groups.values() for recording in found]
 
 
 def _one_direction(record: Record, other: Record) -> bool:
@@ -247,7 +249,7 @@ def _one_direction(record: Record, other: Record) -> bool:
 
 
 def _fault(record: Record, confirm: Sequence[str]) -> str:
-    """Return why any other record of the same motion is preferred to a record; empty for most records."""
+    """Return the fault of a record because of which a duplicate is used instead; empty if it has no fault."""
     if find(record.warnings, "dead_channel"):
         return "this channel is dead"
     odd = find(record.warnings, "odd_peak")

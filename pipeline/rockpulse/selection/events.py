@@ -1,4 +1,4 @@
-"""Groups the records of one earthquake, which every statistic resamples together; doubtful records are joined."""
+"""Groups records by earthquake, as resamples draw whole earthquakes; in doubt, records form one group."""
 
 import re
 from collections import Counter, defaultdict
@@ -11,12 +11,11 @@ from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.record import Record
 from rockpulse.selection.tables import given_table, read_event_table
 
-#: Largest time between starts of records of one earthquake [s]; records of one name are joined too, unless their times
-#: are known to differ by more.
+#: Records that start within this time of each other are of one earthquake [s].
 JOINED_WITHIN_S = 600.0
 #: Largest difference between two stated origin times of one earthquake [s], and between two stated magnitudes of any
 #: scale; if origin times differ by more than `JOINED_WITHIN_S`, the earthquakes are different, unless other records
-#: join them.
+#: connect them.
 SAME_ORIGIN_S = 60.0
 SAME_MAGNITUDE = 1.0
 #: Largest error of a clock, which may show another time zone [s].
@@ -41,7 +40,7 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Return pairs of records of one earthquake, sufficient to connect each group."""
+    """Yield pairs of records, by index, that are of one earthquake; the pairs connect all records of it."""
     for members in _grouped(free, lambda index: records[index].source or None):
         yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
@@ -51,7 +50,7 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
     for members in _grouped(
         free, lambda index: (records[index].format, event) if (event := records[index].event_id) else None
     ):
-        groups = _grouped(members, lambda index: (records[index].origin_time,))  # all that `_may_be_one` asks for
+        groups = _grouped(members, lambda index: (records[index].origin_time,))  # `_may_be_one` depends only on this
         yield from chain.from_iterable(map(pairwise, groups))
         for one, other in combinations(_ends(groups), 2):
             if _may_be_one(records[one], records[other]):
@@ -61,7 +60,7 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
 
 
 def _grouped(members: Iterable[int], key: Callable[[int], Hashable]) -> list[list[int]]:
-    """Group the members by key, without those whose key is None."""
+    """Group the members by key; omit members whose key is None."""
     groups: dict[Hashable, list[int]] = defaultdict(list)
     for index in members:
         if (found := key(index)) is not None:
@@ -75,8 +74,8 @@ def _near(
     within: float,
     agree: Callable[[Record, Record], bool],
 ) -> Iterator[tuple[int, int]]:
-    """Yield pairs of records that agree and whose times are within `seconds`, sufficient to connect each group."""
-    # Records of one origin and magnitude agree with the same others: the latest one of each stands for them.
+    """Yield enough pairs to connect all records that are `within` seconds of each other and `agree`."""
+    # Records with equal origin time and magnitude agree with the same records: only the latest one is compared.
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
         last = {key: one for key, one in last.items() if (moment - one[0]).total_seconds() <= within}
@@ -87,7 +86,7 @@ def _near(
 
 
 def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[tuple[int, int]]:
-    """Yield pairs of records of one name that agree, sufficient to connect each group."""
+    """Yield enough pairs to connect all records with the same title that may be of one earthquake."""
     groups = _by_day(records, members)
     yield from chain.from_iterable(map(pairwise, groups))
     for one, other in _that_may_agree(records, _ends(groups)):
@@ -96,12 +95,12 @@ def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[
 
 
 def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
-    """Return the first and last record of each group: a record that agrees with any agrees with one of these."""
+    """Return the first and the last record of each group; to compare groups, these two are sufficient."""
     return [index for same in groups for index in dict.fromkeys((same[0], same[-1]))]
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield all pairs of records of one name that `_agree` may join, but few others, as a name may have many shocks."""
+    """Yield all pairs of records with the same title that may be of one earthquake, and few other pairs."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):
@@ -110,8 +109,8 @@ def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[
         yield from ((other, index) for _, other in timed[first:place])
     marks = {index: (set(_NUMBER.findall(records[index].event)), _years(records[index])) for index in ends}
     of_number: dict[str, list[int]] = defaultdict(list)
-    # By the year, None for none: of all records, and of those without a number. Where one of two has no time, numbers
-    # and years decide: those of both share one, or one has none.
+    # Records by year (None if unknown): all records, and those without a number. If one of two records has no time,
+    # they may be of one earthquake if they have a number and a year in common, or if one of them has none.
     of_year: dict[bool, dict[int | None, list[int]]] = {False: defaultdict(list), True: defaultdict(list)}
     for index, (numbers, years) in marks.items():
         for number in numbers:
@@ -129,7 +128,7 @@ def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[
 
 
 def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
-    """Group records with the same title and origin time whose starts lie within `CLOCK_S`, so that they agree."""
+    """Group records with the same title and origin time that start within `CLOCK_S` of the first of the group."""
     groups: dict[Hashable, list[tuple[datetime | None, int]]] = defaultdict(list)
     for index in members:
         record, moment = records[index], moment_of(records[index])
@@ -175,7 +174,7 @@ def _agree(one: Record, other: Record) -> bool:
 
 
 def _years(record: Record) -> set[int]:
-    """Return the years in a title or, without any, that of the clock (two years near New Year)."""
+    """Return the years in the title of a record, or the year of its time (two years near New Year)."""
     found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
     moment = moment_of(record)
     if not found and moment is not None:
@@ -190,7 +189,7 @@ def words_of(title: str) -> frozenset[str]:
 
 
 def name_of(title: str) -> frozenset[str] | str:
-    """Return the words common to the titles of one earthquake or, without any, the title if it contains a number."""
+    """Return the words of a title that may name an earthquake, or the title itself if it has only a number."""
     return words_of(title) or (title.strip() if any(character.isdigit() for character in title) else "")
 
 
@@ -256,7 +255,7 @@ def event_table(config: Config) -> dict[str, str]:
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
 ) -> tuple[dict[str, str], list[Failure]]:
-    """Return earthquakes by record id, with a row for unknown ids if files are unread, else raising ConfigError."""
+    """Return the earthquake of each record id, and a failure row if ids in `named` are unknown and files unread."""
     ids = [record.id for record in records]
     unknown = sorted(set(named) - set(ids)) if unread(failures) else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
@@ -288,7 +287,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """Return the most frequent title, preferring titles with words, and the alphabetically first of several."""
+    """Return the most frequent title, preferably one with words, and the first in the alphabet of equal ones."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

@@ -15,12 +15,12 @@ from rockpulse.files import read_text
 
 
 def read_event_table(path: Path) -> dict[str, str]:
-    """Read the event of each channel from a CSV table with the columns record, event; ConfigError for other tables."""
+    """Read the earthquake of each channel from a CSV table with the columns record and event."""
     return _read(path, "event", "[records] events")
 
 
 def read_weight_table(path: Path) -> dict[str, float]:
-    """Read weights by record from a CSV table with the columns record, weight; ConfigError unless finite and >= 0."""
+    """Read the weight of each record from a CSV table with the columns record and weight; weights are not negative."""
     weights = {}
     for record, text in _read(path, "weight", "[calibration] weights").items():
         weight = _number(text)
@@ -31,7 +31,7 @@ def read_weight_table(path: Path) -> dict[str, float]:
 
 
 def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
-    """Return the weights (n,) of records, with mean 1, for "equal", "event" or else the name of a table."""
+    """Return the weights of records, with mean 1, by the rule "equal" or "event", or from a table."""
     if rule == "equal":
         weights = np.ones(len(ids))
     elif rule == "event":
@@ -46,25 +46,25 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
         weights = np.array([table[name] for name in ids])
         if not np.any(weights > 0.0):
             raise ConfigError(f"[calibration] weights: {rule}: the weights of all records are 0")
-        weights = weights / weights.max()  # the sum of huge weights is no number
+        weights = weights / weights.max()  # the sum of very large weights would overflow
     return np.asarray(weights / weights.mean()) if weights.size else weights
 
 
 @dataclass(frozen=True)
-class Selection:
-    """Records selected by other software, each at one or several levels."""
+class SelectedRecords:
+    """The records of a fragility analysis that the user has selected, with their scale factors or levels."""
 
-    by_factor: bool  # whether amounts are factors on the record, or levels of a measure
-    rows: dict[str, tuple[tuple[float, float], ...]]  # by the id of the record its rows, each an amount and a weight
+    by_factor: bool  # whether amounts are scale factors; otherwise they are levels of the intensity measure
+    rows: dict[str, tuple[tuple[float, float], ...]]  # amount and weight of each row, by record id
 
     @property
     def most(self) -> int:
-        """Largest number of rows of a record."""
+        """Largest number of rows of any record."""
         return max(map(len, self.rows.values()))
 
 
-def read_selection_table(path: Path) -> Selection:
-    """Read selected records from a CSV table with the columns record, factor or level, and optionally weight."""
+def read_selection_table(path: Path) -> SelectedRecords:
+    """Read selected records from a CSV table with the columns record, factor (or level) and optionally weight."""
     where = "[fragility] selection"
     header, lines = _rows(path, ("record",), where)
     kinds = [name for name in ("factor", "level") if name in header]
@@ -91,17 +91,17 @@ def read_selection_table(path: Path) -> Selection:
         own.append((values[0], values[1] if len(values) > 1 else 1.0))
     if not found:
         raise ConfigError(f"{where}: {path}: expected a row for each record that was chosen, found none")
-    return Selection(kinds[0] == "factor", {record: tuple(sorted(own)) for record, own in found.items()})
+    return SelectedRecords(kinds[0] == "factor", {record: tuple(sorted(own)) for record, own in found.items()})
 
 
-def selection_of(config: Config) -> Selection | None:
-    """Return the records of ``[fragility] selection``, or None; ConfigError or OSError if it cannot be read."""
+def selection_of(config: Config) -> SelectedRecords | None:
+    """Return the records of the table ``[fragility] selection``; None if no table is given."""
     given, columns = config.fragility.selection, "record, factor or level, and perhaps weight"
     return None if given is None else read_selection_table(given_table(given, config, "[fragility] selection", columns))
 
 
 def given_table(given: str, config: Config, where: str, columns: str) -> Path:
-    """Return the file of a table named in the configuration; ConfigError if it does not exist."""
+    """Return the path of a table that the configuration names; raise ConfigError if it does not exist."""
     path = located(given, config.folder)
     if not path.exists():
         raise ConfigError(f"{where}: {path}: no such file; expected a CSV table with the columns {columns}")
@@ -109,7 +109,7 @@ def given_table(given: str, config: Config, where: str, columns: str) -> Path:
 
 
 def _number(text: str) -> float:
-    """Return the finite number in a text, else NaN."""
+    """Convert a text to a finite number; return NaN for other text."""
     try:
         value = float(text)
     except ValueError:
@@ -130,7 +130,7 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
 
 
 def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """Return the header of a CSV table, which must have some columns, and its rows by line number."""
+    """Return the header of a CSV table, and line number and cells of each row; raise ConfigError without `columns`."""
     named = ", ".join(columns)
     expected = f"a CSV table with the columns {named}"
     text = read_text(path, what=expected)

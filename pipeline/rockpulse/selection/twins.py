@@ -1,4 +1,4 @@
-"""Compares records of one motion, and components of one instrument, before they are used."""
+"""Compares used records with rejected duplicates of the same ground motion, and components of one instrument."""
 
 import math
 from collections import defaultdict
@@ -10,20 +10,24 @@ from typing import Literal
 import numpy as np
 
 from rockpulse.errors import Failure
+from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.record.components import concurrent, find_pairs, offset, sensor_level
-from rockpulse.record.defects import checked, deciding
+from rockpulse.record.defects import deciding, with_defects
 from rockpulse.record.record import Record, id_matches, outline_of
-from rockpulse.warning_text import WarningText
+from rockpulse.warning_text import WarningText, find
 
-#: Largest ratio of the peaks, and smallest correlation, of two records of one motion.
+#: Largest ratio of the peaks, and smallest correlation, of two records of the same ground motion.
 LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
 #: Largest ratio of the peaks of the two horizontal components of one instrument.
-COMPONENTS_RATIO = 10.0
+COMPONENTS_RATIO = 5.0
+#: Smallest correlation of two components of which one is a copy of the other, whatever its sign and scale.
+COPY_CORRELATION = 0.999
 #: Smallest angle between the lines of the two components of a pair [degrees].
 LEAST_TURN = 45.0
 #: Band in which records are compared [Hz], below this share of the lower sampling rate.
 BAND, BAND_SHARE = (0.5, 10.0), 0.4
-#: Largest error of a clock [s]; correlation, and agreement of the times of the energy, that reveal such an error.
+#: Largest error of a clock [s]; smallest correlation, and largest relative difference of the times between which the
+#: energy arrives, of two records of the same ground motion with such an error.
 CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
 #: Width of the classes of azimuths in which candidates are searched [degrees].
 SAME_LINE = 5.0
@@ -42,23 +46,24 @@ CAUSES = {
 class Comparison:
     """Another record with which a channel of a planned motion is compared."""
 
-    kind: Literal["volume", "clock", "component"]  # of one motion; perhaps of one, its clock off; of one instrument
-    channel: int  # place among the channels of the planned motion
+    # a duplicate; a record that may be the same with a wrong clock; the other component of the instrument
+    kind: Literal["duplicate", "clock", "component"]
+    channel: int  # index of the channel in the planned motion
     other: Record  # as read
-    beside: tuple[Record, ...] = ()  # the other channels of its volume, as read
+    beside: tuple[Record, ...] = ()  # the channels recorded together with the other record, as read
 
     @property
     def records(self) -> tuple[Record, ...]:
-        """The other record and the records of its instrument."""
+        """The other record, and the channels recorded together with it."""
         return self.other, *self.beside
 
 
 @dataclass(frozen=True)
 class Likeness:
-    """The similarity of two records of one motion after a common filter and alignment."""
+    """The similarity of two records of the same ground motion, filtered and aligned in time."""
 
-    ratio: float  # peak of the other over that of the first
-    correlation: float  # signed, in the time that both have
+    ratio: float  # peak of the second record divided by the peak of the first
+    correlation: float  # over their common time, from -1 to 1
 
 
 def likeness(record: Record, other: Record) -> Likeness:
@@ -77,7 +82,7 @@ def likeness(record: Record, other: Record) -> Likeness:
     cross = np.fft.irfft(np.conj(spectra[0]) * spectra[1], size)
     shift = int(np.argmax(np.abs(cross)))
     shift -= size if shift >= second.size else 0
-    # A short stretch that happens to fit is no likeness: the energy counts at least half.
+    # A short common part may agree by chance: at least half of each energy enters the norm.
     least = [0.5 * float(each @ each) for each in (one, two)]
     begin, end = max(0, -shift), min(one.size, two.size - shift)
     one, two = one[begin:end], two[begin + shift : end + shift]
@@ -89,11 +94,11 @@ def likeness(record: Record, other: Record) -> Likeness:
 
 
 def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
-    """Return the channels of a planned motion, as read, with a warning for each comparison that makes one doubtful."""
+    """Return channels as read, with a warning on each of them that a comparison makes doubtful."""
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
-        told = _components(channel, one.other) if one.kind == "component" else _volumes(channel, one)
+        told = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
         if told is not None:
             found[one.channel] = found[one.channel].with_warning(told)
     return found
@@ -102,7 +107,7 @@ def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> l
 def clock_twin(
     channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str], stage: str
 ) -> list[Failure]:
-    """Return rows for a record that is rejected as the duplicate of another one with a wrong clock.
+    """Return failure rows for channels whose ground motion another record contains at a different clock time.
 
     A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
     """
@@ -119,13 +124,13 @@ def clock_twin(
             off = abs(offset(channel, one.other))
             reason = (
                 f"the same motion as {one.other.id} of {one.other.source} (correlation {like.correlation:.3f}), "
-                f"which is taken in its place, by a clock that is {off:.6g} s off"
+                f"which is used instead; their clocks differ by {off:.6g} s"
             )
             return [Failure(each.source, stage, f"{each.id}: {reason}", "duplicate") for each in channels]
     return []
 
 
-def _volumes(channel: Record, against: Comparison) -> WarningText | None:
+def _duplicate(channel: Record, against: Comparison) -> WarningText | None:
     like = likeness(channel, against.other)
     if against.kind == "clock" and abs(like.correlation) < CLOCK_CORRELATION:
         return None
@@ -169,39 +174,52 @@ def _cause(ratio: float) -> str:
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if the peak of a component differs much from that of the other; None if a defect explains it."""
+    """Return a warning if a component copies the other, or its peak differs greatly and no defect explains it."""
     mine, others = (outline_of(one) for one in (channel, other))
-    if not mine or not others or any(deciding(checked(one)) for one in (channel, other)):
+    if not mine or not others or any(deciding(with_defects(one)) for one in (channel, other)):
         return None
-    ratio = mine[1] / others[1]
-    cause = _cause(ratio) or "a unit or gain may be wrong"
-    return WarningText("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
+    if _apart(mine, others):
+        ratio = mine[1] / others[1]
+        cause = _cause(ratio) or "a unit or gain may be wrong"
+        return WarningText("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
+    correlation = likeness(channel, other).correlation
+    if abs(correlation) < COPY_CORRELATION:
+        return None
+    return WarningText("same_samples", other=other.id, turned=SIGNS[math.copysign(1.0, correlation)])
+
+
+def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
+    """Return whether the peaks of two outlines differ by `COMPONENTS_RATIO` or more."""
+    return not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Return comparisons of channels with the other one of their pair, if their peaks as read differ much."""
+    """Yield a comparison of each channel with the other of its pair if peaks differ greatly or both may be equal."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
             continue
         mine, others = outline_of(channel), outline_of(other)
-        if mine and others and not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2:
+        if not mine or not others:
+            continue
+        alike = np.allclose(mine[2:], others[2:], rtol=0.0, atol=2.0 * channel.dt)
+        if _apart(mine, others) or (alike and not find(channel.warnings, "same_samples")):
             yield Comparison("component", place, other)
 
 
 def _between(one: Record, other: Record) -> float:
-    """Return the angle between the lines of two channels [degrees], 90 if one is unknown."""
+    """Return the angle between the axes of two channels [degrees], from 0 to 90; 90 if an azimuth is unknown."""
     between = one.azimuth - other.azimuth
     return abs(math.remainder(between, 180.0)) if math.isfinite(between) else 90.0
 
 
 def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
-    """Return for each horizontal channel of a pair, by its identity, the other channel of the pair."""
+    """Return the other channel of the pair for each horizontal channel, which is identified by ``id(channel)``."""
     return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return by the identity of a record another one, alike in energy, that may be the same with a wrong clock."""
+    """Return by ``id(record)``, for some records, another record that may be the same one with a wrong clock."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

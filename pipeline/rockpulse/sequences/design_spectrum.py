@@ -1,7 +1,7 @@
 """The design of a site as an overturning spectrum, and the equivalent impulse sequence of each body.
 
-.. note:: S(p, C) [m/s] is the effective impulse on a slender block: it overturns iff S >= g tan(alpha)/p. A sequence of
-   continuous spacing overturns iff I_eff = I [(1 - sigma) S_N + sigma/2] >= I_1c = g alpha/(p cos alpha)
+.. note:: S(p, C) [m/s] is the effective impulse on a slender block, which overturns if S >= g tan(alpha)/p. A sequence
+   of continuous spacing overturns it if I_eff = I [(1 - sigma) S_N + sigma/2] >= I_1c = g alpha/(p cos alpha)
    (:meth:`rocking.ImpulseSequence.effective_impulse`). So any sequence with I_eff/I_1c = S p/(g tan alpha) gives the
    same outcome and scale factor as the spectrum. The sigma and N of the half-waves select one such sequence.
 """
@@ -13,7 +13,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
 
 
@@ -30,9 +30,9 @@ class DesignSpectrum:
     spectrum : (a, c) ndarray
         S(p, C), positive [m/s].
     ratio : (a,) ndarray
-        I_s/I on the time scale of a block of that p [-].
+        I_s/I for a block of each p [-].
     main_count : (a,) ndarray of int
-        Number of main impulses on the time scale of a block of that p.
+        Number of main impulses for a block of each p.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class DesignSpectrum:
     array([0.82])
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     p: np.ndarray
     restitution: np.ndarray
@@ -53,11 +53,11 @@ class DesignSpectrum:
     main_count: np.ndarray
 
     def covers(self, block: Block) -> np.ndarray:
-        """Return a mask (m,) of free, symmetric blocks of slenderness 3.5 or more inside the spectrum's p and C."""
+        """Return a mask (m,) of free, symmetric blocks of slenderness 3.5 or more inside the ranges of p and C."""
         return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
-        """Return S at the p and C of each block, (m,) [m/s], ln S linear in ln p and C; ValueError outside."""
+        """Return S (m,) [m/s] of each block, interpolated in the spectrum; raise ValueError outside the spectrum."""
         one = block.lanes()
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:
@@ -69,19 +69,19 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Return the factor (m,) on the design that overturns each block, (g tan(alpha)/p)/S; ValueError outside."""
+        """Return the factor (m,) on the design at which each block overturns; raise ValueError outside the spectrum."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def nearest(self, block: Block) -> np.ndarray:
-        """Return the index of the frequency parameter nearest to that of each block, (m,)."""
+        """Return the index (m,) of the frequency parameter of the design that is nearest to the p of each block."""
         return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """Return sequences equivalent to the design on (m,) blocks, spacing "continuous"; ValueError outside.
+        """Return sequences, one for each of (m,) blocks, that have the same effect as the design; ValueError outside.
 
-        I_s/I and the number of main impulses are taken at the nearest p. Use with ``sequence_response(...,
-        paired=True)``.
+        I_s/I and the number of main impulses are those at the nearest p; the spacing is "continuous". Use the sequences
+        with ``sequence_response(..., paired=True)``.
         """
         one, nearest = block.lanes(), self.nearest(block)
         demand = 1.0 / self.factor(one)
@@ -92,7 +92,7 @@ class DesignSpectrum:
 
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Interpolate values (a, c, ...) at p (a,) [1/s] and C (c,) to (m,) blocks, linearly in ln p and C: (m, ...)."""
+    """Interpolate values (a, c, ...) in ln p (a,) and C (c,) at the p and C of (m,) blocks; return (m, ...)."""
     places = []
     for at, axis in ((np.log(block.p), np.log(p)), (block.restitution, restitution)):
         places.append(np.clip(np.broadcast_to(at, block.shape), axis[0], axis[-1]))
@@ -105,7 +105,7 @@ def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.n
 
 
 def within(block: Block, p: np.ndarray, restitution: np.ndarray) -> np.ndarray:
-    """Return a mask (m,) of slender free blocks inside the ascending p (a,) [1/s] and C (c,), up to rounding."""
+    """Return a mask (m,) of the free, slender blocks whose p [1/s] and C are inside the given ascending ranges."""
     found = np.asarray(block.restitution)
     above, below = found >= restitution[0] * (1.0 - 1e-9), found <= restitution[-1] * (1.0 + 1e-9)
     return np.asarray(slender_within(block, p) & above & below & block.free)

@@ -1,4 +1,4 @@
-"""Estimators of the parameters of an impulse sequence from half-waves of a record; amplitudes are absolute values."""
+"""Estimators of the parameters of an impulse sequence from the half-waves of a record."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -10,7 +10,7 @@ from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 
-#: Smallest number of half-waves for a sequence: a main and a secondary impulse, and two intervals.
+#: Smallest number of half-waves for a sequence: they give main and secondary impulse and two intervals.
 FEWEST_WAVES = 3
 #: Half-waves above this share of the largest one count as main impulses.
 MAIN_SHARE = 0.5
@@ -19,7 +19,7 @@ MAIN_SHARE = 0.5
 def _mean_of_largest(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
     if m >= sizes.size:
         raise RecordRefused(
-            f"{sizes.size} half-waves: the mean of the {m} largest leaves none for the secondary impulse; "
+            f"{sizes.size} half-waves: the mean of the {m} largest leaves no half-wave for the secondary impulse; "
             "choose a smaller m or a longer intense phase"
         )
     return float(np.mean(sizes[:m])), m
@@ -30,8 +30,8 @@ def _quantile(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
     return main, max(1, int(np.count_nonzero(sizes > main)))
 
 
-#: Estimators of the main impulse from absolute impulses in descending order: its size [m/s], and the number of impulses
-#: that are not secondary.
+#: Estimators of the main impulse from absolute impulses in descending order. They return the main impulse [m/s], and
+#: the number of impulses that are not secondary.
 MAIN: dict[str, Callable[[np.ndarray, int, float], tuple[float, int]]] = {
     "largest": lambda sizes, m, quantile: (float(sizes[0]), 1),
     "mean-largest": _mean_of_largest,
@@ -80,11 +80,11 @@ def record_sequence(
     interval : {"median", "mean"}
         Interval dT of the secondary impulses, from the spacings of successive centroids.
     main_count : {"half-largest", "none"} or int
-        Number of main impulses: that of half-waves above half the largest; no limit; or the given number.
+        Number of main impulses: the number of half-waves above half the largest; no limit; or the given number.
     spacing : {"end", "middle", "start", "open", "continuous"}
         Position of the secondary impulses in a half-cycle, see :class:`rocking.ImpulseSequence`.
     duration_s : float, optional
-        Duration of the sequence [s]; by default that of the phase.
+        Duration of the sequence [s]; by default the duration of the phase.
     phase : IntensePhase, optional
         Only half-waves with their centroid in this phase are used; by default all are used.
     m : int
@@ -140,7 +140,7 @@ def record_sequence(
     if len(inside) < FEWEST_WAVES:
         place = "in all" if phase is None else f"centred in the intense phase {phase.start:g} to {phase.end:g} s"
         raise RecordRefused(
-            f"{where}: {len(inside)} half-waves {place}, a sequence needs at least {FEWEST_WAVES}; "
+            f"{where}: {len(inside)} half-waves {place}, but a sequence needs at least {FEWEST_WAVES}; "
             "choose a longer intense phase, a lower half-wave threshold, or leave the record out"
         )
     sizes = np.sort(np.abs(inside.impulse))[::-1]
@@ -153,7 +153,7 @@ def record_sequence(
         duration_s = phase.duration if phase is not None else float(waves.end[-1] - waves.start[0])
     return ImpulseSequence(
         main=main_impulse,
-        secondary=min(secondary_impulse, main_impulse),  # means of equal impulses differ in the last digit
+        secondary=min(secondary_impulse, main_impulse),  # rounding may make the mean of equal impulses larger
         interval=INTERVAL[interval](np.diff(inside.centroid)),
         duration=duration_s,
         main_count=MAIN_COUNT[main_count](sizes) if isinstance(main_count, str) else int(main_count),

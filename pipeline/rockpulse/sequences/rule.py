@@ -1,7 +1,7 @@
 """The rule that predicts overturning under a record from an impulse sequence, derived from the record's half-waves.
 
-The demand is D = factor x march (:func:`rockpulse.models.demand_of_half_waves`), at most PGA/(g tan alpha). The
-sequence overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
+The demand D is factor x march (:func:`rockpulse.models.demand_of_half_waves`), but at most PGA/(g tan alpha). The
+sequence overturns a block if D >= 1; else the peak is 1 - sqrt(1 - D^2). The safety factor is 1/D.
 """
 
 import math
@@ -19,7 +19,7 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES, radius_of_rectangle
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.main_sequence import effective_amplification
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rocking.spectrum.slender_lanes import SpectrumLanes
@@ -27,18 +27,18 @@ from rockpulse.errors import ConfigError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
-#: Working points: the march used (:class:`rockpulse.models.HalfWaveDemand`), and the scale factor that 1/D estimates.
+#: For each working point: the field of :class:`rockpulse.models.HalfWaveDemand`, and the factor that 1/D estimates.
 POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
 #: The rule that is part of the package.
 SHIPPED = "rule.toml"
-#: Unit and description of each quantity in :func:`traits`.
+#: The quantities of a body by which the range of a rule is defined, with their units.
 TRAITS = {
     "p": "p {} to {} 1/s",
     "radius": "R {} to {} m",
     "slenderness": "slenderness {} to {}",
     "restitution_ratio": "C {} to {} times Housner's",
 }
-#: Tolerance of the fitted range [-], for numbers rounded to two digits.
+#: Tolerance of the range [-], as its limits are rounded to two digits.
 SLACK = 0.01
 
 
@@ -54,7 +54,7 @@ class Rule:
         Demand divided by march [-], positive.
     within : dict of str to (float, float)
         Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C divided by Housner's value [-]) of the
-        bodies on which the rule was fitted; other quantities are unlimited.
+        bodies on which the rule was fitted; a quantity without a range is unlimited.
 
     Examples
     --------
@@ -63,7 +63,7 @@ class Rule:
     (0.97, (1.0, 4.0))
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     point: str
     factor: float
@@ -76,25 +76,25 @@ class Rule:
             raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
 
     def demand(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Return the demand D of a record on blocks, (m,) [-]; the rule predicts overturning for D >= 1.
+        """Return the demand D (m,) [-] of a record on blocks; the rule predicts overturning for D >= 1.
 
         Parameters
         ----------
         waves : HalfWaves
-            All half-waves of the record; D is proportional to a scale factor on the record.
+            All half-waves of the record; a scale factor on the record multiplies D.
         block : Block
-            One block, which counts as (1,), or (m,) of them.
+            One block (then m = 1), or m blocks.
         """
         march = getattr(_half_wave_demand(waves, block), POINTS[self.point][0])
         return np.minimum(self.factor * march, _uplift(waves, block))
 
     def safety_factor(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Return the factor 1/D (m,) on the record at which the sequence overturns a block [-]; inf for zeros."""
+        """Return the safety factor 1/D (m,) [-], at which the sequence overturns a block; inf if D is zero."""
         demand = self.demand(waves, block)
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
     def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
-        """Return the intervals of scale factors that overturn: from the safety factor to `factor_max`."""
+        """Return the scale factors that overturn each block: all from the safety factor to `factor_max`."""
         factor = self.safety_factor(waves, block)
         lane = np.flatnonzero(factor <= factor_max)
         return ScaleIntervals(
@@ -109,21 +109,21 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """Return sequences equivalent to a record on (m,) blocks, spacing "continuous"; zero impulses without uplift.
+        """Return one sequence for each of (m,) blocks that is equivalent to the record; zero impulses without uplift.
 
-        Use with ``sequence_response(..., paired=True)``. In the limit n -> infinity (VALIDATION F4) half-cycle i
-        overturns iff v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 - C^i)/(1 - C), which grows with i. So N main
-        impulses overturn the block iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
+        Use with ``sequence_response(..., paired=True)``; the spacing is "continuous". In the limit n -> infinity
+        (VALIDATION F4) half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 -
+        C^i)/(1 - C). N main impulses overturn it if v_N >= 1; I = D I_1c/[(1 - sigma) S_N + sigma/2] gives v_N = D.
         """
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
-        """Return lanes of the overturning spectrum at ascending p (a,) [1/s]: the march times the rule's `factor`.
+        """Return the lanes of the overturning spectrum at ascending p (a,) [1/s]: the march times the rule's `factor`.
 
-        No block overturns below x = p/PGA, at which the peak of the half-waves lifts it. The random angles are on
-        average 4 % below the nominal one, so that a spectrum is at most 1.04 PGA/p, and :meth:`demand` uses at most
-        PGA/p.
+        No block overturns below x = p/PGA, as the peak of the half-waves does not lift it. The random critical angles
+        are on average 4 % smaller than the nominal angle, so that the spectrum is at most 1.04 PGA/p, while
+        :meth:`demand` is based on PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)
@@ -133,7 +133,7 @@ class Rule:
         return replace(lanes, log_x=log_x, weight=weight, bottom=bottom, top=np.maximum(lanes.top - shift, bottom))
 
     def applicable(self, block: Block) -> np.ndarray:
-        """Return a mask (m,) of bodies inside the range on which the rule was fitted, or up to 1 % beyond.
+        """Return a mask (m,) of the bodies in the range on which the rule was fitted, or at most 1 % outside it.
 
         Examples
         --------
@@ -148,7 +148,7 @@ class Rule:
 
     @property
     def range_text(self) -> str:
-        """Describe the range of bodies on which the rule was fitted."""
+        """The range of bodies on which the rule was fitted, in words."""
         return ", ".join(
             "Housner's C"
             if name == "restitution_ratio" and f"{low:.3g}" == f"{high:.3g}" == "1"
@@ -165,7 +165,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     point : {"balanced", "conservative"}
         The working point of the rule.
     path : str or Path, optional
-        File that ``make rule`` wrote in the repository; by default that of the package.
+        File written by ``make rule`` in the repository; by default the file in the package.
 
     Raises
     ------
@@ -203,13 +203,13 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """Return the quantities that limit a rule, each (m,): p [1/s]; R [m] and C/Housner's C of the rectangle; a/b."""
+    """Return the quantities (m,) of blocks by which the range of a rule is defined, by the names in TRAITS."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
     return {
         "p": np.atleast_1d(block.p),
-        # Bodies with equal p have equal motion for any R, so the range is given for rectangles.
+        # Bodies of equal p move equally for any R, so that the range is given for rectangles.
         "radius": np.atleast_1d(radius_of_rectangle(block.p, block.gravity)),
         "slenderness": np.atleast_1d(block.slenderness),
         "restitution_ratio": ratio,
@@ -219,7 +219,7 @@ def traits(block: Block) -> dict[str, np.ndarray]:
 def sequence_of_demand(
     demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
 ) -> ImpulseSequence:
-    """Return sequences with the ratio and number of `of_waves` that give v_N = D, (m,), on lifted blocks."""
+    """Return sequences (m,) with the demand D on each block; the impulses are zero for blocks that are not lifted."""
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)
@@ -241,7 +241,7 @@ _DEMANDS: WeakKeyDictionary[HalfWaves, dict[Block, HalfWaveDemand]] = WeakKeyDic
 
 
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Return the demand of half-waves, computed once."""
+    """Return the demand of half-waves on blocks, computed once for the same objects."""
     known = _DEMANDS.setdefault(waves, {})
     if block not in known:
         known[block] = demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
@@ -249,5 +249,5 @@ def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
 
 
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
-    """Return PGA/(g tan alpha) of each block [-]."""
+    """Return PGA/(g tan alpha) (m,) [-]."""
     return np.max(np.abs(waves.peak), initial=0.0) / (block.gravity * np.tan(np.atleast_1d(block.alpha_c)))

@@ -91,7 +91,7 @@ def test_rebounds_are_numbers_from_0_to_1_or_that_of_slender_rectangles():
 
 @pytest.mark.parametrize("restitution", ["elastic", 0.9, [0.5, 0.6], None])
 def test_a_wall_has_no_restitution_of_impacts_on_the_base(restitution):
-    with pytest.raises(ValueError, match="a one-sided body returns to its wall, give a rebound in its place; got"):
+    with pytest.raises(ValueError, match="restitution: expected none for a one-sided body"):
         Block(width=0.5, height=3.0, one_sided=True, restitution=restitution)
 
 
@@ -271,7 +271,7 @@ def test_heights_of_restraints_are_those_of_the_lowest_body():
         with pytest.raises(ValueError, match="expected heights up to that of the body, 3 m"):
             Block(**size, height=[4.0, 3.0], ties=[Tie(height, 1e6)])
     assert Block.from_corners(0.2, 0.3, 1.0, 0.6, mass=500.0, ties=[Tie(90.0, 1e6)]).restraints.highest == 90.0
-    with pytest.raises(ValueError, match="expected it in kg"):
+    with pytest.raises(ValueError, match="expected a mass in kg"):
         Block(width=0.5, height=3.0, ties=[Tie(1.0, 1e6)])
 
 
@@ -290,7 +290,7 @@ def test_a_thrust_that_balances_the_weight_turns_the_body_over(towards):
             return Block(width=[0.9, 0.5], height=3.0, **held)
 
         assert made(1.0 - 1e-12).shape == free.shape
-        with pytest.raises(ValueError, match="expected a body that stands at rest"):
+        with pytest.raises(ValueError, match="expected forces under which the body stands"):
             made(1.0)
         if towards < 0.0:  # a wall holds it
             assert np.all(made(5.0, one_sided=True, **({"rebound": 0.5} if place else {})).side == 1)
@@ -308,7 +308,7 @@ def test_what_rests_on_a_body_holds_it_against_a_thrust_on_both_sides(towards):
         return Block.from_corners(0.2, 0.35, 1.1, 0.6, mass=900.0, gravity=G, loads=loads, thrusts=[thrust])
 
     assert made(1.0 - 1e-9).restraints.loads == tuple(loads)
-    with pytest.raises(ValueError, match="expected a body that stands at rest"):
+    with pytest.raises(ValueError, match="expected forces under which the body stands"):
         made(1.0 + 1e-9)
 
 

@@ -73,7 +73,7 @@ def test_what_holds_a_block_is_told_and_drawn():
         log=False,
     )
     assert "rebound 0.4796, wall behind it, ties 1, loads 1" in repr(held)
-    assert "wall behind it, held" in repr(Block.stack([held, held]))
+    assert "wall behind it, restr" in repr(Block.stack([held, held]))
     lines = len(drawn(held).findall(f"{SVG}polyline"))
     assert lines - len(drawn(Block(width=0.5, height=6.0)).findall(f"{SVG}polyline")) == 4  # wall, tie, load, thrust
 

@@ -228,8 +228,8 @@ def test_static_capacity_outside_a_quarter_turn_is_refused(angle, side):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"rebound": 0.5}, "rebound: expected one only with one_sided=True"),
-        ({"loads": [Load(1e3, 2.0)]}, "that carries a load along"),
+        ({"rebound": 0.5}, "rebound: expected none without one_sided=True"),
+        ({"loads": [Load(1e3, 2.0)]}, "with a load that moves with it"),
         ({"one_sided": "yes"}, "one_sided: expected True or False"),
     ],
 )

@@ -114,7 +114,7 @@ def test_no_lane_depends_on_threads_or_on_other_frequencies():
 
 
 def test_zeros_are_refused():
-    with pytest.raises(ValueError, match="nothing but zeros"):
+    with pytest.raises(ValueError, match="only zeros"):
         half_wave_lanes([0.0], [0.1], [0.2], [0.0])
 
 

@@ -118,7 +118,7 @@ def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
     )
     covered = spectrum.covers(blocks, 0.9 * blocks.restitution, blocks.restitution)
     assert covered.tolist() == [True, False, False, False]
-    with pytest.raises(ValueError, match=r"not for 3 of 4, the first one at place 1"):
+    with pytest.raises(ValueError, match=r"not for 3 of 4 blocks, the first at index 1"):
         spectrum.factors(blocks)
 
 
@@ -137,7 +137,7 @@ def test_a_range_too_narrow_for_the_lanes_is_not_covered(spectrum):
     block = Block.from_parameters(p=[1.6, 1.6], alpha=0.1, restitution=0.9, log=False)
     assert spectrum.covers(block, np.array([0.9, 0.87]), np.array([0.9, 0.9])).tolist() == [False, True]
     exact = OverturningSpectrum(spectrum.lanes, Uncertainty(restitution=(1.0, 1.0)))
-    with pytest.raises(ValueError, match=r"at least 0\.029 apart"):
+    with pytest.raises(ValueError, match=r"at least 0\.029 wide"):
         exact.spectrum([0.9])
 
 

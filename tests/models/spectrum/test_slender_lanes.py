@@ -108,7 +108,7 @@ def test_survivors_at_the_top_make_the_lanes_reach_further():
 
 @pytest.mark.parametrize(
     ("acceleration", "p", "told"),
-    [(np.zeros(10), [1.0], "nothing but zeros"), (MOTION, [2.0, 1.0], "ascending"), (MOTION, [-1.0], "positive")],
+    [(np.zeros(10), [1.0], "only zeros"), (MOTION, [2.0, 1.0], "ascending"), (MOTION, [-1.0], "positive")],
 )
 def test_what_has_no_spectrum(acceleration, p, told):
     with pytest.raises(ValueError, match=told):

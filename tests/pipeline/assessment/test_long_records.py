@@ -37,7 +37,6 @@ def test_a_long_record_takes_a_bounded_memory_for_each_sample():
     peak_of(long_record(20_000))  # what is imported and compiled once
     sizes = 200_000, 600_000
     (less, _), (more, found) = (peak_of(long_record(size)) for size in sizes)
-    print("BYTES", (more - less) / (sizes[1] - sizes[0]))
     assert (more - less) / (sizes[1] - sizes[0]) < MOST
     assert found["summary"]["outcome"].shape == (1, 2, 2)
 

@@ -28,7 +28,7 @@ RAW, CORRECTED, BOTTOM, SURFACE = "hses.V1A", "hses.V2A", "AKT0139608110312.{}1"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """GeoNet's raw and processed volume of one record, and the files of a KiK-net station, in three components."""
+    """GeoNet's raw and processed record of one motion, and the files of a KiK-net station, in three components."""
     folder = tmp_path_factory.mktemp("records")
     for name, corrected in ((RAW, False), (CORRECTED, True)):
         columns = [(9806.65 + 100.0 * corrected) * wave for wave in WAVES]
@@ -72,7 +72,7 @@ def test_one_record_of_each_motion_is_assessed_and_the_list_says_why(folder, cap
     capsys.readouterr()
     assert main(["inspect", str(folder.parent / "results.h5"), "--failures"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "a processed volume is preferred to a raw one" in told
+    assert "a processed record is preferred to a raw one" in told
     assert "this one was recorded at the bottom of a borehole, the other at the surface" in told
     assert told.count("[records] keep with this id assesses both") == 6
 

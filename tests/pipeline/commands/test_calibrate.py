@@ -176,7 +176,7 @@ def test_nothing_calibrated_is_exit_code_one_and_no_file(motions, config, tmp_pa
     )
     target = tmp_path / "site.h5"
     assert main(["calibrate", str(motions), "--config", str(slab), "-o", str(target)]) == 1
-    assert "no record sets any block rocking" in capsys.readouterr().err
+    assert "no record lifts a block" in capsys.readouterr().err
     assert not target.exists()
 
 

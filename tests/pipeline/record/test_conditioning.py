@@ -96,14 +96,14 @@ def test_baseline_none_changes_nothing_and_says_nothing():
     assert conditioned.processing == ()
 
 
-def test_auto_leaves_a_processed_volume_untouched():
+def test_auto_leaves_a_processed_record_unchanged():
     motion = replace(event(offset=0.7), processed=True)
     conditioned = condition(motion)
     np.testing.assert_array_equal(conditioned.acceleration, motion.acceleration)
-    assert conditioned.processing == ("baseline: left as it is, a processed volume",)
+    assert conditioned.processing == ("baseline: unchanged, as the record is processed",)
 
 
-def test_auto_takes_the_pre_event_mean_from_a_raw_volume():
+def test_auto_takes_the_pre_event_mean_from_a_raw_record():
     motion = event(offset=0.7)
     conditioned = condition(motion)
     assert conditioned.acceleration == pytest.approx(motion.acceleration - 0.7, abs=1e-5)

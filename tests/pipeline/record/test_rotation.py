@@ -199,7 +199,7 @@ def test_other_intervals_are_refused_until_one_is_asked_for():
 
 
 def test_a_raw_and_a_corrected_channel_are_no_pair():
-    with pytest.raises(RecordRefused, match="one of them is a corrected volume"):
+    with pytest.raises(RecordRefused, match="one of them is a corrected record"):
         condition_pair(Pair(channel(noise(0), 90.0), channel(noise(1), 0.0, processed=False)))
 
 

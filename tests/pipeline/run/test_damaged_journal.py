@@ -70,7 +70,7 @@ def test_a_result_that_was_damaged_in_the_journal_is_done_again_and_the_others_a
     report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True, tell=told.append))
     assert (report.records, report.resumed, report.failures) == (3, 1, [])
     assert told == [
-        f"{journal_path(output)} is damaged: the results of {key} cannot be used; what is missing is done again",
+        f"{journal_path(output)} is damaged: the results of {key} cannot be used; missing records are processed again",
         "1 of 3 records were finished before",
     ]
     assess_files(paths, CONFIG, tmp_path / "alone.h5", BatchOptions(workers=1))
@@ -121,7 +121,7 @@ def test_what_somebody_has_put_into_the_journal_as_a_result_is_done_again(tmp_pa
     assert [forged for forged, key in zip(FORGED, keys, strict=True) if key not in again] == []
     assert sound not in again
     assert report.resumed == 1
-    assert re.search(r"is damaged: the results of .* cannot be used; what is missing is done again", told[0])
+    assert re.search(r"is damaged: the results of .* cannot be used; missing records are processed again", told[0])
     assert_contents(output, contents(tmp_path / "alone.h5"))
 
 
@@ -134,7 +134,7 @@ def test_results_of_other_options_are_no_damage(folder, tmp_path, monkeypatch):
     report = assess_files(sorted(folder.glob("r*")), two, output, BatchOptions(1, resume=True, tell=told.append))
     assert (report.records, report.resumed) == (3, 0)
     assert len(told) == 1
-    assert "0 of 3 records were finished before; 2 are done again" in told[0]
+    assert "0 of 3 records were finished before; 2 are processed again" in told[0]
 
 
 EVERY = {

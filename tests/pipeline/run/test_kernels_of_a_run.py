@@ -92,7 +92,7 @@ def test_a_change_of_a_kernel_whose_caller_is_unchanged_counts_at_once_and_so_do
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.slow)])
 def test_damaged_kernels_cost_no_record_and_are_said_once(workers, tmp_path, monkeypatch):
     (tmp_path / "records").mkdir()
     for name, peak in (("a", 0.3), ("b", 0.25), ("c", 0.2)):

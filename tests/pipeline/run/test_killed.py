@@ -165,7 +165,7 @@ def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, poi
     assert code == 130
     assert re.fullmatch(
         r"rockpulse: interrupted; [2-6] finished records are kept in .*results.h5.journal: the same command with "
-        r"--resume goes on from there\n",
+        r"--resume continues from there\n",
         said,
     )
     assert not target.exists()

@@ -148,7 +148,7 @@ def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeyp
     (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5"))
     keys = redone(monkeypatch)
     assert command(mine, target, "--resume") == 0
-    changed = "2 are done again, because they, the options or the version of rockpulse have changed\n"
+    changed = "2 are processed again, because they, the options or the version of rockpulse have changed\n"
     assert f"0 of {RECORDS} records were finished before; {changed}" in capsys.readouterr().err
     assert len(keys) == RECORDS
     assert command(mine, target.with_name("fresh.h5"), "--quiet") == 0

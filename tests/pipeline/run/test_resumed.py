@@ -66,8 +66,8 @@ def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypa
     assert (report.records, report.broken_off) == (1, 2)
     assert sorted(row.stage for row in report.failures) == ["assess", "read"]
     again = f"the same command with --resume tries them again, for which {output}.journal is kept"
-    assert told == [f"2 files or records broke off: {again}"]
-    with pytest.raises(ResultsError, match=r"the file exists; .*--overwrite together with --resume goes on"):
+    assert told == [f"2 files or records could not be finished: {again}"]
+    with pytest.raises(ResultsError, match=r"the file exists; .*--overwrite together with --resume continues"):
         assess_files(paths, CONFIG, output, BatchOptions(workers=1))
     # Resumed, what broke off is done in place of the file that lacks it, and the journal ends.
     report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))
@@ -200,7 +200,7 @@ def test_a_site_that_cannot_be_written_keeps_what_is_finished(folder, tmp_path, 
         raise ResultsError("the results take 3 MB, 1 MB are free; free some space there")
 
     monkeypatch.setattr(run, "write_results", full)
-    with pytest.raises(ResultsError, match=r"free some space there; 3 finished records are kept in .*--resume goes on"):
+    with pytest.raises(ResultsError, match=r"free some space there; 3 finished records are kept .*--resume continues"):
         calibrate_files(sorted(folder.glob("r*")), SITE, tmp_path / "site.h5", BatchOptions(workers=1))
 
 

@@ -5,7 +5,7 @@ import pytest
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import FragilitySettings
 from rockpulse.errors import ConfigError
-from rockpulse.selection.tables import Selection, read_selection_table, selection_of
+from rockpulse.selection.tables import SelectedRecords, read_selection_table, selection_of
 
 
 def read(tmp_path, text):
@@ -16,12 +16,12 @@ def read(tmp_path, text):
 
 def test_rows_of_a_record_stand_together_and_weigh_one_without_weights(tmp_path):
     found = read(tmp_path, "record,factor,magnitude\nb,2\na,1.5,6.5\nb,0.5\n")
-    assert found == Selection(True, {"b": ((0.5, 1.0), (2.0, 1.0)), "a": ((1.5, 1.0),)})
+    assert found == SelectedRecords(True, {"b": ((0.5, 1.0), (2.0, 1.0)), "a": ((1.5, 1.0),)})
     assert found.most == 2
 
 
 def test_levels_and_weights_are_read(tmp_path):
-    assert read(tmp_path, "record,level,weight\na,0.4,0.25\n") == Selection(False, {"a": ((0.4, 0.25),)})
+    assert read(tmp_path, "record,level,weight\na,0.4,0.25\n") == SelectedRecords(False, {"a": ((0.4, 0.25),)})
 
 
 @pytest.mark.parametrize(

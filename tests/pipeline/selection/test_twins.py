@@ -39,7 +39,7 @@ class Ids(Analysis):
         return [part["record"][0] for part in parts], failures, [text for part in parts for text in part["warnings"]]
 
 
-def volume(source, processed=False, factor=1.0, late=0.0, north=NORTH, east=EAST, azimuths=(0.0, 90.0)):
+def recording(source, processed=False, factor=1.0, late=0.0, north=NORTH, east=EAST, azimuths=(0.0, 90.0)):
     known = {"network": "CI", "station": "CLC", "format": "dyna", "source": source, "processed": processed}
     known |= {"start_time": START + timedelta(seconds=late), "orientation": "horizontal", "dt": DT}
     named = zip("NE", (north, east), azimuths, strict=True)
@@ -49,17 +49,19 @@ def volume(source, processed=False, factor=1.0, late=0.0, north=NORTH, east=EAST
     ]
 
 
-def seen(*volumes, **settings):
+def seen(*recordings, **settings):
     """Ids that count, reasons of the failed ones, rows of the duplicates, and the warnings of those that count."""
-    records = [one for every in volumes for one in every]
+    records = [one for every in recordings for one in every]
     found, rows, warnings = run(Ids(Config(records=RecordSettings(**settings))), records)
     failed = [row.reason for row in rows if row.kind == "failed"]
     return found, failed, [row.reason for row in rows if row.kind == "duplicate"], warnings
 
 
-def test_two_volumes_of_one_motion_that_agree_count_once():
-    filtered = [condition(one, "mean", highpass_hz=0.2, lowpass_hz=25.0).acceleration for one in volume("raw")]
-    found, failed, copies, _ = seen(volume("raw", late=0.8), volume("cor", True, north=filtered[0], east=filtered[1]))
+def test_two_recordings_of_one_motion_that_agree_count_once():
+    filtered = [condition(one, "mean", highpass_hz=0.2, lowpass_hz=25.0).acceleration for one in recording("raw")]
+    found, failed, copies, _ = seen(
+        recording("raw", late=0.8), recording("cor", True, north=filtered[0], east=filtered[1])
+    )
     assert (found, failed, len(copies)) == (["cor.E", "cor.N"], [], 2)
 
 
@@ -76,12 +78,12 @@ def test_two_volumes_of_one_motion_that_agree_count_once():
     ids=["cm", "g", "other", "sign", "swapped", "unlike"],
 )
 def test_a_twin_that_differs_leaves_both_in_doubt_until_one_is_confirmed(twin, said):
-    pair = volume("raw"), volume("cor", True, **twin)
+    pair = recording("raw"), recording("cor", True, **twin)
     found, failed, _, _ = seen(*pair)
     assert found == []
     assert len(failed) == 2
     for reason, code in zip(failed, "EN", strict=True):
-        assert reason.startswith(f"cor.{code}: raw.{code} of raw should be of the same motion, but")
+        assert reason.startswith(f"cor.{code}: raw.{code} of raw should be a record of the same ground motion, but")
         assert said in reason
         assert f"give --confirm cor.{code}, or" in reason
     found, failed, _, warnings = seen(*pair, confirm=("cor.*",))
@@ -92,42 +94,52 @@ def test_a_twin_that_differs_leaves_both_in_doubt_until_one_is_confirmed(twin, s
 
 
 def test_azimuths_that_are_opposite_explain_an_opposite_sign():
-    turned = volume("cor", True, north=-NORTH, east=-EAST, azimuths=(180.0, 270.0))
-    assert seen(volume("raw"), turned)[:2] == (["cor.E", "cor.N"], [])
+    turned = recording("cor", True, north=-NORTH, east=-EAST, azimuths=(180.0, 270.0))
+    assert seen(recording("raw"), turned)[:2] == (["cor.E", "cor.N"], [])
 
 
 @pytest.mark.parametrize("late", [3.0, 45.0, 3600.0, -32400.0])
 def test_a_twin_whose_clock_is_off_is_still_a_twin(late):
-    found, failed, copies, _ = seen(volume("raw", late=late), volume("cor", True))
+    found, failed, copies, _ = seen(recording("raw", late=late), recording("cor", True))
     assert (found, failed, len(copies)) == (["cor.E", "cor.N"], [], 2)
-    found, failed, _, _ = seen(volume("raw", late=late), volume("cor", True, factor=0.01))
+    found, failed, _, _ = seen(recording("raw", late=late), recording("cor", True, factor=0.01))
     assert (found, len(failed)) == ([], 2)
-    assert seen(volume("raw", late=late), volume("cor", True), confirm=("raw.*",))[0] == ["raw.E", "raw.N"]
+    assert seen(recording("raw", late=late), recording("cor", True), confirm=("raw.*",))[0] == ["raw.E", "raw.N"]
 
 
 def test_an_aftershock_is_no_twin():
-    after = volume("after", late=3600.0, north=0.4 * shaking(11), east=0.4 * shaking(12))
-    assert seen(volume("main"), after)[0] == ["after.E", "after.N", "main.E", "main.N"]
+    after = recording("after", late=3600.0, north=0.4 * shaking(11), east=0.4 * shaking(12))
+    assert seen(recording("main"), after)[0] == ["after.E", "after.N", "main.E", "main.N"]
 
 
-@pytest.mark.parametrize("factor", [15.0, 0.01])
+@pytest.mark.parametrize("factor", [9.80665, 15.0, 0.01])
 def test_components_of_one_instrument_far_apart_are_in_doubt(factor):
-    found, failed, _, _ = seen(volume("a", north=factor * NORTH))
+    found, failed, _, _ = seen(recording("a", north=factor * NORTH))
     assert (found, len(failed)) == ([], 2)
     assert all("the other component of its instrument" in reason for reason in failed)
-    assert seen(volume("a", north=factor * NORTH), confirm=("a.*",))[0] == ["a.E", "a.N"]
-    assert seen(volume("a", north=5.0 * NORTH, late=1.0))[1] == []
+    assert seen(recording("a", north=factor * NORTH), confirm=("a.*",))[0] == ["a.E", "a.N"]
+    assert seen(recording("a", north=4.0 * NORTH, late=1.0))[1] == []
+
+
+@pytest.mark.parametrize(("scale", "turned"), [(1.0, ""), (0.7, ""), (-1.0, " with the opposite sign")])
+def test_a_component_in_another_file_that_is_a_copy_is_told(scale, turned):
+    copied = np.round(scale * NORTH, 4)
+    pair = [replace(one, source=f"{one.id}.txt") for one in recording("a", east=copied)]
+    found, failed, _, warnings = seen(pair)
+    assert (found, failed) == (["a.E", "a.N"], [])
+    for other in "EN":
+        assert f"the samples are those of a.{other}{turned}: one of them is a copy" in warnings
 
 
 def test_beside_a_channel_of_noise_the_sound_one_counts():
     noise = np.round(2e-3 * np.random.default_rng(3).normal(size=NORTH.size), 6)
-    found, (reason,), _, _ = seen(volume("a", north=noise))
+    found, (reason,), _, _ = seen(recording("a", north=noise))
     assert found == ["a.E"]
     assert "a.N: no earthquake" in reason
 
 
 def test_the_outline_of_a_record_stays_with_it_without_its_samples():
-    (one, _) = volume("a")
+    (one, _) = recording("a")
     assert outline_of(one.without_samples()) == outline_of(one)
     assert outline_of(one.without_samples().without_samples()) == outline_of(one)
     assert outline_of(replace(one, acceleration=np.full(500, 0.3))) == ()
@@ -144,7 +156,7 @@ def test_likeness_finds_the_shift_the_sign_and_the_ratio_at_another_rate():
 @pytest.mark.sweep
 def test_candidates_among_ten_thousand_headers_are_found_quickly():
     rng = np.random.default_rng(0)
-    (one, _) = volume("a")
+    (one, _) = recording("a")
     records = []
     for number in range(10_000):
         times = np.cumsum(rng.uniform(0.5, 3.0, 5)).tolist()

@@ -143,7 +143,7 @@ def test_scaled_and_mirrored_waves_give_the_scaled_sequence(sizes, chosen, facto
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_too_few_half_waves_are_refused_with_their_number(count):
     with pytest.raises(
-        RecordRefused, match=rf"NET\.STA\.LOC\.CHA: {count} half-waves in all, a sequence needs at least 3; choose"
+        RecordRefused, match=rf"NET\.STA\.LOC\.CHA: {count} half-waves in all, but a sequence needs at least 3; choose"
     ):
         record_sequence(waves([1.0] * count))
 
@@ -154,7 +154,7 @@ def test_too_few_half_waves_in_the_phase_are_refused_with_the_phase():
 
 
 def test_mean_of_all_half_waves_leaves_none_for_the_secondary_impulse():
-    with pytest.raises(RecordRefused, match=r"NET\.STA\.LOC\.CHA: 5 half-waves: the mean of the 5 largest leaves none"):
+    with pytest.raises(RecordRefused, match=r"CHA: 5 half-waves: the mean of the 5 largest leaves no half-wave"):
         record_sequence(FIVE, main="mean-largest", m=5)
 
 

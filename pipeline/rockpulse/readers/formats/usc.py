@@ -101,7 +101,7 @@ def _header(lines: Sequence[str]) -> csmip_layout.CsmipHeader:
 
 USC_V1 = Format(
     name="usc_v1",
-    what="USC volume 1 (pairs of a digitised trace)",
+    what="USC volume 1 (pairs of time and acceleration of a digitised trace)",
     recognised="first line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
     unit="g/10, from the header",
     example="017m30lw.e0a",

@@ -199,7 +199,7 @@ def canonical_unit(text: str, where: str) -> str:
     unit = spelled_unit(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
-        of = f" ({quantity})" if quantity else ""
+        of = f", which is a unit of {quantity}" if quantity and quantity != "acceleration" else ""
         advice = (
             ""
             if where.startswith(("option", "--")) or "[records]" in where
@@ -212,10 +212,10 @@ def canonical_unit(text: str, where: str) -> str:
 
 
 def for_such_files(name: str, setting: str) -> str:
-    """Return the advice to set an option for the files of one suffix in the configuration."""
+    """Return lines of the configuration that give a property of all files with the suffix of a file."""
     last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
     pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
-    return f"[[records.file]]: match = '{pattern}', {setting}"
+    return f'the configuration:\n[[records.file]]\nmatch = "{pattern}"\n{setting}'
 
 
 def for_other_files(option: str) -> str:

@@ -190,7 +190,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
     if len(most) != 1:
         several = "; ".join(" ".join(dims) for dims in most) or "none"
         raise ResultsError(
-            f"/{group} holds several tables: expected the dimensions of one of them (--rows), found none; they have "
+            f"/{group} contains several tables: expected the dimensions of one of them (--rows), found none; they have "
             f"{several}"
         )
     return most[0]

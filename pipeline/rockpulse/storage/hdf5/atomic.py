@@ -104,14 +104,14 @@ def _check_name(path: Path) -> None:
         what, verb, suffix = OTHERS[plain.suffix.lower()]
         results = plain.with_suffix(".h5")
         raise ResultsError(
-            f"{path}: expected the name of a results file (HDF5), such as {results}, found that of {what}, which is "
-            f"made from results: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+            f"{path}: expected the name of a results file (HDF5), such as {results}, found the name of {what}, which "
+            f"is made from results: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
         )
     if plain.suffix.lower() in TEXTS:
         results = plain.with_suffix(".h5")
         raise ResultsError(
             f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix}, "
-            "which is that of another kind of file"
+            "which belongs to another kind of file"
         )
 
 
@@ -121,7 +121,7 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
         raise ResultsError(f"{path}: expected the name of a results file, found something that is not a regular file")
     if not overwrite:
         journal = journal_path(target)
-        going_on = f"; --overwrite together with --resume goes on with the run of {journal}" if journal.exists() else ""
+        going_on = f"; --overwrite together with --resume continues the run of {journal}" if journal.exists() else ""
         raise ResultsError(
             f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite{going_on})",
             tells_resume=bool(going_on),

@@ -26,7 +26,7 @@ ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/r
 
 
 def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
-    """Yield a message for each variable that has not the declared type, shape or, with `units`, unit."""
+    """Yield a message for each variable whose type, shape or (with `units`) unit differs from the declared one."""
     for path, variable in variables.items():
         if is_bare_dimension(variable.attrs.get("NAME")):
             continue

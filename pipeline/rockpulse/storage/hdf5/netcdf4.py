@@ -146,7 +146,7 @@ def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.nda
 
 
 def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
-    """Read the smallest box that contains all indices, as HDF5 does fast; return it and the indices within it."""
+    """Read the smallest box of values that contains all indices; return it and the indices within the box."""
     box: dict[Any, slice] = {}
     inside = {}
     for dim in variable.dims:

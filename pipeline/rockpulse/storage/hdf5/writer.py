@@ -68,7 +68,7 @@ class TreeWriter:
         group, _, name = path.rpartition("/")
         group = group or "/"
         if dtype.kind == "b":
-            raise TypeError(f"{path}: expected numbers or texts, found truth values, which netCDF has not")
+            raise TypeError(f"{path}: expected numbers or texts, found truth values, which netCDF does not have")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
         # All values are written later (missing ones as NaN), so that HDF5 need not write fill values first.
         fill = np.array([np.nan], dtype.newbyteorder("=")) if dtype.kind == "f" else None

@@ -38,7 +38,7 @@ def check(
     results : xarray.DataTree or path, optional
         Results of :func:`rockpulse.assess` for the same bodies, for comparison.
     config : Config or path, optional
-        Configuration with [[block]] and [check]; by default that of the results.
+        Configuration with [[block]] and [check]; by default from the results.
     code : str or sequence of str
         Codes to check: "circolare_2009", "circolare_2019", "en_1998".
 
@@ -73,7 +73,7 @@ def check(
     if isinstance(results, Config):
         raise ConfigError("results: expected the results of assess, found a Config; give it as config=")
     if results is None and config is None:
-        raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
+        raise ConfigError("expected a results file or --config with the bodies and a section [check], found none")
     tree = None if results is None else given_results(results)
     if tree is not None and (kind := str(tree.attrs.get("kind", ASSESSMENT))) != ASSESSMENT:
         name = "results" if isinstance(results, xr.DataTree) else results

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking.body.block import Block
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
@@ -116,7 +116,7 @@ def en_1998(
     levels = [one.level for one in floors if one.level is not None]
     opens = body.multiplier * body.gravity
     if floors and not levels:
-        return Checked(opens, statement="level, the height of the floor divided by that of the building, was not given")
+        return Checked(opens, statement="level (height of the floor/height of the building) is not given")
     height = max(levels, default=0.0)
     seismic = spectrum.ground * max(1.0, 3.0 * (1.0 + height) / 2.0 - 0.5)
     return Checked(opens, seismic * settings.gamma_a / settings.q_a)
@@ -222,7 +222,7 @@ class KinematicCheck(NamedTuple):
     nonlinear: np.ndarray
 
     def __repr__(self) -> str:
-        return one_line(self)
+        return short_repr(self)
 
 
 def kinematic_check(

@@ -18,7 +18,7 @@ from rockpulse.config.study_settings import OVERTURNING
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_error, jackknife_half_width
 from rockpulse.record.measures import MEASURES
 from rockpulse.run.analysis import Part, joined
-from rockpulse.selection.tables import Selection
+from rockpulse.selection.tables import SelectedRecords
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
 from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
@@ -115,7 +115,9 @@ class Ensemble:
         return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
-def gather_ensemble(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
+def gather_ensemble(
+    parts: Sequence[Part], lanes: int, config: Config, selection: SelectedRecords | None = None
+) -> Ensemble:
     """Join the capacities of all records, sorted by id, into one ensemble."""
     done = joined([empty_capacity(lanes, config, selection), *parts])
     return Ensemble(
@@ -168,7 +170,7 @@ class Fits:
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit all curves and test their sufficiency; groups of several bodies are fitted only in dimensionless measures."""
+    """Fit all curves and test the measures for sufficiency; groups of bodies have only dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

@@ -50,7 +50,7 @@ def fragility(
         Configuration with the sections records, conditioning, half_waves, intense_phase, search, fragility and the
         bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration; full sizes in m.
+        The bodies, in place of the bodies of the configuration; full sizes in m.
     failures, progress, units, dt
         As for :func:`rockpulse.assess`.
 
@@ -63,7 +63,7 @@ def fragility(
     Raises
     ------
     ConfigError
-        Without a body, for two records with the same id or a table of events that does not match the records. A record
+        If there is no body, two records have the same id, or a table of events does not match the records. A record
         that cannot be used is a row of /failures.
 
     Notes
@@ -186,7 +186,7 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
         )
         variables["factor"].attrs["comment"] = (
             f"searched up to a factor of {search.factor_max:g} with {search.points} factors on each body, in steps of "
-            "search_step; where a limit state is reached in a narrower interval only, too high"
+            "search_step; too high if a limit state is reached only in a narrower interval"
         )
     else:
         reached = np.moveaxis(data.reached, 3, 1)

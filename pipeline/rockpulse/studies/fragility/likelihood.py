@@ -46,7 +46,7 @@ class Observations:
         rows = [np.asarray(alone if labels is None else labels, dtype=str) for labels in (clusters, records)]
         if {kind.shape, *(labels.shape for labels in rows)} != {level.shape}:
             raise ConfigError(
-                f"fragility: expected one level, kind, event and record a row, got {level.size}, {kind.size}, "
+                f"fragility: expected one level, kind, event and record per row, got {level.size}, {kind.size}, "
                 f"{rows[0].size} and {rows[1].size}"
             )
         (events, cluster), (_, record) = (np.unique(labels, return_inverse=True) for labels in rows)

@@ -23,7 +23,7 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
-from rockpulse.selection.tables import Selection
+from rockpulse.selection.tables import SelectedRecords
 from rockpulse.storage.variables.fragility import QUALITIES
 from rockpulse.storage.variables.summary import FACTS, facts_of
 
@@ -107,7 +107,7 @@ class FragilityBodies(NamedTuple):
 
 
 def motion_capacity(
-    motion: Motion, watch: Watch, lanes: FragilityBodies, config: Config, selection: Selection | None = None
+    motion: Motion, watch: Watch, lanes: FragilityBodies, config: Config, selection: SelectedRecords | None = None
 ) -> Part:
     """Compute the capacities of (m,) blocks under one record, as arrays by name.
 
@@ -175,14 +175,14 @@ def _reversed(scene: Scene) -> Scene:
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
-def _stripes(config: Config, selection: Selection | None) -> int:
+def _stripes(config: Config, selection: SelectedRecords | None) -> int:
     """Return the number of scale factors that are applied to each record."""
     if selection is not None:
         return selection.most
     return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
 
 
-def _weights(record: str, config: Config, selection: Selection | None) -> dict[str, np.ndarray]:
+def _weights(record: str, config: Config, selection: SelectedRecords | None) -> dict[str, np.ndarray]:
     """Return the weight (r,) of each scale factor of a record; empty for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
@@ -193,7 +193,7 @@ def _weights(record: str, config: Config, selection: Selection | None) -> dict[s
 
 
 def _capacity(
-    ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
+    ground: Scene, there: Scene, block: Block, config: Config, selection: SelectedRecords | None
 ) -> dict[str, np.ndarray]:
     """Return the measures of `ground` and the capacities of (m,) blocks under the motion `there`."""
     settings, search = config.fragility, config.search
@@ -218,7 +218,7 @@ def _capacity(
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
-def empty_capacity(lanes: int, config: Config, selection: Selection | None = None) -> Part:
+def empty_capacity(lanes: int, config: Config, selection: SelectedRecords | None = None) -> Part:
     """Return the arrays of :func:`motion_capacity` and "event" without rows."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)

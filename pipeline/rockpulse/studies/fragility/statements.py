@@ -15,7 +15,7 @@ EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """Return the status of the curve of these data, as far as it is known before the fit."""
+    """Return the status FITTED if a curve can be fitted to the data, else the reason why not."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:

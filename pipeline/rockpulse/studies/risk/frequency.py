@@ -210,7 +210,7 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     limits = band_of(
         rows, asked.family, asked.hazard, lines, estimate, asked.confidence, asked.resamples, asked.seed, floor
     )
-    lost = f"{limits.lost:.0%} of the resamples of the earthquakes give no curve, or none without one of them"
+    lost = f"{limits.lost:.0%} of the resamples give no curve, or no curve without one of their earthquakes"
     if math.isnan(limits.low):
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
     told = []

@@ -14,7 +14,7 @@ from typing import Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocking.pictures import one_line
+from rocking.pictures import short_repr
 from rockpulse.errors import ConfigError
 from rockpulse.option import hint
 from rockpulse.record.measures import HAZARD, MEASURES, PGA
@@ -100,7 +100,7 @@ class PowerLawHazard(_Hazard):
     0.0001
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     k0: float
     k: float
@@ -174,7 +174,7 @@ class HazardCurve(_Hazard):
     [0.01, 0.004472, 2e-05]
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     measure: str
     level: np.ndarray
@@ -196,11 +196,11 @@ class HazardCurve(_Hazard):
         if not (np.all(np.isfinite(level) & (level > 0.0)) and np.all(np.diff(level) > 0.0)):
             raise ConfigError(f"{self.source}: expected positive levels in ascending order, found {level.tolist()}")
         if not (np.all(np.isfinite(rates) & (rates > 0.0)) and np.all(np.diff(rates) <= 0.0)):
-            raise ConfigError(f"{self.source}: expected positive annual rates that do not rise, found {rates.tolist()}")
+            raise ConfigError(f"{self.source}: expected positive rates that do not increase, found {rates.tolist()}")
         slopes = -np.diff(np.log(rates)) / np.diff(np.log(level))
         if slopes[-1] == 0.0:
             raise ConfigError(
-                f"{self.source}: the last two rates are alike, {rates[-1]:g}: the slope beyond them is unknown"
+                f"{self.source}: the last two rates are equal, {rates[-1]:g}: the slope beyond them is unknown"
             )
         knots = np.log(level * self.soil_factor)
         for name, value in (("level", level), ("rates", rates), ("knots", knots), ("slopes", slopes)):
@@ -274,7 +274,7 @@ class SiteHazards:
     (2, [0, 1, 1], [0.0, 0.0, 8300.0])
     """
 
-    __repr__ = one_line
+    __repr__ = short_repr
 
     hazards: tuple[Hazard, ...]
     of_body: np.ndarray
@@ -344,11 +344,11 @@ class SiteHazards:
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the ln rate for each body's hazard at logarithms (m, ...) of levels in SI units."""
+        """Return the logarithm of each body's annual rate at logarithms (m, ...) of levels in SI units."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of each body's rate over ln x from ln levels (m, ...) to infinity [1/year]."""
+        """Return the integral of each body's rate over ln x from logarithms (m, ...) of levels to infinity [1/year]."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:

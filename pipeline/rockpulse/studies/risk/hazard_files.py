@@ -99,7 +99,7 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     site : (float, float), optional
         Longitude and latitude [degrees], for a file of several points: the nearest point up to 50 km away is used.
     soil_factor : float
-        S, ratio of levels at the site surface to those of the file [-].
+        S, ratio of levels at the site surface to levels in the file [-].
 
     Returns
     -------

@@ -43,17 +43,17 @@ def risk(
     limit_state : str
         Limit state of the fragility.
     years : float, optional
-        Exposure time for `probability` and `survival` [years]; by default that of [hazard].
+        Exposure time for `probability` and `survival` [years]; by default from [hazard].
     confidence : float, optional
-        Confidence level of the bands; by default that of the fragility.
+        Confidence level of the bands; by default from the fragility.
     resamples, seed : int
         Number of bootstrap samples of the earthquakes for the bands, 0 for no band; seed of the random numbers.
     config : Config or path, optional
-        Configuration with a section [hazard]; by default that of the fragility.
+        Configuration with a section [hazard]; by default from the fragility.
     site : (float, float), optional
         Longitude and latitude [degrees], for a hazard file of several points.
     soil_factor : float, optional
-        Factor on the levels of a hazard file on rock [-]; by default that of [hazard].
+        Factor on the levels of a hazard file on rock [-]; by default from [hazard].
     bodies : path or Inventory, optional
         A table (CSV) of free bodies, for :func:`rockpulse.inventory_frequency`.
 
@@ -70,9 +70,9 @@ def risk(
     Raises
     ------
     ResultsError
-        For a tree of another kind, or without the limit state or the measure.
+        For results of another kind, or if these have no such limit state or measure.
     ConfigError
-        For invalid years, confidence or resamples, without a hazard or with two, or for a limit state with `bodies`.
+        If there is no hazard or more than one, for invalid numbers, or for `bodies` with another limit state.
 
     References
     ----------

@@ -52,7 +52,7 @@ def calibrate(
         Configuration with the sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and
         the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies of the design, in place of those of the configuration. Without bodies, only the spectrum is stored,
+        The bodies, in place of the bodies of the configuration. Without bodies, only the spectrum is stored,
         and one sequence covers a family of 100 (:func:`rockpulse.studies.site.site_records.block_family`).
     failures, progress, units, dt
         As for :func:`rockpulse.assess`.

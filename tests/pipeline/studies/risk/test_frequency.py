@@ -107,7 +107,7 @@ def test_draws_that_rest_on_one_earthquake_are_lost_and_reported(tree, law):
     found = rp.risk(tree, law, resamples=200).sel(block="wall")
     assert np.isnan(found["frequency_low"])
     assert str(found["statement"].values) == (
-        "no band: 44% of the resamples of the earthquakes give no curve, or none without one of them"
+        "no band: 44% of the resamples give no curve, or no curve without one of their earthquakes"
     )
 
 

@@ -82,7 +82,7 @@ def test_pairs_at_rest_do_not_count():
 
 
 def test_a_sample_in_which_nothing_rocks_has_no_design():
-    with pytest.raises(RecordRefused, match="no record sets any block rocking"):
+    with pytest.raises(RecordRefused, match="no record lifts a block"):
         design_sequence(sample_of(MAINS, peaks=np.full((10, 3), np.nan)), 0.5)
 
 
