@@ -10,7 +10,7 @@ from rockpulse.record.half_wave import COLUMNS, half_waves
 from rockpulse.record.record import Record
 from synthetic import synthetic_motion
 
-#: Largest memory beside the samples [bytes per sample]: half-waves of noise take 13, and a day at 200 Hz has 17 million.
+#: Largest memory beside the samples [bytes per sample]; half-waves of noise take 13, and a day at 200 Hz is 17 million.
 MOST = 65.0
 
 
