@@ -15,6 +15,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -191,7 +192,11 @@ def piece_lanes(
             *arrays, so_far = arrays_of(number)
             begin[here] = np.searchsorted(so_far, lifting[here])
             lanes = begin, state, place, strength, restitution.reshape(-1), *arrays, side != 0, number == len(parts) - 1
-            split_lanes(lambda first, last, lanes=lanes: march_pieces(first, last, *lanes), place.size, threads)
+
+            def some(first: int, last: int, lanes: tuple[Any, ...] = lanes) -> None:
+                march_pieces(first, last, *lanes)
+
+            split_lanes(some, place.size, threads)
         return state[:, 0].reshape(log_x.shape)
 
     return replace(_filled(rates, bottom, top, march, between), side=side)

@@ -4,6 +4,7 @@ import heapq
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -165,12 +166,12 @@ def _lobes(record: Record) -> HalfWaves:
         found = _lobes_between(record, crossing, first, last)
         for column, values in zip(columns, found, strict=True):
             column.append(values)
-    joined = []
-    for column in columns:
-        joined.append(np.concatenate(column))
-        joined[-1].setflags(write=False)
+    joined: dict[str, Any] = {}
+    for name, column in zip(COLUMNS, columns, strict=True):
+        joined[name] = np.concatenate(column)
+        joined[name].setflags(write=False)  # HalfWaves makes no copy of such an array
         column.clear()
-    return HalfWaves(*joined, record.dt, record.id)
+    return HalfWaves(**joined, dt=record.dt, record_id=record.id)
 
 
 def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last: int | None) -> tuple[np.ndarray, ...]:

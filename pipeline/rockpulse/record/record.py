@@ -233,7 +233,7 @@ def read_only(values: Any, dtype: type = float) -> np.ndarray:
     """Return the values as a read-only array, without a copy if they are one that owns its memory."""
     if type(values) is np.ndarray and values.dtype == dtype and values.flags.owndata and not values.flags.writeable:
         return values
-    array = np.array(values, dtype=dtype)
+    array: np.ndarray = np.array(values, dtype=dtype)
     array.setflags(write=False)
     return array
 
