@@ -1,7 +1,8 @@
 """Overturning tests on a shake table, compared with the nonlinear response of the body and with single thresholds.
 
 ``python -m laboratory.experiments FOLDER`` (``make experiments TESTS=FOLDER``) reads the runs of Chen et al. (2022,
-arXiv 2212.10763; github.com/DREAMS-lab/shakebot_motion, MIT licence): a printed rock under single cosine pulses.
+arXiv 2212.10763; github.com/DREAMS-lab/shakebot_motion, MIT licence): a 3D-printed model of a rock under single cosine
+pulses.
 
 .. note:: A run states PGA [g], PGV/PGA [s] and whether the rock overturned. The commanded ground motion is a(t) = PGA
    cos(2 pi F t) for one period, F = 1/(2 pi PGV/PGA); that of the table itself was not published. Mass, inertia and

@@ -82,7 +82,7 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value over axis 1, and its index or -1; `first` decides between several inf."""
+    """Return the largest value over axis 1, and its index or -1; of several inf, the one with the least `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -191,7 +191,7 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """Return the dimensions of a variable in the file; there is none for restitutions if every body has one."""
+    """Return the dimensions of a variable in the file; if every body has one restitution, these have no dimension."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 

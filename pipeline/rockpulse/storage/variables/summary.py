@@ -80,7 +80,7 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    """Return a function that stacks the values of `pick` for every model to an array (block, case, model, ...)."""
+    """Return a function that stacks the values of `pick` for every model into one array (block, case, model, ...)."""
     return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 

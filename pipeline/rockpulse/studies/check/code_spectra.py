@@ -85,7 +85,7 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the largest S_De [m] up to a period [s]; it is the value at that period, as S_De never decreases."""
+        """Return the largest spectral displacement S_De [m] up to a period [s]; S_De never decreases."""
         return displacement_of(period, self(period, damping))
 
 
@@ -128,7 +128,7 @@ class TabledSpectrum:
         return value * damping_factor(damping) if period > 0.0 else value
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the largest S_De [m] up to a period [s]."""
+        """Return the largest spectral displacement S_De [m] at all periods up to a given one [s]."""
         periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest period first, as it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
 

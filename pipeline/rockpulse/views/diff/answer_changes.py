@@ -30,7 +30,7 @@ class Flip(NamedTuple):
 
 @dataclass
 class Changes:
-    """The changes of one variable: their number in all models and in the most complete model, and the first ones."""
+    """The changes of one variable: their number in all models and in the most complete model, and the first few."""
 
     listed: int = 0
     compared: int = 0

@@ -14,8 +14,8 @@ from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, 
 from rockpulse.views.shared.formatting import ABSENT, paragraph, several, shortened
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
 
-#: Largest number of listed names that only one file contains, which is half that of lines of configuration and bodies:
-#: in full, and on one screen.
+#: Largest number of listed names that only one file contains, in full and on one screen; of lines of configuration
+#: and of bodies, twice as many are listed.
 LISTED, ON_SCREEN = 12, 3
 #: Largest width [characters] of a location and of a text in a table, and of a name within a location.
 PLACE_WIDTH = 44

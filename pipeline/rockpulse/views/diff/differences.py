@@ -46,7 +46,7 @@ class VariableDifference:
 
 @dataclass(repr=False)
 class Differences:
-    """All differences between two files; ``sides`` has changed verdicts and crossed ratios by variable."""
+    """All differences between two files; ``sides`` lists changed verdicts and ratios that crossed 1, by variable."""
 
     about: list[tuple[str, str, str]] = field(default_factory=list)  # root attributes: name, before, after
     configuration: list[str] = field(default_factory=list)
@@ -56,7 +56,7 @@ class Differences:
     model: str = ""  # most complete model of both; empty for none
     bodies: list[str] = field(default_factory=list)  # changes of margins by that model
     sides: dict[str, Changes] = field(default_factory=dict)
-    compared: int = 0  # values
+    compared: int = 0  # number of values
     text: str = field(default="", repr=False)  # of :func:`rockpulse.diff`
 
     def __str__(self) -> str:

@@ -18,7 +18,7 @@ from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.notes import factor_name
 from rockpulse.views.shared.words import listed, numerals, say, translated
 
-#: Style of an interval between two of overturning, in which the body survives: hatched, or light grey if narrow.
+#: Style of a gap between two intervals of overturning, in which the body survives: hatched, or light grey if narrow.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
 #: Styles of an interval of overturning, and of one without a result.
 _OVERTURNS: dict[str, Any] = {"fc": RED, "ec": RED}
@@ -123,8 +123,8 @@ def critical_scale(
 ) -> Axes:
     """Draw, for every record, the smallest scale factor at which a body overturns in each model.
 
-    For the nonlinear model without searched factors, the scale factor at P = 10 % is drawn. Every record has a row;
-    rows are sorted by the most complete model, with the smallest factor on top.
+    If the nonlinear model was not searched for scale factors, its scale factor at P = 10 % is drawn. Every record has a
+    row; rows are sorted by the most complete model, with the smallest factor on top.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def critical_scale(
     block : str, optional
         Name; not needed if there is only one.
     models : sequence of str, optional
-        By default all models with searched factors.
+        By default all models that were searched for scale factors.
     case : int
         Number of the restitution, from 1.
     ax : matplotlib Axes, optional

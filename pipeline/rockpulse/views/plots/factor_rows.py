@@ -26,7 +26,7 @@ LISTED = 3
 def drawn_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """Return the indices of the drawn rows, the rows merged into each of the last ones, names, and notes."""
+    """Return the indices of the drawn rows, the rows merged into one (by merged row), the names, and the notes."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
@@ -50,7 +50,7 @@ def drawn_rows(
 
 
 def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the ticks of the drawn rows; a merged row has no tick (NaN) if those of its rows differ."""
+    """Return the ticks of the drawn rows; a merged row whose rows have different ticks has none (NaN)."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
         if np.unique(ticks[group]).size > 1:
@@ -86,7 +86,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """Return for each demand the factors that scale the records to it; NaN if the search ended below."""
+    """Return for each demand the factors that scale the records to it; NaN for factors above `end`."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}

@@ -82,7 +82,7 @@ def histories(
     Notes
     -----
     Histories of models that use the record are read if stored ([models] histories = true). If not, and at other scale
-    factors, they are recomputed from the stored accelerogram, those of impulsive from the stored half-waves. Sequence
+    factors, they are recomputed from the stored accelerogram or, for impulsive, from the stored half-waves. Sequence
     and resonance have their own time axis: their first main impulse is placed at the start of the intense phase.
 
     Examples

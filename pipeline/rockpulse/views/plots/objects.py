@@ -60,7 +60,7 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
 
 
 def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
-    """Draw two half-cycles of an impulse sequence (the first, if there are several) over time in units of dT.
+    """Draw two half-cycles of an impulse sequence over time in units of dT; of several sequences, the first is drawn.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def block_outlines(block: Block) -> Figure:
 
 
 def response(answer: Response, ax: Axes | None = None) -> Axes:
-    """Draw the rotation of the first lanes of a response over time, or the peak of every lane if it has no history.
+    """Draw the first motions of a response over time or, if it has no history, the peak of every motion.
 
     Parameters
     ----------

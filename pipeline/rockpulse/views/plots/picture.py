@@ -31,7 +31,7 @@ _WRITING = threading.Lock()
 
 
 def picture_bytes(figure: Figure, form: str) -> bytes:
-    """Return the content of a file with the figure, as "png", "svg" or "pdf".
+    """Return the content of a picture file of a figure; `form` is "png", "svg" or "pdf".
 
     Equal figures give equal bytes, without a time stamp and, in SVG, without random ids. Text remains text in SVG and
     PDF.

@@ -23,7 +23,7 @@ LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """Return the name along a dimension that matches the given name or pattern; ResultsError if not exactly one."""
+    """Return the name along a dimension that matches a name or pattern; ResultsError unless exactly one matches."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]
@@ -53,7 +53,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
-    """Return the selector of a restitution, given by its number from 1."""
+    """Return the indexer that selects a restitution, given by its number from 1; empty if there is only one."""
     count = summary.sizes.get("case", 1)
     if not 1 <= case <= count:
         raise ResultsError(f"case: expected the number of a restitution from 1 to {count}, got {case}")

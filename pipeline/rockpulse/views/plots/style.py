@@ -106,7 +106,7 @@ def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """Return the given Axes as an array, or those of a new figure; `options` are those of `Figure.subplots`."""
+    """Return the given Axes as an array, or Axes of a new figure; `options` are passed to `Figure.subplots`."""
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
     else:
@@ -151,13 +151,13 @@ def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **option
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """Draw the legend if there are entries; `options` are those of :meth:`matplotlib.axes.Axes.legend`."""
+    """Draw the legend if there are entries; `options` are passed to :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
         ax.legend(**{"fontsize": SMALL, "frameon": True, "framealpha": 0.85, "edgecolor": "none", **options})
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """Draw the legend above the Axes in `ncols` columns, raised by `lift` [pt]; `across` the whole figure or not."""
+    """Draw the legend above the Axes in `ncols` columns, raised by `lift` [pt]; `across` uses the figure's width."""
     figure, beside = whole_figure(ax), across and _ours(ax)
     above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
     place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
@@ -167,7 +167,7 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
-    """Write the title of the figure above `rows` rows of a legend; in a figure of the caller, that of the Axes."""
+    """Write the title of the figure above `rows` rows of a legend; on given Axes, write it as the title of the Axes."""
     if words and _ours(ax):
         whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
@@ -184,19 +184,19 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
     options: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
     if words and _ours(ax):
         whole_figure(ax).supxlabel(wrapped(words, width), x=0.01, ha="left", **options)
-    elif words:  # a figure of the caller: its labels are kept, and it may contain other pictures
+    elif words:  # a figure made by the caller: its labels are kept, and it may contain other pictures
         options |= {"va": "top", "in_layout": False}
         below = ("axes fraction", ax.xaxis.label)
         ax.annotate(wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
 
 
 def notes(**held: bool) -> list[str]:
-    """Return the sentences of the section [plot.note] whose condition, given by key, is true."""
+    """Return the sentences of the section [plot.note] whose keys are given as True."""
     return [say(f"plot.note.{key}") for key, holds in held.items() if holds]
 
 
 def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
-    """Label a logarithmic axis with plain numbers; only powers of ten if its ends have a ratio of `wide` or more."""
+    """Label a logarithmic axis with plain numbers; only with powers of ten if the ratio of its ends is >= `wide`."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
@@ -223,7 +223,7 @@ _MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 
 
 def unit(units: str) -> str:
-    """Return a unit as it is printed: "m/s²" for "m s-2"."""
+    """Return the printed form of a unit: "m/s²" for "m s-2"."""
     return _UNITS.get(units, units)
 
 

@@ -31,7 +31,7 @@ def model_heading(model: str) -> Heading:
 
 
 class AnswerCells:
-    """Makes table cells for records and bodies, given by index; ``names`` contains the record ids with marks."""
+    """Makes table cells for records and bodies from their indices; ``names`` are cells with record ids and marks."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
@@ -77,7 +77,7 @@ class AnswerCells:
         return int(np.argmax(np.nan_to_num(table[record])))
 
     def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
-        """Return the cells of the columns `of`, one row for each pair of record and body."""
+        """Return the cells of the columns `of`, with one row for each element of `records` and of `lanes`."""
         places = (np.array(one, dtype=int) for one in (records, lanes))
         return col.filled(of, col.AnswerRows(self.answers, *places))
 

@@ -19,7 +19,7 @@ from rockpulse.views.report.site_and_fragility import MatchedFile
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import body_name, say
 
-#: Largest number of records that are all drawn with half-waves and impulses; of more, only records that govern a body.
+#: Number of records up to which all are drawn with half-waves and impulses; of more, only those that govern a body.
 IN_FULL = 20
 #: Largest number of records in the map of a body, which are those with the smallest scale factors.
 IN_A_MAP = 20
@@ -109,7 +109,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[PageElement]:
-        """Return the main pictures: overturning spectra, and scale factors of the worst other body."""
+        """Return the main pictures: overturning spectra, and scale factors of the worst body that the spectra omit."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         found, plain = [], []

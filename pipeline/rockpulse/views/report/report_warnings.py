@@ -178,7 +178,7 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if a body is worse with its pedestal, or may slide."""
+    """Warn of bodies that may slide, and of bodies with a worse verdict on their pedestal than without it."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.decides.value)

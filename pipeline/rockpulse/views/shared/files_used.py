@@ -88,7 +88,7 @@ def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
     """Count used and unused files, given the names of the used files and the rows of the failures table."""
     rows = list(rows)
     failed = {row.file for row in rows if row.kind == "failed"}
-    # A vertical channel does not make a file used if the horizontal ones or itself failed.
+    # A skipped vertical channel does not make its file used if it or the horizontal channels failed.
     read = [row for row in rows if row.kind in _READ and not (row.kind == "vertical" and row.file in failed)]
     names = {*used, *(name for row in read for name in _named(row))}
     unused: dict[str, Failure] = {}

@@ -140,7 +140,7 @@ def lines(table: Table, indent: str = "") -> list[str]:
 
 
 def _wrapped(label: str, width: int) -> list[str]:
-    """Wrap a heading to few and narrow lines; `width` is that of the cells below it."""
+    """Wrap a heading to few and narrow lines; `width` is the width of the cells below it."""
     if len(label) <= max(width, UNWRAPPED):
         return [label.replace("\N{NO-BREAK SPACE}", " ")]
     wide = max(width, HEADING_WIDTH)

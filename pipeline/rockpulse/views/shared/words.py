@@ -88,7 +88,7 @@ def counted_words(count: int, noun: str) -> str:
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return the first names in a list; the number of the others replaces their names."""
+    """Return the first `most` names as a list in words, followed by the number of other names."""
     first = ", ".join(names[:most])
     return first if len(names) <= most else say("and_more", names=first, count=len(names) - most)
 

@@ -50,7 +50,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
-    """Return capacity/demand of every record and body as lines that start with the name of the one or the other."""
+    """Return lines with capacity/demand of every record and body, each starting with the name of one of them."""
     if not answers.demands:
         return []
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]

@@ -58,7 +58,7 @@ def site_warnings(site: xr.Dataset) -> list[str]:
 
 
 def site_tables(site: xr.Dataset) -> list[Table]:
-    """Return the tables of the design; for a design spectrum without those that are empty."""
+    """Return the tables of the design; empty tables of a design spectrum are omitted."""
     if site.attrs["method"] == "spectrum":
         return [table for table in (_design_table(site), _sequence_table(site)) if table.rows]
     return [_parameter_table(site), _block_table(site)]
@@ -129,7 +129,7 @@ def design(site: xr.Dataset) -> str:
 
 
 def coverage(site: xr.Dataset) -> str:
-    """Describe the share of recorded rotations that the design covers; for a spectrum its quantile."""
+    """Describe the share of recorded rotations that the design covers or, for a design spectrum, its quantile."""
     if site.attrs["method"] == "spectrum":
         of = {"records": counted_words(int(site["record_count"]), "record")}
         of |= {"earthquakes": counted_words(int(site["event_count"]), "earthquake")}
