@@ -63,7 +63,7 @@ def sample_digest(record: Record) -> str:
     """
     turned = np.flatnonzero(record.acceleration)[-1:]
     sign = "-" if np.any(record.acceleration[turned] < 0.0) else "+"
-    digest = hashlib.sha256((0.0 + (record.acceleration if sign == "+" else -record.acceleration)).tobytes())
+    digest = hashlib.sha256((0.0 + (record.acceleration if sign == "+" else -record.acceleration)).data)
     digest.update(f"{record.dt:.9g}".encode())
     return digest.hexdigest() + sign
 

@@ -37,7 +37,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Create the curves of (m,) bodies from stored spectra; raise ResultsError if the spectra have gaps."""
+        """Create the curves from spectra and the ln of the records' measures (`own`); ResultsError for gaps."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):

@@ -134,7 +134,7 @@ def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> n
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the weights (g, q) of covered and of all rotations, by event and sequence; `stands` masks the blocks."""
+    """Return the weights (g, q) of covered and all rotations by event and sequence; `stands` excludes fallen blocks."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
