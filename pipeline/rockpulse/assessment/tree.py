@@ -148,14 +148,13 @@ def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
     """Join the parts of several records; record indices in the parts are increased so that they stay correct."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
-    return {
-        path: np.concatenate(
-            [part[path] + start for part, start in zip(parts, first, strict=True)]
-            if path.endswith("record_index")
-            else [part[path] for part in parts]
-        )
-        for path in parts[0]
-    }
+    joined = {}
+    for path in parts[0]:
+        values = [part[path] for part in parts]
+        if path.endswith("record_index"):
+            values = [one + start for one, start in zip(values, first, strict=True)]
+        joined[path] = values[0] if len(values) == 1 else np.concatenate(values)
+    return joined
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:

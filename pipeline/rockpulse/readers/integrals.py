@@ -17,14 +17,14 @@ _ALIKE = 0.98  # correlation of slopes and values of two files above which one i
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ColumnRecord(Record):
-    """A record of plain columns, with some of its values and slopes."""
+    """A record of plain columns, with a few of its samples and slopes for comparison."""
 
     values: tuple[float, ...] = ()  # [m/s2]
     slopes: tuple[float, ...] = ()  # [m/s3]
 
 
 def with_slopes(record: Record) -> Record:
-    """Return the record with some of its values and slopes; unchanged if it is too short."""
+    """Return the record with a few of its samples and slopes for comparison; unchanged if it is too short."""
     if record.npts < _FEWEST:
         return record
     at = np.linspace(1, record.npts - 2, _POINTS).astype(int)
@@ -35,7 +35,7 @@ def with_slopes(record: Record) -> Record:
 
 
 def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
-    """Return the records that are no integral of another one in their folder, and a failure for each integral."""
+    """Return the records that are not the integral of another one in their folder, and a failure for each integral."""
     groups: dict[tuple[object, ...], list[ColumnRecord]] = defaultdict(list)
     for record in records:
         if isinstance(record, ColumnRecord):
@@ -48,7 +48,7 @@ def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Fai
 
 
 def _integrals(group: Sequence[ColumnRecord]) -> dict[int, Failure]:
-    """Return a failure for each record, by its identity, that is the integral of another record."""
+    """Return a failure for each record that is the integral of another one, by ``id(record)``."""
     values, slopes = (_unit_vectors(np.array([getattr(one, name) for one in group])) for name in ("values", "slopes"))
     rows = {}
     for place, record in enumerate(group):

@@ -164,7 +164,7 @@ class _DuplicateSelection:
                         self._decide(record, recording, following)
 
     def _decide(self, record: Record, recording: _Recording, following: bool = False) -> None:
-        """Accept a record, or reject it as a duplicate of an accepted one; `following` records are always accepted."""
+        """Accept a record, or reject it as a duplicate of an accepted one; with `following` true, always accept it."""
         rivals = [(one, other) for one, other in self.accepted if self._same(record, one, other, recording)]
         if following or not rivals:
             self.accepted.append((record, recording))

@@ -26,8 +26,8 @@ COPY_CORRELATION = 0.999
 LEAST_TURN = 45.0
 #: Band in which records are compared [Hz], below this share of the lower sampling rate.
 BAND, BAND_SHARE = (0.5, 10.0), 0.4
-#: Largest error of a clock [s]; smallest correlation, and largest relative difference of the times between which the
-#: energy arrives, of two records of the same ground motion with such an error.
+#: Largest error of a clock [s]; for two records of the same ground motion with such an error, smallest correlation and
+#: largest relative difference of the times between which the energy arrives.
 CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
 #: Width of the classes of azimuths in which candidates are searched [degrees].
 SAME_LINE = 5.0
@@ -107,7 +107,7 @@ def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> l
 def clock_twin(
     channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str], stage: str
 ) -> list[Failure]:
-    """Return failure rows for channels whose ground motion another record contains at a different clock time.
+    """Return a failure row for each channel that repeats another record with a different clock time.
 
     A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
     """
@@ -219,7 +219,7 @@ def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return by ``id(record)``, for some records, another record that may be the same one with a wrong clock."""
+    """Return, by ``id(record)``, another record that may be the same one with a wrong clock, if there is one."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

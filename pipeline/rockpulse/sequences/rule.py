@@ -8,10 +8,10 @@ The demand D is a fitted factor times the demand of a march through the half-wav
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -237,10 +237,16 @@ def sequence_of_demand(
     )
 
 
-@lru_cache(maxsize=2)
+#: Demand of half-waves on blocks, for both working points, the sequence and the safety factor, while they are in use.
+_DEMANDS: WeakKeyDictionary[HalfWaves, dict[Block, HalfWaveDemand]] = WeakKeyDictionary()
+
+
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Return the demand of half-waves on blocks; the last results are cached."""
-    return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
+    """Return the demand of half-waves on blocks, computed once for the same objects."""
+    known = _DEMANDS.setdefault(waves, {})
+    if block not in known:
+        known[block] = demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
+    return known[block]
 
 
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:

@@ -1,9 +1,10 @@
-"""Plain columns of numbers (CSV, TXT), with or without times; nothing is guessed, and statements must not conflict."""
+"""Plain columns of numbers (CSV, TXT), with or without times; nothing is guessed, and contradictions are errors."""
 
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
 from rockpulse.readers.kit.headings import ColumnHeading, column_headings
 from rockpulse.readers.kit.motion_kinds import means_size
 from rockpulse.readers.kit.number_table import (
+    LINE_LIMIT,
+    NUMBER,
     Layout,
     Numbered,
     check_decimals,
@@ -34,7 +37,7 @@ _COMPONENTS, _NO_STATION = 3, 4
 #: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
 _INTEGRAL = 0.95  # correlation above which a column is the integral of the one before it
-#: Patterns of decimals that touch: the end of one before the sign of the next, and rows of others, without a sign.
+#: Patterns of decimal numbers that touch: one before the sign of the next, and rows of numbers without signs.
 _TOUCHING = re.compile(rb"(\.\d*+(?:[eEdD][+-]?\d++)?+)(?=[+-]\d*+\.\d)")
 _INSEPARABLE = re.compile(r"[\s\d.,;eEdD+-]*\.\d{3,}\.\d")
 #: Words in messages for the properties that a series wrapped into rows needs.
@@ -76,10 +79,10 @@ def is_columns(head: bytes, name: str) -> bool:
 
 
 def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read all columns of accelerations; without headings a single column, or up to three after the times.
+    """Read all columns of accelerations; without headings, only one column, or up to three after the times, are read.
 
     A series that is wrapped into rows is read if the header states its number of values or, with a warning, if unit and
-    interval are known and the values continue smoothly from row to row. The prose of a header must not contradict the
+    interval are known and the values continue smoothly from row to row. The text of a header must not contradict the
     numbers.
     """
     lines, start_time = _lines(file.content)
@@ -91,6 +94,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
         if _INSEPARABLE.match(line):
             found = f"numbers that touch in {line.strip()[:_SHOWN]!r}"
             raise kit.unexpected(f"{file.name}:{number}", "blanks between numbers", found, "separate them")
+    _check_above(file.name, lines, layout)
     headings, end = column_headings(lines[: layout.start], layout)
     stop = kit.end_of_numbers(lines, layout.start)
     numbered = number_lines(file.name, lines[:stop], layout, names_time(headings))
@@ -171,12 +175,26 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 
 def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
-    """Return the lines, with numbers apart from each other and seconds for stamps, and the UTC time of the first."""
+    """Return the lines, with touching numbers separated and times as seconds, and the UTC time of the first row."""
     return without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
 
 
+def _check_above(name: str, lines: Sequence[str], layout: Layout) -> None:
+    """Raise an error for a row with a damaged cell above the table, if headings or another row precede it."""
+    filled = [index for index, line in enumerate(lines[: layout.start]) if line.strip()]
+    for before, at in pairwise(filled):
+        cells = [cell.strip(' "\r') for cell in lines[at][:LINE_LIMIT].strip().split(layout.delimiter or "\t")]
+        wrong = [column for column, cell in enumerate(cells, 1) if not NUMBER.fullmatch(cell)]
+        if len(cells) != layout.width or not 0 < len(wrong) < len(cells):
+            continue
+        is_row = row_width(lines[before], layout.delimiter) == layout.width
+        if is_row or (1 not in wrong and column_headings(lines[:at], layout)[0]):
+            found = repr(cells[wrong[0] - 1][:_SHOWN])
+            raise kit.unexpected(f"{name}:{at + 1}", f"a number in column {wrong[0]}", found, "repair the cell")
+
+
 def _with_one_time(columns: _Columns) -> _Columns:
-    """Return the columns with only one of several columns of times; one in seconds has priority."""
+    """Remove all but one of several columns of times; a column in seconds is preferred."""
     headed = [at for at, heading in enumerate(columns.headings) if heading.kind == "time"]
     times = [at for at in headed if len(headed) > 1 and np.all(np.diff(columns.table[:, at]) > 0.0)]
     if len(times) < 2:
@@ -323,7 +341,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
 
 
 def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
-    """Return the columns of accelerations, according to headings, prose or file name; raise an error without any."""
+    """Return the columns of accelerations by headings, header text or file name; raise an error if there are none."""
     name, sizes = file.name, _sizes(columns)
     headings = columns.headings or (ColumnHeading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)

@@ -49,10 +49,9 @@ class FilesUsed:
         count = len(self.unused)
         if not count:
             return ""
-        if self.used is None:
+        if not self.used:
             return say("files.not_used", files=counted_words(count, "file"))
-        key = "files.used" if self.used else "files.none_used"
-        return say(key, used=self.used, files=counted_words(self.used + count, "file"), unused=count)
+        return say("files.used", used=self.used, files=counted_words(self.used + count, "file"), unused=count)
 
     @property
     def sentence(self) -> str:

@@ -238,7 +238,7 @@ def governing(answers: Answers) -> str:
     if not text_lines:
         return ""
     if len(ruled) > NAMED:
-        told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
+        text_lines.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
     smallest = "capacity/demand" if answers.demands else factor_name(answers.factor)
     what = f"with the smallest {smallest}" if answers.has_factor else "that overturns"
-    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *told])
+    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *text_lines])

@@ -57,7 +57,7 @@ def test_scale_styles(write, full, counts):
 def test_the_extension_tells_the_direction_and_says_so(write, name, component, orientation):
     (record,) = read(write(knet(COUNTS, peak_gal=11.0), name))
     assert (record.component, record.orientation) == (component, orientation)
-    assert any("the name counts" in warning for warning in record.warnings) is (name not in {"A.EW", "A.dat"})
+    assert any("the file name is used" in warning for warning in record.warnings) is (name not in {"A.EW", "A.dat"})
 
 
 @pytest.mark.parametrize(
