@@ -83,7 +83,7 @@ def test_what_is_not_known_of_some_motions_is_said_loudly():
     assert "why" not in said.text
     assert head not in heads(probable([0.1, 0.0, 0.9]), "record")
     unresolved = summary_of([np.nan, 2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS, Outcome.ROCKS])
-    assert "The table of answers says why" in heads(unresolved, "record")[head].text
+    assert "The table of all answers gives the reasons" in heads(unresolved, "record")[head].text
 
 
 def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():

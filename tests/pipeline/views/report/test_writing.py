@@ -149,7 +149,7 @@ def test_the_design_sequence_of_a_site(tmp_path, site, bodies, undrawn):
     words = Page(report_page(results, site)).text
     assert "under one design sequence" in words
     said = words[words.index("The confidence is that of the site calibration") :].split("Site calibration")[0]
-    assert "a design made without the event of a record covers" in said or "is not known" in said
+    assert "a design made without the earthquake of a record covers" in said or "is not known" in said
     assert "Design sequence (quantile 0.84 of the recorded rotations)" in words
 
 
