@@ -12,7 +12,7 @@ Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """Return the value as an array; raise ValueError unless it is one finite number, or (if `lanes`) several."""
+    """Return finite numbers as an array; raise ValueError for any other value, or for several without `lanes`."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)
@@ -26,7 +26,7 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
 
 
 def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
-    """Return the value as :func:`numbers` does; raise ValueError unless all numbers are positive, in this `unit`."""
+    """Return the value as :func:`numbers` does; raise ValueError, which states the `unit`, unless all are positive."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")

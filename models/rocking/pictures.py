@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-#: Colours: the colour of the surrounding text, those of Okabe & Ito (2008), and a grey.
+#: Colours: the colour of the surrounding text, three colours of Okabe & Ito (2008), and a grey.
 INK = "currentColor"
 BLUE, ORANGE, RED, GREY = "#0072B2", "#E69F00", "#D55E00", "#808080"
 #: Size of a picture and margin around the drawing [px].
@@ -31,7 +31,7 @@ class Picture:
         height: float = HEIGHT,
         equal: bool = False,
     ) -> None:
-        """Set the limits of the axes; `equal` draws both axes at the smaller of their two scales."""
+        """Set the limits of the axes; `equal` uses one scale for both axes, the smaller of the two."""
         self.width: float = width
         self.height: float = height
         low, high = np.array([x_limits[0], y_limits[0]]), np.array([x_limits[1], y_limits[1]])
@@ -49,7 +49,7 @@ class Picture:
         )
 
     def polygon(self, x: ArrayLike, y: ArrayLike, colour: str = INK, opacity: float = 0.2) -> None:
-        """Fill the area inside points and draw its edge."""
+        """Draw a filled polygon with these corner points and an outline."""
         self._parts.append(
             f'<polygon points="{self._points(x, y)}" fill="{colour}" fill-opacity="{opacity:g}" stroke="{colour}"/>'
         )

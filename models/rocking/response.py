@@ -99,8 +99,8 @@ class Response(LaneValues, Shown):
     overturning_time : float or ndarray
         Time at which overturning is certain [s]; NaN without overturning.
     overturning_half_cycle : int or ndarray
-        1 + impacts before overturning; -1 without overturning. The sequence and impulsive models count every
-        half-cycle, the response to a record only those that end with a counted impact.
+        Number of impacts before overturning, plus 1; -1 without overturning. The sequence and impulsive models count
+        every half-cycle, the response to a record only those that end with a counted impact.
     impacts : int or ndarray
         Number of impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, also after the end of the input; -1 if endless
         (C = 1) or the outcome is UNRESOLVED.
@@ -186,7 +186,7 @@ class Response(LaneValues, Shown):
         return self._history(self.time, self.rotation.reshape(-1, self.time.size)[0])
 
     def _history(self, time: np.ndarray, rotation: np.ndarray) -> Picture:
-        """Draw the rotation over time, or of several motions the first one."""
+        """Draw the rotation over time; of several motions, only the first one is drawn."""
         known = np.isfinite(rotation)
         x, y = thinned(time[known], rotation[known])
         reach = max(float(np.max(np.abs(y), initial=0.0)), 1e-12)

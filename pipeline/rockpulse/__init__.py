@@ -1,4 +1,4 @@
-"""rockpulse: overturning safety of large slender rigid blocks from strong-motion records; names load on first use."""
+"""rockpulse: overturning safety of large slender rigid blocks from strong-motion records."""
 
 import lazy_loader
 

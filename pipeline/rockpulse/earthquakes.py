@@ -25,7 +25,7 @@ LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return an array (g, n) that is True for the n records of each of g earthquakes, which are sorted by label."""
+    """Return whether each of g earthquakes, sorted by label, contains each of n records, (g, n)."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
@@ -60,7 +60,7 @@ def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np
     0 and 1. `count` is the number of earthquakes if some of the g groups do not count as one.
 
     >>> [round(float(end), 3) for end in probability_interval(np.zeros(10))]
-    [0.0, 0.172]
+    [0.0, 0.171]
     """
     from scipy.special import betaincinv
 
@@ -115,7 +115,7 @@ def bootstrap_interval(
 ) -> tuple[float, float]:
     """Return the confidence limits of an estimate from its values in resamples; `sizes` are the earthquakes' weights.
 
-    The limits are the estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g
+    The limits are the estimate +- t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g
     earthquakes gives a variance that is too small by the factor (g - 1)/g and neglects the uncertainty of this variance
     (Hesterberg 2015, sections 3.2 and 4.4, doi:10.1080/00031305.2015.1089789). For earthquakes with weights s_g and one
     value each, the bootstrap variance of their mean is on average 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 times the true

@@ -49,7 +49,7 @@ class UnitError(RockpulseError):
 
     >>> rp.read("records/burst.2.AT2", units="ft")
     Traceback (most recent call last):
-    rockpulse.errors.UnitError: option units: unknown unit of acceleration 'ft' (displacement)...
+    rockpulse.errors.UnitError: option units: unknown unit of acceleration 'ft', which is...
     """
 
 
@@ -58,7 +58,7 @@ class ConfigError(RockpulseError):
 
     >>> rp.BlockSettings("pier", width=1.0, height=-3.0)
     Traceback (most recent call last):
-    rockpulse.errors.ConfigError: [[block]] "pier" height: expected a number in m > 0, found -3.0
+    rockpulse.errors.ConfigError: [[block]] "pier" height: expected a positive number of metres, found -3.0
     """
 
 

@@ -105,11 +105,11 @@ class Model:
         return scene.vertical if self.vertical else None
 
     def answers(self, block: rocking.Block, scene: Scene) -> np.ndarray:
-        """Return the mask (m,) of blocks whose features the model can treat."""
+        """Return whether the model can treat the features of each block, (m,)."""
         return np.asarray(block.known_to(() if self.rule(scene) else self.knows))
 
     def applicable(self, block: rocking.Block, scene: Scene) -> np.ndarray:
-        """Return the mask (m,) of blocks for which the model is valid; a rule is valid in the range of its fit."""
+        """Return whether the model is valid for each block, (m,); a rule is valid in the range of its fit."""
         within = self.answers(block, scene) & (np.asarray(block.slender) | (not self.slender))
         rule = self.rule(scene)
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)

@@ -28,6 +28,10 @@ class KeyType:
     finite: bool = False  # whether the value is a number, so that the error can name inf or nan
 
 
+#: Names of units in messages; other units are written as symbols.
+_UNIT_NAMES = {"s": "seconds", "m": "metres", "Hz": "hertz", "N": "newtons", "kg": "kilograms", "rad": "radians"} | {
+    word: word for word in ("degrees", "years")
+}
 #: Largest number in a configuration; the smallest positive number is its reciprocal.
 LARGEST = 1e15
 
@@ -70,7 +74,7 @@ class Section:
 
 
 def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
-    """Return ``; did you mean "x"?`` if a known word is similar to the wrong one, ignoring case, followed by `told`.
+    """Return ``; did you mean "x"?`` if a known word resembles the wrong one, ignoring case; then the text `told`.
 
     >>> hint("wdth", ["width"], "known keys: width"), hint("x", ["width"], "known keys: width")
     ('; did you mean "width"? Known keys: width', '; known keys: width')
@@ -143,11 +147,13 @@ def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = Fals
 
 def number(default: Any, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = "") -> Any:
     """Declare a key that accepts a finite number within limits in `unit`; `above` excludes `low` itself."""
-    expected = f"a number in {unit}" if unit else "a number"
-    if math.isfinite(low):
+    positive = bool(unit) and above and low == 0.0
+    expected = "a positive number" if positive else "a number"
+    expected += f" of {_UNIT_NAMES[unit]}" if unit in _UNIT_NAMES else f" in {unit}" * bool(unit)
+    if math.isfinite(low) and not positive:
         expected += f" {'>' if above else '>='} {low:g}"
     if math.isfinite(high):
-        expected += f" and <= {high:g}"
+        expected += f"{',' if positive else ' and'} <= {high:g}"
 
     def accepts(value: Any) -> bool:
         inside = is_number(value) and (value > low if above else value >= low) and value <= high

@@ -98,7 +98,7 @@ class BlockLanes(LaneValues, Shown):
         return block._with_angle()
 
     def ratio(self, rotation: np.ndarray) -> np.ndarray:
-        """Return theta/alpha [-] for rotations theta [rad] of one body; alpha is that of the corner of rotation."""
+        """Return theta/alpha [-] for rotations theta [rad] of one body, with alpha of the corner of rotation."""
         other = (rotation < 0.0) & (self.side == 0)
         return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
 
@@ -161,7 +161,7 @@ class BlockLanes(LaneValues, Shown):
         return self.known_to(())
 
     def known_to(self, features: Collection[str]) -> Booleans:
-        """Return True for each body that has no other :data:`FEATURES` than those that a model can treat."""
+        """Return True for each body whose :data:`FEATURES` are all among the `features` that a model can treat."""
         known = np.ones(self.shape, dtype=bool)
         for name, has in FEATURES.items():
             if name not in features:

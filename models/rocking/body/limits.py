@@ -123,7 +123,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
 
 
 def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
-    """Return the velocity ratio C of an impact, given as a number or as "housner", which means its bound `most`."""
+    """Return C of an impact, given as a number or as "housner" (its bound `most`); `own` selects the error message."""
     if isinstance(given, str):
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
@@ -196,7 +196,7 @@ def block_warnings(
 
 
 def restitution_warning(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
-    """Return a warning if a restitution is above its bound `most`; empty if none is."""
+    """Return a warning if a restitution is above its bound `most`, else an empty string."""
     above = restitution - most
     if not np.any(above > 1e-12):
         return ""

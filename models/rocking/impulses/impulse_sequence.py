@@ -23,7 +23,7 @@ SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continu
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImpulseSequence(Shown):
-    """A main and a secondary sequence of impulses, or q such pairs; the fields are broadcast to the shape () or (q,).
+    """A main and a secondary sequence of impulses, or q of each; the fields are broadcast to the shape () or (q,).
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
 class MainSequenceLanes(NamedTuple):
-    """The lanes: one block under one main sequence each."""
+    """Lanes for the kernels, each with one block under one main sequence."""
 
     impulse: np.ndarray  #: (lanes,) impulse I [m/s]
     duration: np.ndarray  #: (lanes,) end of the main sequence [s]

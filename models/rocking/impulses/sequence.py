@@ -63,7 +63,8 @@ def sequence_response(
         Arrays (q, m), without the axis of a scalar; (m,) for pairs. The table contains the half-cycles that a main
         impulse starts, until the motion repeats itself; later half-cycles and the free decay are only included in
         `impacts`, which is -1 for an endless motion. `overturning_time` is the start of the half-cycle that overturns.
-        UNRESOLVED (HALF_CYCLE_LIMIT) after 50 000 half-cycles without an end, (SHORT_INTERVAL) below 1e-4/p.
+        UNRESOLVED after 50 000 half-cycles without an end (HALF_CYCLE_LIMIT), or for an interval below 1e-4/p
+        (SHORT_INTERVAL).
 
     Raises
     ------
@@ -198,7 +199,8 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
     if response.reason == Reason.SHORT_INTERVAL:
         raise ValueError(
             f"interval: expected at least {_SHORTEST_INTERVAL:g}/p = {_SHORTEST_INTERVAL / block.p:.3g} s, "
-            f"got {sequence.interval:.3g} s; use spacing='continuous' for the limit"
+            f"got {sequence.interval:.3g} s; for a shorter interval use spacing='continuous' (infinitely many "
+            "secondary impulses)"
         )
     if response.outcome == Outcome.UNRESOLVED:
         raise ValueError(
@@ -258,7 +260,7 @@ def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class SteadyState(LaneValues):
-    """Limit of the half-cycles of an endless sequence; arrays (q, m), or scalars for one block.
+    """The limit of the half-cycles under an endless sequence; arrays (q, m), or scalars for one block and one sequence.
 
     Attributes
     ----------

@@ -23,7 +23,7 @@ _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
 class SequenceLanes(NamedTuple):
-    """The lanes: one block under one sequence each, all with one spacing."""
+    """Lanes for the kernel, each with one block under one sequence; all have the same spacing."""
 
     main: np.ndarray  #: (lanes,) u_1 [-]
     secondary: np.ndarray  #: (lanes,) a = u_1 I_s/I [-]
@@ -163,7 +163,7 @@ TABLE_ROWS = 1000
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Combine q inputs with m blocks, each with each or in pairs; return shape, scalar axes and flat arrays."""
+    """Combine q inputs with m blocks, or in pairs; return the shape, which axes are scalar, and flat arrays."""
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:

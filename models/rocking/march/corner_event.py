@@ -76,7 +76,7 @@ def turn_over(f, j):
 
 @njit(_nrt=False)
 def lift_time(push, slope, threshold, threshold_slope, remaining):
-    """Return the time until a push exceeds its threshold (both linear in tau); -1 if that is after `remaining`."""
+    """Return the time until a ground push exceeds a threshold (both linear in tau); -1 if later than `remaining`."""
     gap = threshold - push
     if gap < 0.0:
         return 0.0

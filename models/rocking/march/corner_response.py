@@ -49,7 +49,7 @@ def march_bodies(
     samples: int,
     threads: int | None,
 ) -> Response:
-    """Compute the response of m bodies, all with or all without restraints, that start at (theta, theta')."""
+    """Compute the response of m bodies, all with or all without restraints, from the state `start` (theta, theta')."""
     side = np.asarray(block.side, dtype=float)
     rotation, spin = start
     into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))

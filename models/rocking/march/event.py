@@ -26,7 +26,7 @@ SHORTEST = 1.0 / 4096.0
 
 @njit(_nrt=False)
 def uplift_time(ground, slope, threshold, threshold_slope, remaining):
-    """Return the time until abs(ground) exceeds the threshold (both linear in tau); -1 if after `remaining`."""
+    """Return the time until abs(ground) exceeds the threshold (both linear in tau); -1 if later than `remaining`."""
     if abs(ground) > threshold:
         return 0.0
     end = ground + slope * remaining

@@ -74,7 +74,7 @@ def recorded_response(
         Additional factor on the record for each block, times `scale`, not negative [-].
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if only the outcome of blocks that
-        start at rest is needed: a computation ends as soon as its outcome is certain, from a bound if the block
+        start at rest is needed. A computation then ends as soon as its outcome is certain, from a bound if the block
         overturns and from a measured margin if it rocks (docs/decisions/006), with the peak so far and -1 impacts. The
         overturning time is the time at which the block passes the angle of no return. Only for the nonlinear equation
         without vertical acceleration and history.

@@ -152,7 +152,7 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return factors f (m,) at which a record lifts blocks: f abs(a_g) = (g + f a_v) tan(alpha) + restraints."""
+    """Return scale factors f (m,) at which a record lifts blocks: f abs(a_g) = (g + f a_v) tan(alpha) + restraints."""
     found = np.full(np.shape(block.p), np.inf)
     more = uplift_additions(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):

@@ -28,8 +28,8 @@ from rocking.spectrum.slender_lanes import (
     piece_lanes,
 )
 
-#: Number of points on each side of a triangle at which E is computed.
-POINTS = 8
+#: Number of points on each side of a triangle at which E is computed, and of sides that are computed at once.
+POINTS, AT_ONCE = 8, 2**15
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
 #: Number of lanes of each block in the second stage, and g tan(alpha)/p of the slender blocks that are marched [m/s].
@@ -41,11 +41,12 @@ def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse:
 
     The centroid is at (start + top + end)/3; a top outside the half-wave is moved to the nearer end.
     """
-    top = np.clip(3.0 * centroid - start - end, start, end)
+    corners = np.zeros((2, impulse.size, 3))
+    corners[0, :, 0], corners[0, :, 2] = start, end
+    np.clip(3.0 * centroid - start - end, start, end, out=corners[0, :, 1])
     length = end - start
-    peak = np.divide(2.0 * impulse, length, out=np.zeros_like(impulse), where=length > 0.0)
-    corners = np.stack([start, top, end], axis=1), np.stack([0.0 * peak, peak, 0.0 * peak], axis=1)
-    return np.stack([values.reshape(-1) for values in corners])
+    np.divide(2.0 * impulse, length, out=corners[1, :, 1], where=length > 0.0)
+    return corners.reshape(2, -1)
 
 
 def half_wave_lanes(
@@ -134,14 +135,20 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
     [0.23, -0.2]
     """
     corners, tops = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
-    share = np.arange(POINTS) / POINTS
-    times, ground = (
-        (values[:, np.newaxis] + np.outer(np.diff(values, append=values[-1:]), share)).reshape(-1)
-        for values in (corners, tops)
-    )
-    weighted = weighted_impulse(times, ground, float(rate))
-    found = lobe_tops(weighted)
-    return Lobes(times[found], weighted[found])
+    share, last = np.arange(POINTS) / POINTS, 0.0
+    found = [np.empty((2, 0))]
+    for first in reversed(range(0, corners.size - 1, AT_ONCE)):  # backwards, as E comes from the later ground
+        times, ground = (
+            np.append(values[:-1, np.newaxis] + np.outer(np.diff(values), share), values[-1])
+            for values in (corners[first : first + AT_ONCE + 1], tops[first : first + AT_ONCE + 1])
+        )
+        weighted = weighted_impulse(times, ground, float(rate), last)
+        last = weighted[0]
+        places = lobe_tops(weighted[:-1])
+        found.append(np.stack([times[places], weighted[places]]))
+    times, sizes = np.concatenate(found[::-1], axis=1)
+    whole = lobe_tops(sizes)  # a lobe may be in several parts
+    return Lobes(times[whole], sizes[whole])
 
 
 def demand_of_half_waves(

@@ -23,7 +23,7 @@ MOST_IMPACTS = 100_000
 
 @njit()
 def _turning(grow, fall, slope, growth, lowest):
-    """Return e^tau at the maximum (or minimum, if `lowest`) of u inside a piece; 0 if there is none."""
+    """Return e^tau at the top (or `lowest` point) of u = grow e^tau + fall e^-tau + a line in a piece; 0 for none."""
     if grow == 0.0:
         roots = (fall / slope if slope != 0.0 else 0.0, 0.0)
     else:
@@ -66,15 +66,19 @@ def _pushes(ground, wall):
 
 
 @njit()
-def _march(begin, strength, restitution, length, growth, ground, left, wall):
-    """Return the largest u of one lane, inf if it overturns; the block rests until the piece `begin`."""
-    peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
+def _march(begin, state, strength, restitution, length, growth, ground, left, wall):
+    """March one lane from piece `begin` on; return whether it has ended, at rest or overturned. With a wall, C is e.
+
+    The `state` has the largest u (inf if it overturns), u, u' and s (0 at rest, where u = 0).
+    """
+    peak, u, speed, side = state[0], state[1], state[2], state[3]
     for j in range(begin, length.shape[0]):
         start, end = strength * ground[j, 0], strength * ground[j, 1]
         low, high = _pushes(start, wall), _pushes(end, wall)
         if side == 0.0 and low <= 1.0 and high <= 1.0:
             if strength * left[j] <= 1.0:
-                break
+                state[0] = peak
+                return True
             continue
         remaining, whole = length[j], growth[j]
         slope = (end - start) / remaining
@@ -117,7 +121,8 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
             z = math.exp(tau)
             speed = restitution * max(fall / z - grow * z - rate, 0.0)
             if speed - 1.0 > strength * left[j]:
-                return np.inf
+                state[0] = np.inf
+                return True
             u, side = 0.0, side if wall else -side
             start, remaining = start + slope * tau, remaining - tau
             margin = 1.0 - max(_pushes(start, wall), high)
@@ -128,36 +133,48 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
                 break
             whole = math.exp(remaining)
         if side != 0.0 and u - 1.0 + speed > strength * left[j + 1]:
-            return np.inf
-    if side != 0.0:
-        # On a still ground (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
-        kept = (1.0 - u) ** 2 - speed * speed
-        after = restitution * math.sqrt(max(1.0 - kept, 0.0))
-        if after > 1.0:
-            return np.inf
-        top = max(kept, 0.0) if speed > 0.0 else 1.0
-        peak = max(peak, 1.0 - math.sqrt(min(top, 1.0 - after * after)))
-    return peak
+            state[0] = np.inf
+            return True
+    state[0], state[1], state[2], state[3] = peak, u, speed, side
+    return False
 
 
 @njit()
-def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
-    """Write the largest u of the lanes `first` to `last` - 1, inf for a lane that overturns.
+def _peak_on_still_ground(u, speed, restitution):
+    """Return the largest u on a still ground, of a motion with u and u' at its start; inf if it overturns."""
+    # (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
+    kept = (1.0 - u) ** 2 - speed * speed
+    after = restitution * math.sqrt(max(1.0 - kept, 0.0))
+    if after > 1.0:
+        return np.inf
+    top = max(kept, 0.0) if speed > 0.0 else 1.0
+    return 1.0 - math.sqrt(min(top, 1.0 - after * after))
+
+
+@njit()
+def march_pieces(first, last, begin, state, place, strength, restitution, length, growth, ground, left, wall, final):
+    """March lanes `first` to `last` - 1 over consecutive pieces, from piece `begin` of each lane on; -1: not at all.
 
     The lanes (n,) have the index `place` of their p, the `strength` x/p [s2/m] and C; `length` and `growth` (a, k) are
     the lengths of the pieces in tau and their e^tau, `ground` (k, 2) is the acceleration at both ends [m/s2], and
-    `past` (k,) and `left` (k + 1,) are its largest absolute values up to and from each piece.
+    `left` (k + 1,) is its largest absolute value from each piece to the end of the record. The `state` (n, 4) is
+    updated (see `_march`), and `begin` is set to 0, or to -1 for a lane that has ended. After the `final` pieces the
+    ground is still.
     """
     for lane in range(first, last):
-        k = place[lane]
-        begin = np.searchsorted(past, 1.0 / strength[lane])  # the block does not lift before
-        peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
+        if begin[lane] < 0:
+            continue
+        k, own = place[lane], state[lane]
+        ended = _march(begin[lane], own, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
+        begin[lane] = -1 if ended else 0
+        if final and not ended and own[3] != 0.0:
+            own[0] = max(own[0], _peak_on_still_ground(own[1], own[2], restitution[lane]))
 
 
 @njit()
-def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
-    """Return E [m/s] (:mod:`rocking.march.demand`) at the points (k,) of a piecewise linear ground acceleration."""
-    weighted = np.zeros(times.shape[0])
+def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float, last: float) -> np.ndarray:
+    """Return E [m/s] (:mod:`rocking.march.demand`) at points (k,) of a piecewise linear ground, `last` at the last."""
+    weighted = np.full(times.shape[0], last)
     for i in range(times.shape[0] - 2, -1, -1):
         step = times[i + 1] - times[i]
         if step <= 0.0:

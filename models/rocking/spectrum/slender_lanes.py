@@ -14,6 +14,8 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +30,8 @@ from rocking.spectrum.slender import march_pieces, weighted_impulse
 
 #: Largest acceleration divided by gravity that is accepted in a ground motion [-].
 STRONGEST = 1e6
+#: Number of pieces that are marched at once, so that records of days need no more memory than those of minutes.
+AT_ONCE = 2**16
 #: Pieces shorter than this [s] are omitted, such as one side of a triangle whose top is at one of its ends.
 SHORTEST = 1e-12
 #: Least restitution of the lanes of a spectrum: 0.95 times the least nominal C.
@@ -176,8 +180,8 @@ def body_piece_lanes(
     lanes = []
     for (log_factor, weight, over), (bottom, top) in zip(rows, ends, strict=True):
         inside = weight > 0.0
-        resolved = np.zeros(np.count_nonzero(inside), dtype=bool)
-        lanes.append(BodyLanes(log_factor[inside], weight[inside], over[inside], resolved, bottom, top, open=False))
+        unresolved = np.zeros(np.count_nonzero(inside), dtype=bool)
+        lanes.append(BodyLanes(log_factor[inside], weight[inside], over[inside], unresolved, bottom, top, open=False))
     return lanes
 
 
@@ -196,37 +200,62 @@ def _march_lanes(
         raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
     if side < 0:
         ground = -ground  # mirror image
-    length = np.diff(times)
-    long = length > SHORTEST
-    pieces = np.ascontiguousarray(np.stack([ground[:-1], ground[1:]], axis=1)[long])
-    highest = np.max(np.maximum(-pieces, 0.0) if side else np.abs(pieces), axis=1)
+    long = np.flatnonzero(np.diff(times) > SHORTEST)
+    parts = [long[first : first + AT_ONCE] for first in range(0, long.size, AT_ONCE)]
+
+    def pieces_of(part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the accelerations at both ends of pieces, and the largest of each that can lift a block."""
+        pieces = np.stack([ground[part], ground[part + 1]], axis=1)
+        return pieces, np.max(np.maximum(-pieces, 0.0) if side else np.abs(pieces), axis=1)
+
+    highest = np.array([np.max(pieces_of(part)[1]) for part in parts])
     if not np.any(highest):
         raise ValueError("acceleration: expected a ground motion that lifts a block off its wall, got none")
     past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
-    steps = np.outer(rates, length[long])
-    growth = np.exp(steps)
     bottom = np.log(rates / left[0])
-    impulse = [np.max(np.abs(weighted_impulse(times, ground, rate))) for rate in rates]
+    impulse = [_largest(weighted_impulse(times, ground, rate, 0.0)) for rate in rates]
     top = np.maximum(np.log(HIGHEST / np.array(impulse)), bottom + LEAST_SPAN)
+
+    @lru_cache(maxsize=1)
+    def arrays_of(number: int) -> tuple[np.ndarray, ...]:
+        """Return the arrays of a part for the kernel, and its largest accelerations up to each piece."""
+        part = parts[number]
+        pieces, pushes = pieces_of(part)
+        steps = np.outer(rates, times[part + 1] - times[part])
+        later = np.maximum.accumulate(np.append(pushes, left[number + 1])[::-1])[::-1].copy()
+        return steps, np.exp(steps), pieces, later, np.maximum.accumulate(pushes)
 
     def march(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
         place = np.repeat(np.arange(rates.size), log_x.shape[1])
         strength = np.exp(log_x).reshape(-1) / rates[place]
-        peak = np.empty(place.size)
+        lifting = 1.0 / strength
+        lifted = np.searchsorted(past, lifting)  # part in which each lane is lifted first
+        begin, state = np.full(place.size, -1), np.zeros((place.size, 4))
+        for number in range(len(parts)):
+            here = lifted == number
+            if np.all(begin < 0) and not np.any(here):
+                continue
+            *arrays, so_far = arrays_of(number)
+            begin[here] = np.searchsorted(so_far, lifting[here])
+            lanes = begin, state, place, strength, restitution.reshape(-1), *arrays, side != 0, number == len(parts) - 1
 
-        def some(first: int, last: int) -> None:
-            lanes = place, strength, restitution.reshape(-1), steps, growth
-            march_pieces(first, last, *lanes, pieces, past, left, peak, side != 0)
+            def some(first: int, last: int, lanes: tuple[Any, ...] = lanes) -> None:
+                march_pieces(first, last, *lanes)
 
-        split_lanes(some, place.size, threads)
-        return peak.reshape(log_x.shape)
+            split_lanes(some, place.size, threads)
+        return state[:, 0].reshape(log_x.shape)
 
     return _both_stages(bottom, top, march, restitutions, second)
 
 
+def _largest(values: np.ndarray) -> float:
+    """Return the largest absolute value, without a copy."""
+    return float(max(np.max(values, initial=0.0), -np.min(values, initial=0.0)))
+
+
 def check_strength(ground: np.ndarray) -> None:
     """Raise ValueError for accelerations (k,) [m/s2] above a million times gravity, which no ground motion has."""
-    strongest = np.max(np.abs(ground), initial=0.0) / STANDARD_GRAVITY
+    strongest = _largest(ground) / STANDARD_GRAVITY
     if strongest > STRONGEST:
         raise ValueError(
             f"acceleration: expected at most {STRONGEST:g} times gravity, got {strongest:g}; is the record in m/s2?"

@@ -52,11 +52,11 @@ class Motions:
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
-        """Arrange values (records, ...) as (motions, directions, ...); `missing` is for directions not assessed."""
+        """Arrange values (records, ...) as (motions, directions, ...); `missing` fills directions not assessed."""
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return a mask (motions, ...): `so` (records, ...) holds in any direction; `missing` if not assessed."""
+        """Return whether `so` (records, ...) is True in any direction of each motion; `missing` if not assessed."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
@@ -222,7 +222,7 @@ class Answers:
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """Return the factors (records, bodies) below which no overturning was found, or their ratio to a demand."""
+        """Return the scale factor (records, bodies) below which no overturning was found, or its ratio to a demand."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.to_demand(demand)

@@ -78,7 +78,7 @@ def assess(
     Examples
     --------
     >>> rp.assess(record, bodies={"pier": (1.0, 4.0)}).rockpulse
-    <Results 1 record, 1 body, model nonlinear, rocks 1>
+    <Results 1 record, 1 body, model nonlinear>
     """
     asked = given_config(config, units, dt)
     if all_models:
@@ -110,7 +110,7 @@ class Assessment(Analysis):
         return empty_rows(self.bodies, self.config)
 
     def dimension_of(self, name: str) -> str:
-        """Return the first dimension of a variable, which is named by its path."""
+        """Return the first dimension of a variable; `name` is the path of the variable."""
         group, _, name = name.rpartition("/")
         return ASSESSMENT_GROUPS[group][name].dims[0]
 
@@ -146,25 +146,25 @@ def assess_sequence(
     name: str = NAME,
     source: str = "",
 ) -> xr.DataTree:
-    """Assess bodies under the design of a site: one impulse sequence for all bodies, or one for each.
+    """Assess bodies under the design of a site, an impulse sequence or a design spectrum, instead of under records.
 
     Parameters
     ----------
     sequence : ImpulseSequence or DesignSpectrum
-        One sequence, or a design spectrum, as :func:`rockpulse.load_design` reads them.
+        One sequence for all bodies, or a design spectrum; :func:`rockpulse.load_design` reads either.
     config : Config or path, optional
         The sections site, models, search and [[block]] are used, but not [[demand]], as a sequence has no PGA.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of the bodies of the configuration; full sizes in m.
     name, source : str
-        Id of the row, in place of a record's id, and source file of the sequence.
+        Name of the design, which replaces the id of a record in the results, and path of its file.
 
     Returns
     -------
     xarray.DataTree
-        A tree as from :func:`rockpulse.assess`, with one row whose record columns are empty. Models that need a record
-        (impulsive, linear, nonlinear) are omitted, with a warning; so are resonance and the columns of the sequence for
-        a design spectrum, with which every body has its own sequence.
+        A tree as from :func:`rockpulse.assess`, with one row, in which the facts about a record are empty. Models that
+        need a record (impulsive, linear, nonlinear) are omitted, with a warning. With a design spectrum every body has
+        its own sequence, so that the model resonance and the columns of the sequence are omitted, too.
 
     Raises
     ------

@@ -53,7 +53,7 @@ class Results(Shown):
     Examples
     --------
     >>> results.rockpulse.verdicts()["overturned"].to_dict()
-    {'stele': 5, 'pier': 0}
+    {'stele': 3, 'pier': 0}
     >>> results.rockpulse
     <Results 5 records, 2 bodies, model nonlinear>
     """

@@ -83,7 +83,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
 
 
 def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
-    """Return the scene in the direction of a body, rotated from the two channels of the record."""
+    """Return the scene in the direction of a body (`place.azimuth`), rotated from both channels of the record."""
     if place.azimuth is None:
         return scene
     assert pair is not None
@@ -128,7 +128,7 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks that face the record; a block whose sense is unknown occurs a second time, mirrored."""
+    """Blocks as they face the record; a block that may face it either way is repeated as its mirror image."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored
@@ -139,7 +139,7 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return the worse response of both senses of each block; overturning is worst, then no result."""
+        """Return for each block the worse response of its two senses; worst is overturning, then no result."""
         if self.both.size == 0:
             return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
@@ -152,7 +152,7 @@ class Senses:
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
     def higher_probability(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
-        """Return the index in ``block`` of the sense with the higher probability, or else the smaller factor."""
+        """Return for each block the index of the sense with the higher probability or, if equal, the smaller factor."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:
@@ -164,7 +164,7 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """Return 1 if a record acts in the direction in which a body falls, -1 against it, and both if this is unknown."""
+    """Return 1 if a record acts in the direction in which a body falls, -1 if it acts against it, both if unknown."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 

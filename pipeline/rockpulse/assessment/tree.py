@@ -82,7 +82,7 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value over axis 1, and its index or -1; `first` decides between several inf."""
+    """Return the largest value over axis 1, and its index or -1; of several inf, the one with the least `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -148,14 +148,13 @@ def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
     """Join the parts of several records; record indices in the parts are increased so that they stay correct."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
-    return {
-        path: np.concatenate(
-            [part[path] + start for part, start in zip(parts, first, strict=True)]
-            if path.endswith("record_index")
-            else [part[path] for part in parts]
-        )
-        for path in parts[0]
-    }
+    joined = {}
+    for path in parts[0]:
+        values = [part[path] for part in parts]
+        if path.endswith("record_index"):
+            values = [one + start for one, start in zip(values, first, strict=True)]
+        joined[path] = values[0] if len(values) == 1 else np.concatenate(values)
+    return joined
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
@@ -192,7 +191,7 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """Return the dimensions of a variable in the file; there is none for restitutions if every body has one."""
+    """Return the dimensions of a variable in the file; if every body has one restitution, these have no dimension."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 

@@ -352,7 +352,7 @@ def _doubt(block: BlockSettings) -> str:
     if block.width is not None and block.height is not None:
         width, height = block.width, block.height
         larger = "are these millimetres?" if max(width, height) >= _MILLIMETRES else "are these centimetres?"
-        swapped = "are the two swapped?" if width > height else "are these metres?"
+        swapped = "are width and height swapped?" if width > height else "are these metres?"
         found = f"{width:g} x {height:g}: {larger if max(width, height) > LARGEST_SIZE else swapped}"
         advice = "give full sizes in m"
     elif block.centre is not None:

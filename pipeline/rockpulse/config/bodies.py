@@ -52,7 +52,7 @@ class Bodies:
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
-        """Group the indices of bodies under the same motion; directions `within` degrees of `azimuth` are the same."""
+        """Group the indices of bodies by the motion under them; directions `within` degrees of `azimuth` are equal."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
@@ -213,6 +213,6 @@ def _named(name: Any, body: Any) -> Block | BlockSettings:
 
 
 def _found(value: Any) -> str:
-    """Describe a wrong value by its type and its text, of which at most 60 characters are given."""
+    """Describe a wrong value by its type and the first 60 characters of its text."""
     text = repr(value)
     return f"{type(value).__name__} {text if len(text) <= 60 else text[:57] + '...'}"

@@ -214,8 +214,8 @@ class DemandSettings(Section):
 
     `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
 
-    >>> rp.DemandSettings(value="0.35 g")
-    DemandSettings(name='PGA 0.35 g', value=3.4323275)
+    >>> rp.DemandSettings(measure="pgv", value="40 cm/s")
+    DemandSettings(name='PGV 40 cm/s', measure='pgv', value=0.4)
     """
 
     heading = "[[demand]]"

@@ -26,7 +26,7 @@ def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[
 
 def _read_text(file: SourceFile, options: ReadOptions) -> list[Record]:
     if is_table(file):
-        raise TableOfResults(f"{file.name}: a table of results or of parameters, no record")
+        raise TableOfResults(f"{file.name}: a table of results or of parameters, not a record")
     for row in FORMATS:
         if row.detect(file.head, file.name):
             options = options.of_file(file.name)

@@ -20,7 +20,7 @@ _NESTED = (".zip", ".gz", ".tgz", ".tar", ".bz2", ".xz", ".7z", ".rar", ".zst")
 
 
 def is_archive(path: Path) -> bool:
-    """Return whether a file is a zip archive, from its first bytes or its name; office documents do not count."""
+    """Return whether a file is a zip archive, judged by its first bytes or its name; office documents are excluded."""
     if path.suffix.lower() == ".zip":
         return True
     with path.open("rb") as stream:
@@ -28,7 +28,7 @@ def is_archive(path: Path) -> bool:
 
 
 class Archive:
-    """An open zip archive of records, to be used in a ``with`` block or closed; unsafe archives are rejected."""
+    """An open zip archive of records; use it in a ``with`` block or close it. Unsafe archives are rejected."""
 
     def __init__(self, path: Path) -> None:
         try:

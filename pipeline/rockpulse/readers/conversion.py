@@ -1,4 +1,4 @@
-"""Writes records to files for other programs: all files or, after an error, none."""
+"""Writes records to files for other programs; if one file cannot be written, none is."""
 
 import logging
 import os
@@ -31,8 +31,8 @@ _AZIMUTH_TOLERANCE = 1e-4  # largest change of an azimuth by writing and reading
 class Writer:
     """A format in which records can be written."""
 
-    suffix: str  # of the files that it writes
-    lost: str  # a text on the properties of a record that the files cannot contain
+    suffix: str  # suffix of the files that it writes
+    lost: str  # describes the properties of a record that the files cannot contain
     # returns the content of the file of one record; None if all records go into one file
     one: Callable[[Record], bytes] | None = None
     digits: float = 0.0  # largest relative rounding error of a sample; 0 if samples are stored exactly
@@ -161,7 +161,7 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
     if key not in WRITERS:
         raise ConfigError(
             f"{out}: expected a format, one of {', '.join(WRITERS)}, found {name or out.suffix or 'none'!r}; "
-            "name it (--format), or end the name in one of "
+            "give the format (--format), or a file name that ends in one of "
             f"{', '.join(suffix for row in WRITERS.values() for suffix in row.suffixes)}"
         )
     if told is None and out.suffix and not out.is_dir():
@@ -195,7 +195,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """Yield the path of the StationXML of each file; raise an error if it would serve another miniSEED file, too."""
+    """Yield the path of the StationXML of each file; raise an error if another miniSEED file would use it as well."""
     if writer.one is not None:
         return
     for path in targets:
@@ -285,7 +285,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Return a text on a direction or processing that reading changed (with `whole`, also lost); empty if none."""
+    """Describe a direction or processing that reading changed or, if `whole` is true, lost; return "" if none."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -300,7 +300,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Return a text if reading changed the state of processing; else an empty text."""
+    """Describe a change of the state of processing by reading; return "" if it is unchanged."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

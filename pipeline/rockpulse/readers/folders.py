@@ -204,7 +204,7 @@ def find_files(
 
 
 def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
-    """Return the files that a path or a pattern of the user means, and failures if it means none."""
+    """Return the files that match a path or pattern given by the user, and failures if there are none."""
     path, lacking = Path(text), ""
     items: list[Found] = []
     faults: list[Failure] = []

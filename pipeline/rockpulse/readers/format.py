@@ -1,4 +1,4 @@
-"""A row of the table of formats, which every reader defines, and the options of reading."""
+"""Defines the rows of the table of formats (every reader has one), and the options of reading."""
 
 import math
 import os
@@ -81,13 +81,13 @@ class FileSettings(Section):
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Properties that a file may not state and the caller gives; see `rockpulse.read`."""
+    """Properties that the caller gives for files that do not state them; see `rockpulse.read`."""
 
     units: str | None = None  # unit of the accelerations, for formats that do not state one
     dt: float | None = None  # sampling interval [s], for columns without a time column
     # "sensitivity": counts are divided by it; "remove": the full instrument response is removed
     response: str = "sensitivity"
-    # for some files, in place of the above; for each property, the last row counts that matches the file and gives it
+    # for some files, in place of the above; a property is taken from the last row that gives it and matches the file
     files: tuple[FileSettings, ...] = ()
 
     def __post_init__(self) -> None:
@@ -99,7 +99,7 @@ class ReadOptions:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
     def of_file(self, name: str) -> "ReadOptions":
-        """Return the options for one file, named as in `Record.source`; only rows that match it remain."""
+        """Return the options for one file, named as in `Record.source`, with only those FileSettings that match it."""
         if not self.files:
             return self
         units, dt = self._last("units", name), self._last("dt", name)
@@ -123,7 +123,7 @@ class ReadOptions:
         return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
 
     def check(self, records: Sequence[Record]) -> None:
-        """Raise an error if a record has another unit or interval than the row that matches its file."""
+        """Raise an error if the unit or interval of a record differs from the FileSettings that match its file."""
         units, dt = self._last("units"), self._last("dt")
         for record in records:
             if units is not None:
@@ -136,7 +136,7 @@ class ReadOptions:
                 raise RecordFormatError(f"{record.source}: {told}; {self.advice('dt')}")
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
-        """Return the last row that gives a property and matches the file, or any file if `name` is None."""
+        """Return the last FileSettings that give the property `key` and match the file `name` (None for any file)."""
         found = (row for row in reversed(self.files) if row[key] is not None)
         return next((row for row in found if name is None or row.chooses(name)), None)
 
@@ -158,12 +158,12 @@ class Format:
     detect: Callable[[bytes, str], bool]  # (head, name): cheap, never raises; the head is the beginning of the file
     # channels in the order of the file; raises RockpulseError and nothing else
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
-    processed: str = "no"  # for raw volumes, "yes" for corrected ones, "by type", "unknown"; "-" if nothing is read
+    processed: str = "no"  # "no" for raw files, "yes" for corrected ones, "by type", "unknown"; "-" if nothing is read
     obspy_reads: bool = False  # whether obspy reads these files itself, so that no plugin is made
     parts: PartRule | None = None  # file names of the parts, if the agency splits long records into files
 
     def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
-        """Read the channels of a file; a file whose second half repeats the first is read once."""
+        """Read the channels of a file; if its second half repeats the first, only the first half is read."""
         half = file.first_half()
         records = [replace(record, format=self.name) for record in self.parse(half or file, options)]
         if self.parts:

@@ -9,7 +9,7 @@ from pathlib import PurePath
 from rockpulse.errors import RockpulseError
 from rockpulse.readers.source import SourceFile
 
-#: Suffixes of files in folders of records that are ignored without a row unless the user names them.
+#: Suffixes of files in folders of records that are ignored without a row of failures unless the user names them.
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
 #: Pattern of the first element of XML files on a station or an earthquake; other XML files may contain samples.
 _METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml|inventory\b[^>]*(?:geofon|seiscomp))", re.IGNORECASE)

@@ -12,6 +12,7 @@ import numpy as np
 
 from rockpulse.errors import Failure, last_part
 from rockpulse.readers.integrals import without_integrals
+from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
@@ -21,7 +22,7 @@ _NEVER = datetime.max.replace(tzinfo=UTC)
 _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Part(Record):
     """A channel in one part of a record that is split into several files."""
 
@@ -32,7 +33,7 @@ class Part(Record):
 
 @dataclass(frozen=True)
 class PartRule:
-    """How the agency of a format names the parts of a long record; see `Format.parts`."""
+    """The rule by which an agency names the files of a long record; see `Format.parts`."""
 
     name: re.Pattern[str]  # of a part's file without suffix; groups: file name of the whole record, number of the part
     # time of the first sample of each channel, by its component, in the file's own column of times [s]
@@ -56,16 +57,21 @@ class PartRule:
 
 
 def sample_digest(record: Record) -> str:
-    """Return the SHA-256 of the samples and the sampling interval of a record."""
-    digest = hashlib.sha256(record.acceleration.tobytes())
+    """Return the SHA-256 of the samples and the interval, followed by the sign, + or -, of the last non-zero sample.
+
+    If it is -, the samples are reversed in sign first: records of opposite polarity differ only in the final sign.
+    """
+    turned = np.flatnonzero(record.acceleration)[-1:]
+    sign = "-" if np.any(record.acceleration[turned] < 0.0) else "+"
+    digest = hashlib.sha256((0.0 + (record.acceleration if sign == "+" else -record.acceleration)).data)
     digest.update(f"{record.dt:.9g}".encode())
-    return digest.hexdigest()
+    return digest.hexdigest() + sign
 
 
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """Return the sorted records without duplicates, split records joined; each comes with its parts.
+    """Return the sorted records without duplicates, each with its parts; records split into files are joined.
 
     The second value contains a failure for each duplicate (equal `digest`), and for each integral of another file.
     """
@@ -86,24 +92,30 @@ def _without_duplicates(
 ) -> tuple[list[Record], list[Failure], dict[int, WarningText]]:
     """Return the distinct records, a failure for each duplicate, and warnings.
 
-    Of several duplicates, one with a direction, or with time and event, is kept. The warnings, by the identity of a
-    record, are on records of several files with equal samples that are kept as different channels.
+    Of several duplicates, one with a direction, or with time and event, is kept. The warnings, by
+    ``id(record)``, are on records of several files with equal samples that are kept as different channels.
     """
     alike: dict[str, list[Record]] = defaultdict(list)
+    signs: dict[int, str] = {}
     for record in records:
-        alike[digest(record)].append(record)
+        known = digest(record)
+        alike[known[:-1]].append(record)
+        signs[id(record)] = known[-1]
     copies: dict[int, Failure] = {}
     twins: dict[int, WarningText] = {}
     for group in alike.values():
         kept: list[Record] = []
         group.sort(key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
         for record in group:
-            first = next((one for one in kept if _same_motion(one, record)), None)
+            sign = signs[id(record)]
+            first = next((one for one in kept if signs[id(one)] == sign and _same_motion(one, record)), None)
             if first is None:
                 twin = next((one for one in kept if one.source != record.source), None)
                 if twin is not None and not find(record.warnings, "dead_channel"):
-                    twins.setdefault(id(twin), WarningText("same_samples", other=last_part(record.source), turned=""))
-                    twins[id(record)] = WarningText("same_samples", other=last_part(twin.source), turned="")
+                    turned = SIGNS[1.0 if signs[id(twin)] == sign else -1.0]
+                    for one, other in ((twin, record), (record, twin)):
+                        copy = WarningText("same_samples", other=last_part(other.source), turned=turned)
+                        twins.setdefault(id(one), copy)
                 kept.append(record)
                 continue
             told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
@@ -113,7 +125,7 @@ def _without_duplicates(
 
 
 def _same_motion(one: Record, other: Record) -> bool:
-    """Return whether records with equal samples are one motion, not dead channels or channels of one file."""
+    """Return whether two records with equal samples are copies, rather than dead channels or channels of one file."""
     same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True) and one.orientation == other.orientation
     if not same and "unknown" not in (one.orientation, other.orientation):
         return False
@@ -171,7 +183,7 @@ def _channel(record: Record) -> tuple[object, ...]:
 
 
 def _chains(records: Sequence[Record]) -> list[list[Record]]:
-    """Group the records of a channel so that within a group each begins one step after the end of the previous."""
+    """Group the records of a channel so that in a group each begins one step after the end of the previous one."""
     chains: list[list[Record]] = []
     for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
         before = chains[-1][-1] if chains else None

@@ -49,19 +49,19 @@ class Unrecognised(RecordFormatError):
 
 
 class NoRecord(Unrecognised):
-    """Error: no reader recognises the file, which is probably no record; skipped unless the user named it."""
+    """Error: no reader recognises the file, which is unlikely to be a record; skipped unless the user named it."""
 
 
 class NotAcceleration(RecordRefused):
-    """Error: the file contains velocity, displacement or spectra; skipped unless the user named it."""
+    """Error: the file contains velocity, displacement or spectra; it is skipped unless the user named it."""
 
 
 class OtherKind(NotAcceleration):
-    """Error: the file name means velocity or displacement; skipped even if named, as shells expand patterns."""
+    """Error: the file name indicates velocity or displacement; the file is skipped even if the user named it."""
 
 
 class TableOfResults(NoRecord):
-    """Error: the file is a table of results or parameters; skipped even if the user named it."""
+    """Error: the file is a table of results or parameters; it is skipped even if the user named it."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class SourceFile:
         return hashlib.sha256(self._bytes).hexdigest()
 
     def first_half(self) -> "SourceFile | None":
-        """Return the first half of a file whose second half repeats it; None for others and bare numbers."""
+        """Return the first half of a file if the second half repeats it and it has words; otherwise None."""
         half, odd = divmod(len(self.content), 2)
         begins = min(half, HEAD)
         if odd or not _WORD.search(self.content, 0, _TOP) or not self.content.startswith(self.content[:begins], half):

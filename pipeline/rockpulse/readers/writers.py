@@ -116,7 +116,7 @@ def miniseed_bytes(
 
 
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
-    """Return distinct SEED codes (network, station, location, channel); equal ones get other location codes."""
+    """Return distinct SEED codes (network, station, location, channel); duplicates get other location codes."""
     taken: set[tuple[str, str, str, str]] = set()
     result = []
     for record in records:

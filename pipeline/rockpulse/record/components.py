@@ -15,11 +15,14 @@ from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText
 
 _REASONS = {
-    "vertical": "vertical channel: read, not assessed as horizontal",
-    "structural": "channel on a structure: read, not assessed as ground motion",
+    "vertical": "vertical channel; it was read but not assessed, because only horizontal channels are",
+    "structural": "channel on a structure; it was read but not assessed, because only ground motion is",
 }
-_TAKEN = " ([records] structural = true does that)"
-_UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
+_TAKEN = " ([records] structural = true assesses it as well)"
+_UPWARDS = (
+    "channel on a structure, vertical or in an unknown direction; it was read but not assessed, because only "
+    "horizontal channels are"
+)
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
 _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
 #: Pattern of a SEED channel code; codes of one sensor differ only in the last letter, and the second is the kind of
@@ -55,7 +58,7 @@ class Pair:
 
 
 class Neighbours:
-    """An index of channels, perhaps thousands, to find those recorded together without comparing all."""
+    """An index of channels that finds those recorded together without comparing all of them."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._records = records
@@ -70,7 +73,7 @@ class Neighbours:
                 self._of_event[_occasion(record)].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Return the channels of the same file or time as a record; if it has no time, of the same event and folder."""
+        """Return the channels with the file or time of a record or, if it has no time, with its event and folder."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -86,7 +89,7 @@ class Neighbours:
 def select_horizontal(
     records: Iterable[Record], structural: bool = False, configured: bool = True
 ) -> tuple[list[Record], list[Failure]]:
-    """Return the horizontal channels (with `structural` also on structures), and a row of failures for each other."""
+    """Return the horizontal channels (with `structural` also on structures), and a failure for each other channel."""
     horizontal, failures = [], []
     for record in records:
         kind = record.orientation
@@ -164,7 +167,8 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
     """Return the vertical channel recorded with a horizontal one, in the sense of :func:`find_pairs`, or None.
 
     It may differ in format and length. Preferred are the same state of processing, then the same SEED band, the same
-    file, and the longest overlap. None for a channel on a structure: the vertical one may be on another floor.
+    file, and the longest overlap. None is returned for a channel on a structure, as the vertical one may be on another
+    floor.
     """
     if record.orientation == "structural":
         return None
@@ -189,7 +193,7 @@ def uncovered(vertical: Record, record: Record) -> float:
 
 
 def offset(record: Record, other: Record) -> float:
-    """Return the time from the start of a record to the start of another [s]; 0 if one of them is unknown."""
+    """Return the time from the start of a record to the start of another [s]; 0 if a start time is unknown."""
     if record.start_time is None or other.start_time is None:
         return 0.0
     return (other.start_time - record.start_time).total_seconds()

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.intensity import ground_velocity
+from rockpulse.record.record import STANDARD_GRAVITY, Record, largest
 from rockpulse.warning_text import WarningText, code_of, find, has_warning
 
 #: Codes of the warnings on defects.
@@ -28,6 +29,8 @@ DEFECTS = (
     "same_samples",
     "same_direction",
 )
+#: Number of samples that are checked at once where each needs several numbers.
+AT_ONCE = 2**18
 #: Shortest record that is checked for all defects [samples]; shorter ones are only checked for equal samples.
 FEWEST = 100
 #: Shortest straight line that is reported [s] and [samples]; digitised film has shorter ones.
@@ -45,6 +48,8 @@ SPIKE_HALF, SPIKE_AROUND = 3, 50
 #: exceeds all other deviations by another ratio, and a larger share of the peak.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
+#: Smallest number of zero samples, each between two of one sign above `SPIKE_NEAR_SHARE`, that are taken as lost.
+DROPOUTS = 3
 #: Length of the two ends of a record [s], and ratio of their root mean square to the peak above which one is in strong
 #: motion; it must also exceed that of the quietest such window by a ratio, or weak motion in noise would be included.
 END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
@@ -91,22 +96,19 @@ def drifts(record: Record) -> bool:
 def defects(record: Record) -> list[WarningText]:
     """Return the defects of the samples of a record as read, in the order of `DEFECTS`."""
     samples, dt = record.acceleration, record.dt
-    steps = np.diff(np.unique(samples))
-    steps = steps[steps > 1e-9 * np.ptp(samples)]
-    if not steps.size:
+    resolution = _resolution(samples)
+    if resolution == np.inf:
         return [WarningText("dead_channel")]
     if samples.size < FEWEST:
         return []
-    resolution = float(steps.min())
     centred = samples - np.median(samples)
     if dead := _noise(samples, dt, resolution):
         return [dead]
-    energy = np.cumsum(centred**2)
-    strong = np.searchsorted(energy, (0.05 * energy[-1], 0.95 * energy[-1]))
+    strong = _strong_part(centred)
     found = [
         *_lines(record, centred, resolution, strong),
         *_repeated(samples, dt, resolution, strong),
-        *_spikes(centred, dt),
+        *_spikes(samples, centred, dt),
         *_ends(samples, centred, dt),
     ]
     if dt > COARSE:
@@ -117,20 +119,38 @@ def defects(record: Record) -> list[WarningText]:
         key=lambda one: one[0] / one[1],
     )
     if slow > DRIFT * rest:
-        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=True))
+        # A pulse that is given as an array may leave a velocity on purpose.
+        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(record.source)))
     return found
 
 
 def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
     """Return the largest moving mean of the ground velocity over 10 s, and the largest deviation from it [m/s]."""
-    velocity = np.concatenate(([0.0], np.cumsum(0.5 * dt * (acceleration[1:] + acceleration[:-1]))))
+    velocity = ground_velocity(acceleration, dt)
     size = velocity.size
     half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
-    total = np.concatenate(([0.0], np.cumsum(velocity)))
-    place = np.arange(size)
-    low, high = np.maximum(place - half, 0), np.minimum(place + half + 1, size)
-    slow = (total[high] - total[low]) / (high - low)
-    return float(np.max(np.abs(slow))), float(max(np.max(np.abs(velocity - slow)), np.finfo(float).tiny))
+    total = np.zeros(size + 1)
+    np.cumsum(velocity, out=total[1:])
+    largest_slow, largest_rest = 0.0, float(np.finfo(float).tiny)
+    for first in range(0, size, AT_ONCE):
+        place = np.arange(first, min(first + AT_ONCE, size))
+        low, high = np.maximum(place - half, 0), np.minimum(place + half + 1, size)
+        slow = (total[high] - total[low]) / (high - low)
+        largest_slow = max(largest_slow, largest(slow))
+        largest_rest = max(largest_rest, largest(velocity[place] - slow))
+    return largest_slow, largest_rest
+
+
+def _resolution(samples: np.ndarray) -> float:
+    """Return the smallest step between two values of the samples; inf if all are equal."""
+    steps = np.diff(np.unique(samples))
+    return float(np.min(steps[steps > 1e-9 * np.ptp(samples)], initial=np.inf))
+
+
+def _strong_part(centred: np.ndarray) -> np.ndarray:
+    """Return the indices of the samples at which 5 % and 95 % of the energy are reached, (2,)."""
+    energy = np.cumsum(centred**2)
+    return np.searchsorted(energy, (0.05 * energy[-1], 0.95 * energy[-1]))
 
 
 def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | None:
@@ -155,13 +175,14 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
 
 def _runs(mask: np.ndarray) -> np.ndarray:
     """Return the start and the end (exclusive) of each run of True, as rows (k, 2)."""
-    return np.flatnonzero(np.diff(np.concatenate(([0], mask.view(np.int8), [0])))).reshape(-1, 2)
+    return np.flatnonzero(np.diff(np.pad(mask.view(np.int8), 1))).reshape(-1, 2)
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
     """Return warnings on the longest constant part, and on the longest straight line between curved parts."""
     bend = np.abs(np.diff(centred, 2))
-    straight = max(2.1 * resolution, 1e-6 * float(np.max(np.abs(centred))))
+    peak = largest(centred)
+    straight = max(2.1 * resolution, 1e-6 * peak)
     clipped = find(record.warnings, "clipped") is not None
     found: dict[str, list[WarningText]] = {"held_value": [], "filled_gap": []}
     for begin, end in _runs(bend <= straight).tolist():
@@ -172,7 +193,6 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
         sides = [bend[max(begin - around, 0) : begin], bend[end : end + around]]
         held = not np.any(np.diff(centred[begin : end + 2]))
         level = float(np.abs(centred[begin]))
-        peak = float(np.max(np.abs(centred)))
         if min(side.size for side in sides) < LINE_SAMPLES // 2:
             # At an end of the record zeros are no defect, but a constant strong acceleration is.
             sides = [side for side in sides if side.size >= LINE_SAMPLES // 2]
@@ -207,17 +227,19 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
 
 
 def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningText]:
-    """Return a warning on a block of samples that occurs exactly twice, unlike in a periodic signal."""
+    """Return a warning if a block of samples occurs exactly twice; in a periodic signal it would occur more often."""
     width = 8
     bits = samples.view(np.uint64)
     if samples.size < 4 * BLOCK_SAMPLES:
         return []
     code = np.zeros(samples.size - width + 1, dtype=np.uint64)
     for place in range(width):
-        code = code * np.uint64(0x9E3779B97F4A7C15) + bits[place : place + code.size]
+        code *= np.uint64(0x9E3779B97F4A7C15)
+        code += bits[place : place + code.size]
     order = np.argsort(code, kind="stable")
-    twin = code[order[1:]] == code[order[:-1]]
-    first, lag = order[:-1][twin], np.diff(order)[twin]
+    code = code[order]
+    twin = np.flatnonzero(code[1:] == code[:-1])
+    first, lag = order[twin], order[twin + 1] - order[twin]
     if first.size < BLOCK_SAMPLES - width + 1:
         return []
     lags, counts = np.unique(lag, return_counts=True)
@@ -236,14 +258,15 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningTex
     return []
 
 
-def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return a warning on samples far larger than their neighbours."""
+def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
+    """Return a warning on samples far from their neighbours, including zero samples in strong motion."""
     windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
     beyond = np.zeros(centred.size)
-    beyond[SPIKE_HALF:-SPIKE_HALF] = np.abs(
-        centred[SPIKE_HALF:-SPIKE_HALF] - np.partition(windows, SPIKE_HALF, axis=1)[:, SPIKE_HALF]
-    )
-    peak, largest = float(np.max(np.abs(centred))), int(np.argmax(np.abs(centred)))
+    for first in range(0, len(windows), AT_ONCE):
+        median = np.partition(windows[first : first + AT_ONCE], SPIKE_HALF, axis=1)[:, SPIKE_HALF]
+        here = slice(first + SPIKE_HALF, first + SPIKE_HALF + median.size)
+        beyond[here] = np.abs(centred[here] - median)
+    peak, strongest_sample = largest(centred), int(np.argmax(np.abs(centred)))
     # A cubic through its four neighbours finds a spike of one sample; the median finds spikes of up to three samples.
     curved = np.zeros(centred.size)
     curved[2:-2] = np.abs(centred[2:-2] - (4.0 * (centred[1:-3] + centred[3:-1]) - centred[:-4] - centred[4:]) / 6.0)
@@ -256,9 +279,13 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
         near[max(own - SPIKE_HALF - 1, 0) : own + SPIKE_HALF + 2] = 0.0
         if all(abs(place - one) > SPIKE_HALF for one in spikes) and beyond[place] > SPIKE_NEAR * float(np.max(near)):
             spikes.append(place)
+    before, after = samples[:-2], samples[2:]
+    beside = np.where(before * after > 0.0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+    lost = 1 + np.flatnonzero((samples[1:-1] == 0.0) & (beside > SPIKE_NEAR_SHARE * peak))
+    spikes += lost.tolist() if lost.size >= DROPOUTS else []
     if not spikes:
         return []
-    decides = any(abs(place - largest) <= SPIKE_HALF for place in spikes)
+    decides = any(abs(place - strongest_sample) <= SPIKE_HALF for place in spikes)
     strongest = max(spikes, key=lambda place: beyond[place])
     height = float(np.abs(centred[strongest])) / STANDARD_GRAVITY
     return [WarningText("spike", count=len(spikes), peak=height, time=strongest * dt, decides=decides)]
@@ -280,7 +307,7 @@ def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
 
 def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
     """Return warnings on a record that begins or ends in strong motion, unless its first or last sample is zero."""
-    peak, length = float(np.max(np.abs(centred))), min(max(round(END_LENGTH / dt), 3), centred.size)
+    peak, length = largest(centred), min(max(round(END_LENGTH / dt), 3), centred.size)
     whole = centred[: centred.size // length * length].reshape(-1, length)
     quietest = float(np.sqrt(np.min(np.mean(whole**2, axis=1))))
     ends = (("starts_strong", centred[:length], samples[0]), ("ends_strong", centred[-length:], samples[-1]))

@@ -3,15 +3,19 @@
 import heapq
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 from rockpulse.errors import ConfigError
-from rockpulse.record.record import Record
+from rockpulse.record.record import Record, largest, read_only
 
 #: Arrays of half-waves, with a value for each wave.
 COLUMNS = ("impulse", "centroid", "start", "end", "peak", "lobes")
+#: Number of samples whose lobes are computed at once, so that the arrays of a record of days are small.
+AT_ONCE = 2**18
 #: Smallest impulse of a merged wave, as a share of the sum of the absolute impulses of its lobes.
 KEPT_SHARE = 0.5
 #: Shares of the largest impulse above which an impulse in a picture is strong, and below which it is not drawn.
@@ -57,8 +61,7 @@ class HalfWaves(Shown):
 
     def __post_init__(self) -> None:
         for name in COLUMNS:
-            values = np.array(getattr(self, name), dtype=np.int64 if name == "lobes" else float)
-            values.setflags(write=False)
+            values = read_only(getattr(self, name), np.int64 if name == "lobes" else float)
             object.__setattr__(self, name, values)
 
     def __len__(self) -> int:
@@ -67,7 +70,7 @@ class HalfWaves(Shown):
     @property
     def largest(self) -> float:
         """Largest absolute impulse [m/s]; 0 without waves."""
-        return float(np.max(np.abs(self.impulse), initial=0.0))
+        return largest(self.impulse)
 
     def between(self, start: float, end: float) -> "HalfWaves":
         """Return the waves whose centroid is between two times [s] from the first sample, both included."""
@@ -151,16 +154,38 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
 
 
 def _lobes(record: Record) -> HalfWaves:
-    acceleration, dt = record.acceleration, record.dt
+    """Return every lobe of a record, computed in parts between crossings to save memory."""
+    acceleration = record.acceleration
     positive, negative = acceleration > 0.0, acceleration < 0.0
     crossing = np.flatnonzero((positive[:-1] & negative[1:]) | (negative[:-1] & positive[1:]))
+    del positive, negative
+    places = np.unique(np.searchsorted(crossing, np.arange(AT_ONCE, acceleration.size, AT_ONCE)))
+    places = places[places < crossing.size]
+    columns: list[list[np.ndarray]] = [[] for _ in COLUMNS]
+    for first, last in pairwise([None, *places.tolist(), None]):
+        found = _lobes_between(record, crossing, first, last)
+        for column, values in zip(columns, found, strict=True):
+            column.append(values)
+    joined: dict[str, Any] = {}
+    for name, column in zip(COLUMNS, columns, strict=True):
+        joined[name] = np.concatenate(column)
+        joined[name].setflags(write=False)  # HalfWaves makes no copy of such an array
+        column.clear()
+    return HalfWaves(**joined, dt=record.dt, record_id=record.id)
+
+
+def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last: int | None) -> tuple[np.ndarray, ...]:
+    """Return the columns of the lobes between two crossings, given by index; None for the ends of the record."""
+    dt, begin = record.dt, 0 if first is None else int(crossing[first])
+    acceleration = record.acceleration[begin : None if last is None else crossing[last] + 2]
+    crossing = crossing[first : None if last is None else last + 1] - begin
     before, after = acceleration[crossing], acceleration[crossing + 1]
     # Both parts of an interval are computed from the samples, as 1 - fraction loses digits of a short second part.
     fraction, rest = before / (before - after), after / (after - before)
 
     # Points are the samples and the crossings between them; pieces connect two points; lengths are in units of dt.
     value = np.insert(acceleration, crossing + 1, 0.0)
-    whole = np.insert(np.arange(acceleration.size), crossing + 1, crossing)
+    whole = begin + np.insert(np.arange(acceleration.size), crossing + 1, crossing)
     part = np.insert(np.zeros(acceleration.size), crossing + 1, fraction)
     length = np.ones(value.size - 1)
     inserted = crossing + 1 + np.arange(crossing.size)
@@ -169,23 +194,26 @@ def _lobes(record: Record) -> HalfWaves:
 
     left, right = value[:-1], value[1:]
     sign = np.sign(left + right)
-    first = np.flatnonzero(np.concatenate(([True], sign[1:] != sign[:-1])))
-    last = np.append(first[1:], value.size - 1)
-    lobe = np.repeat(np.arange(first.size), last - first)
+    start = np.flatnonzero(np.concatenate(([True], sign[1:] != sign[:-1])))
+    end = np.append(start[1:], value.size - 1)
+    lobe = np.repeat(np.arange(start.size), end - start)
     # Offsets are relative to the start of the lobe, as moments about the start of the record would lose digits.
-    offset = (whole[:-1] - whole[first][lobe]) + (part[:-1] - part[first][lobe])
+    offset = (whole[:-1] - whole[start][lobe]) + (part[:-1] - part[start][lobe])
     piece_impulse = 0.5 * length * (left + right)
     piece_moment = piece_impulse * offset + length**2 * (left + 2.0 * right) / 6.0
 
-    impulse = np.add.reduceat(piece_impulse, first)
-    moment = np.add.reduceat(piece_moment, first)
-    peak = sign[first] * np.maximum.reduceat(np.maximum(np.abs(left), np.abs(right)), first)
+    impulse = np.add.reduceat(piece_impulse, start)
+    moment = np.add.reduceat(piece_moment, start)
+    peak = sign[start] * np.maximum.reduceat(np.maximum(np.abs(left), np.abs(right)), start)
     kept = impulse != 0.0  # omits parts at zero, and parts whose impulse underflows
-    start = dt * (whole[first][kept] + part[first][kept])
-    end = dt * (whole[last][kept] + part[last][kept])
+    # The pieces before the first and after the last crossing belong to lobes of other parts.
+    kept[0] &= first is None
+    kept[-1] &= last is None
+    begins = dt * (whole[start][kept] + part[start][kept])
+    ends = dt * (whole[end][kept] + part[end][kept])
     # A lobe may be shorter than the rounding error of its time.
-    centroid = np.clip(start + dt * (moment[kept] / impulse[kept]), start, end)
-    return HalfWaves(dt * impulse[kept], centroid, start, end, peak[kept], np.ones(start.size), dt, record.id)
+    centroid = np.clip(begins + dt * (moment[kept] / impulse[kept]), begins, ends)
+    return dt * impulse[kept], centroid, begins, ends, peak[kept], np.ones(begins.size, dtype=np.int64)
 
 
 def _merge(lobes: HalfWaves, floor: float, min_duration: float) -> HalfWaves:

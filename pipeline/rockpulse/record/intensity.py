@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record, largest
 
 #: Length of the intense phase in section 4 of Casapulla & Maione (2017) [s].
 WINDOW_LENGTH = 20.0
@@ -40,11 +40,19 @@ def arias_intensity(record: Record) -> float:
 def pgv(record: Record) -> float:
     """Return the largest absolute ground velocity [m/s], at a sample or a zero crossing of the acceleration."""
     left, right = record.acceleration[:-1], record.acceleration[1:]
-    velocity = np.concatenate(([0.0], np.cumsum(0.5 * record.dt * (left + right))))
-    crossing = np.flatnonzero(np.sign(left) * np.sign(right) < 0.0)
+    velocity = ground_velocity(record.acceleration, record.dt)
+    crossing = np.flatnonzero(((left < 0.0) & (right > 0.0)) | ((left > 0.0) & (right < 0.0)))
     before, after = left[crossing], right[crossing]
     interior = velocity[crossing] + 0.5 * record.dt * before * (before / (before - after))
-    return float(max(np.max(np.abs(velocity)), np.max(np.abs(interior), initial=0.0)))
+    return max(largest(velocity), largest(interior))
+
+
+def ground_velocity(acceleration: np.ndarray, dt: float) -> np.ndarray:
+    """Return the velocity at the samples of a ground acceleration that is linear between them, from rest."""
+    velocity = np.zeros(acceleration.size)
+    np.add(acceleration[1:], acceleration[:-1], out=velocity[1:])
+    velocity[1:] *= 0.5 * dt
+    return np.cumsum(velocity, out=velocity)
 
 
 def spectral_acceleration(record: Record, period: float) -> float:
@@ -71,7 +79,7 @@ def largest_change(record: Record, within: float) -> float:
     """Return the largest change of the ground velocity [m/s] over a time [s], rounded to whole samples."""
     velocity = np.append(0.0, np.cumsum(0.5 * (record.acceleration[1:] + record.acceleration[:-1]))) * record.dt
     steps = min(max(round(within / record.dt), 1), velocity.size - 1)
-    return float(np.max(np.abs(velocity[steps:] - velocity[:-steps])))
+    return largest(velocity[steps:] - velocity[:-steps])
 
 
 def fajfar_index(record: Record) -> float:

@@ -27,13 +27,13 @@ UNITS = {
 #: makes the PGV doubtful, and the reference makes bodies of all sizes comparable.
 PGA, PGV, IMPULSE, REFERENCE = "pga", "pgv", "impulse", "velocity_ratio"
 UPLIFT_RATIO = "uplift_ratio"
-#: Number of the largest lobes of E whose root mean square is a measure.
+#: Number of the largest lobes of E (`RecordOnBodies.demand`) whose root mean square is a measure.
 LARGEST_LOBES = 6
 
 
 @dataclass(frozen=True)
 class RecordOnBodies:
-    """The input of a measure: a conditioned record, its half-waves, and (m,) bodies if it depends on them."""
+    """The input of a measure: a conditioned record, its half-waves, and (m,) bodies if the measure depends on them."""
 
     record: Record
     waves: Callable[[], HalfWaves]
@@ -47,7 +47,7 @@ class RecordOnBodies:
 
     @property
     def demand(self) -> Demand:
-        """Return the lobes of E, each divided by the value that overturns the body."""
+        """Return the lobes of E (:mod:`rocking.march.demand`), each divided by the value that overturns the body."""
         from rocking.march.demand import ground_demand  # compiled
 
         return ground_demand(self.block, self.record.acceleration, self.record.dt)
@@ -55,7 +55,7 @@ class RecordOnBodies:
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure, or a family of measures over the period."""
+    """An intensity measure, or a family of measures with one for each period."""
 
     name: str
     unit: str  # in SI, as in the files of results

@@ -144,7 +144,7 @@ class Record(Shown):
 
     def __post_init__(self) -> None:
         where = self.source or self.id
-        acceleration = self.acceleration if _spread(self.acceleration) else np.array(self.acceleration, dtype=float)
+        acceleration = self.acceleration if _spread(self.acceleration) else read_only(self.acceleration)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise RecordFormatError(
                 f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; the file may be "
@@ -164,7 +164,6 @@ class Record(Shown):
             )
         if not (np.isfinite(self.dt) and self.dt > 0.0):
             raise RecordFormatError(f"{where}: expected a positive sampling interval dt in s, found {self.dt!r}")
-        acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration", acceleration)
         object.__setattr__(self, "dt", float(self.dt))
         object.__setattr__(self, "azimuth", math.nan if self.azimuth is None else self.azimuth)
@@ -205,7 +204,7 @@ class Record(Shown):
     @property
     def pga(self) -> float:
         """Largest absolute acceleration [m/s2]."""
-        return float(np.max(np.abs(self.acceleration)))
+        return largest(self.acceleration)
 
     def _facts(self) -> dict[str, str]:
         facts = {"": self.id, "samples": f"{self.npts} at {self.dt:.4g} s", "PGA": f"{self.pga:.4g} m/s2"}
@@ -230,8 +229,22 @@ class Record(Shown):
         return picture
 
 
+def read_only(values: Any, dtype: type = float) -> np.ndarray:
+    """Return the values as a read-only array, without a copy if they are one that owns its memory."""
+    if type(values) is np.ndarray and values.dtype == dtype and values.flags.owndata and not values.flags.writeable:
+        return values
+    array: np.ndarray = np.array(values, dtype=dtype)
+    array.setflags(write=False)
+    return array
+
+
+def largest(values: np.ndarray) -> float:
+    """Return the largest absolute value of an array, 0 if it is empty, without a copy."""
+    return float(max(np.max(values, initial=0.0), -np.min(values, initial=0.0)))
+
+
 def outline_of(record: Record) -> tuple[float, ...]:
-    """Return number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % of the energy [s]."""
+    """Return number of samples, peak about the mean [m/s2], and times [s] of 5, 25, 50, 75 and 95 % of the energy."""
     if _spread(record.acceleration):
         return record.outline if record.outline[:1] == (record.npts,) else ()
     if not np.ptp(record.acceleration):

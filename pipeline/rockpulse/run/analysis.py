@@ -1,4 +1,4 @@
-"""Analyses a set of records in this process: plans the records, processes each, and collects the tree of results."""
+"""Analyses a set of records in this process: plans the work, processes each record, and collects the results."""
 
 import logging
 import os
@@ -86,7 +86,7 @@ class Analysis(ABC):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan the records and group them by earthquake; raise ConfigError for equal ids or mismatched tables."""
+        """Return the records to process and their earthquakes; raise ConfigError for equal ids or mismatched tables."""
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
         if twice:

@@ -50,8 +50,9 @@ class JournalParts:
 
     def __iter__(self) -> Iterator[Part]:
         for key in self.keys:
-            for part in self.journal.parts(key):
-                yield self.analysis.of_event(unpack(part), self.events[key])
+            packed = list(self.journal.parts(key))
+            while packed:  # the bytes of a part are freed before it is used
+                yield self.analysis.of_event(unpack(packed.pop(0)), self.events[key])
 
 
 def write_results(
@@ -96,14 +97,7 @@ def assemble(
     """
     if iter(parts) is parts:
         raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
-    records: list[str] = []
-    lengths: dict[str, int] = defaultdict(int)  # total size of each variable that grows
-    size = 0  # approximate size of the values in the file [bytes]
-    for part in parts:
-        records += part["/summary/record"].tolist()
-        for name, values in part.items():
-            lengths[name] += len(values)
-            size += _stored_bytes(values)
+    records, lengths, size = _sizes(parts)
     known = set(records)
     pairs = {pair: ids for pair, ids in (swept or {}).items() if not known.isdisjoint(ids)}
     directions = template["directions"].to_dataset() if "directions" in template.children else None
@@ -134,6 +128,19 @@ def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
             f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume",
             tells_resume=True,
         ) from error
+
+
+def _sizes(parts: Iterable[Part]) -> tuple[list[str], dict[str, int], int]:
+    """Return the ids of the records, the total size of each variable that grows, and about all bytes in the file."""
+    records: list[str] = []
+    lengths: dict[str, int] = defaultdict(int)
+    size = 0
+    for part in parts:
+        records += part["/summary/record"].tolist()
+        for name, values in part.items():
+            lengths[name] += len(values)
+            size += _stored_bytes(values)
+    return records, lengths, size
 
 
 def _stored_bytes(values: np.ndarray) -> int:

@@ -79,7 +79,7 @@ def calibrate_files(paths: Paths, config: Config, output: PathLike, options: Bat
     """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate`) and write the file.
 
     Arguments, result and errors are as in :func:`assess_files`; a table of weights that does not match the records
-    raises ConfigError, records without a design RecordRefused.
+    raises ConfigError, and records without a design raise RecordRefused.
 
     >>> report = rp.calibrate_files("records", config, "design.h5", rp.BatchOptions(overwrite=True))
     >>> rp.load_design(report.path).restitution.tolist()
@@ -289,7 +289,7 @@ class _Batch:
         report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
 
     def finished(self) -> list[str]:
-        """Return the sorted keys of tasks with results for the same files and options in the journal."""
+        """Return the keys of those tasks whose results, for the same files and options, are in the journal."""
         before = self.journal.finished()
         return [task.key for task in self.tasks if before.get(task.key) == task.fingerprint]
 

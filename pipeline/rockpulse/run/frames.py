@@ -31,7 +31,8 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
         if array.dtype.kind not in KINDS:
             raise TypeError(f"{name}: expected numbers or texts, found an array of type {array.dtype}")
     text = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays.items()]).encode()
-    return b"".join([MAGIC, len(text).to_bytes(8, "little"), text, *(array.tobytes() for array in arrays.values())])
+    values = (np.ascontiguousarray(array).data for array in arrays.values())
+    return b"".join([MAGIC, len(text).to_bytes(8, "little"), text, *values])
 
 
 def unpack(packed: bytes) -> dict[str, np.ndarray]:

@@ -49,7 +49,7 @@ class Located:
         Raises RecordRefused if a file has changed since the survey, RockpulseError or OSError if it cannot be read.
         """
         samples = [_samples(part, options, self.record.source) for part in self.parts]
-        return replace(self.record, acceleration=np.concatenate(samples))
+        return replace(self.record, acceleration=samples[0] if len(samples) == 1 else np.concatenate(samples))
 
 
 def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.ndarray:

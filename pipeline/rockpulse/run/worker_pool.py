@@ -151,7 +151,7 @@ def version() -> str:
 
 
 class _Cluster(Executor):
-    """Executor of the workers of a running dask.distributed cluster; errors as in :meth:`WorkerPool.scheduler`."""
+    """Executor of a running dask.distributed cluster; it raises the errors of :meth:`WorkerPool.scheduler`."""
 
     def __init__(self, address: str, timeout: float) -> None:
         try:

@@ -1,1 +1,1 @@
-"""Selects the motions of a set of records, groups them by earthquake, and finds duplicates."""
+"""Selects the records and directions to assess, groups records by earthquake, and finds duplicates."""

@@ -162,14 +162,14 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
-    """Return the name of each pair of a sweep over direction with the ids of its motions; None without a sweep."""
+    """Return the ids of the motions in all directions by the name of their pair; None if directions are not swept."""
     return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
 def _with_comparisons(
     planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
 ) -> list[PlannedMotion]:
-    """Return the planned motions with the other records with which their channels are compared."""
+    """Return the planned motions, each with the other records that its channels are compared with."""
     by_id: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
         by_id[twin.accepted.id].append(twin)
@@ -234,7 +234,7 @@ DIRECTIONS: dict[str, Callable[[Any, Config], list[Any]]] = {
 
 
 def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
-    """Pair each name with the number, from 1, of its occurrence among equal names."""
+    """Return each name with the number of times that it has occurred so far, including this one."""
     seen: dict[str, Iterator[int]] = defaultdict(lambda: count(1))
     return [(name, next(seen[name])) for name in names]
 

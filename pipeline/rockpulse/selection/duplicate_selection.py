@@ -164,7 +164,7 @@ class _DuplicateSelection:
                         self._decide(record, recording, following)
 
     def _decide(self, record: Record, recording: _Recording, following: bool = False) -> None:
-        """Accept a record, or reject it as a duplicate of an accepted one; `following` records are always accepted."""
+        """Accept a record, or reject it as a duplicate of an accepted one; with `following` true, always accept it."""
         rivals = [(one, other) for one, other in self.accepted if self._same(record, one, other, recording)]
         if following or not rivals:
             self.accepted.append((record, recording))
@@ -249,7 +249,7 @@ def _one_direction(record: Record, other: Record) -> bool:
 
 
 def _fault(record: Record, confirm: Sequence[str]) -> str:
-    """Return the fault for which duplicates of a record are preferred to it; empty for a record without a fault."""
+    """Return the fault of a record because of which a duplicate is used instead; empty if it has no fault."""
     if find(record.warnings, "dead_channel"):
         return "this channel is dead"
     odd = find(record.warnings, "odd_peak")

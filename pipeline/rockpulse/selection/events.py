@@ -1,4 +1,4 @@
-"""Groups records by earthquake, as resamples draw whole earthquakes; in doubt, records form one group."""
+"""Groups records by earthquake, as resamples draw whole earthquakes; in doubt, records are put into one group."""
 
 import re
 from collections import Counter, defaultdict
@@ -40,7 +40,7 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield pairs of records, by index, that are of one earthquake; the pairs connect all records of it."""
+    """Yield enough pairs of indices of records of one earthquake to connect all records of it among `free`."""
     for members in _grouped(free, lambda index: records[index].source or None):
         yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
@@ -74,7 +74,7 @@ def _near(
     within: float,
     agree: Callable[[Record, Record], bool],
 ) -> Iterator[tuple[int, int]]:
-    """Yield enough pairs to connect all records that are `within` seconds of each other and `agree`."""
+    """Yield enough pairs of indices to connect all records that are `within` seconds of each other and `agree`."""
     # Records with equal origin time and magnitude agree with the same records: only the latest one is compared.
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
@@ -255,7 +255,7 @@ def event_table(config: Config) -> dict[str, str]:
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
 ) -> tuple[dict[str, str], list[Failure]]:
-    """Return the earthquake of each record id, and a failure row if ids in `named` are unknown and files unread."""
+    """Return the earthquake of each record id, and a failure if `named` has unknown ids and some files are unread."""
     ids = [record.id for record in records]
     unknown = sorted(set(named) - set(ids)) if unread(failures) else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
@@ -287,7 +287,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """Return the most frequent title, preferably one with words, and the first in the alphabet of equal ones."""
+    """Return the most frequent title, preferably one with words; of equally frequent ones, the alphabetically first."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

@@ -53,7 +53,7 @@ class DesignSpectrum:
     main_count: np.ndarray
 
     def covers(self, block: Block) -> np.ndarray:
-        """Return a mask (m,) of free, symmetric blocks of slenderness 3.5 or more inside the ranges of p and C."""
+        """Return a mask (m,): True for free, symmetric blocks of slenderness 3.5 or more in the ranges of p and C."""
         return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
@@ -69,7 +69,7 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Return the factor (m,) on the design at which each block overturns; raise ValueError outside the spectrum."""
+        """Return the scale factor (m,) of the design that overturns each block; ValueError outside the spectrum."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
@@ -78,7 +78,7 @@ class DesignSpectrum:
         return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """Return sequences, one for each of (m,) blocks, that have the same effect as the design; ValueError outside.
+        """Return sequences for (m,) blocks, each with the same effect as the design; ValueError outside the spectrum.
 
         I_s/I and the number of main impulses are those at the nearest p; the spacing is "continuous". Use the sequences
         with ``sequence_response(..., paired=True)``.

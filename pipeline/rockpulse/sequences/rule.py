@@ -1,16 +1,17 @@
 """The rule that predicts overturning under a record from an impulse sequence, derived from the record's half-waves.
 
-The demand D is factor x march (:func:`rockpulse.models.demand_of_half_waves`), but at most PGA/(g tan alpha). The
-sequence overturns a block if D >= 1; else the peak is 1 - sqrt(1 - D^2). The safety factor is 1/D.
+The demand D is a fitted factor times the demand of a march through the half-waves
+(:func:`rockpulse.models.demand_of_half_waves`), but at most PGA/(g tan alpha). The sequence overturns a block if D >=
+1; else the peak is 1 - sqrt(1 - D^2). The safety factor is 1/D.
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -119,7 +120,7 @@ class Rule:
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
-        """Return the lanes of the overturning spectrum at ascending p (a,) [1/s]: the march times the rule's `factor`.
+        """Return the lanes of the overturning spectrum at ascending p (a,) [1/s], with all demands times `factor`.
 
         No block overturns below x = p/PGA, as the peak of the half-waves does not lift it. The random critical angles
         are on average 4 % smaller than the nominal angle, so that the spectrum is at most 1.04 PGA/p, while
@@ -236,10 +237,16 @@ def sequence_of_demand(
     )
 
 
-@lru_cache(maxsize=2)
+#: Demand of half-waves on blocks, for both working points, the sequence and the safety factor, while they are in use.
+_DEMANDS: WeakKeyDictionary[HalfWaves, dict[Block, HalfWaveDemand]] = WeakKeyDictionary()
+
+
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Return the demand of half-waves on blocks; the last results are cached."""
-    return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
+    """Return the demand of half-waves on blocks, computed once for the same objects."""
+    known = _DEMANDS.setdefault(waves, {})
+    if block not in known:
+        known[block] = demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
+    return known[block]
 
 
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:

@@ -46,11 +46,12 @@ def marched(waves, place, strength, restitution):
     pieces = length > 1e-9
     ground = np.ascontiguousarray(np.stack([corners[1, :-1], corners[1, 1:]], axis=1)[pieces])
     highest = np.max(np.abs(ground), axis=1)
-    past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
+    left = np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
     steps = np.outer(RATES, length[pieces])
-    peak = np.empty(place.size)
-    march_pieces(0, place.size, place, strength, restitution, steps, np.exp(steps), ground, past, left, peak, False)
-    return peak
+    begin, state = np.zeros(place.size, dtype=np.int64), np.zeros((place.size, 4))
+    lanes = place, strength, restitution, steps, np.exp(steps), ground, left
+    march_pieces(0, place.size, begin, state, *lanes, False, True)
+    return state[:, 0]
 
 
 @pytest.mark.parametrize("seed", range(1))

@@ -62,7 +62,7 @@ def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder,
     assert tree["summary"]["event_title"].values.tolist() == list(TITLES)
     motions = answers_of(tree).motions
     assert motions.event_count == 1  # those that tell nothing add none
-    assert "2 motions whose earthquake neither" in of_unknown_event(motions)
+    assert "2 motions whose earthquake is stated neither" in of_unknown_event(motions)
 
 
 @pytest.mark.slow

@@ -121,7 +121,20 @@ def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
     (at_demand,), (as_scaled,) = verdicts(answers_of(tree)), verdicts(answers_of(other))
     assert at_demand.share.value == pytest.approx(as_scaled.share.value, abs=0.01)
     for name in ("overturned", "motions", "median_rotation", "others_rotation"):  # the same march, scaled
-        assert getattr(at_demand.deciding, name) == pytest.approx(getattr(as_scaled.recorded, name), rel=1e-9)
+        found, expected = getattr(at_demand.deciding, name), getattr(as_scaled.recorded, name)
+        assert found == pytest.approx(expected, rel=1e-9, nan_ok=True)
+
+
+@pytest.mark.sweep
+def test_mirrored_records_leave_every_number_at_the_demand_as_it_is():
+    """A free symmetric body has no side."""
+    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(DemandSettings(value="0.18 g"),))
+    bodies = dict([*BODIES.items()][:1])
+    mirrored = [dataclasses.replace(one, acceleration=-one.acceleration) for one in RECORDS[:2]]
+    plain, mirror = (
+        verdicts(answers_of(rp.assess(own, config, bodies)))[0].deciding for own in (RECORDS[:2], mirrored)
+    )
+    assert repr(mirror) == repr(plain)
 
 
 def test_motions_of_a_body_itself_are_brought_to_the_demand_as_well():

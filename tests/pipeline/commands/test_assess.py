@@ -48,7 +48,7 @@ def tree(done):
 def test_all_done_is_exit_code_zero_with_a_table(told):
     target, out, err = told
     assert err == ""  # no progress bar where there is no terminal
-    assert re.search(r"^  thin wall +overturns ", out, re.M)
+    assert re.search(r"^  thin wall +1 of [12] ", out, re.M)
     assert out.count("thin wall") >= 2
     assert not re.search(r"\bnan\b", out, re.I)
     assert out.endswith(f"results: {target}\n")
@@ -105,6 +105,13 @@ def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, ca
     assert "no record could be assessed; nothing was written" in captured.err
     assert name in captured.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_single_vertical_channel_is_why_nothing_is_written(tmp_path, capsys):
+    path = tmp_path / "hvps_UP.dat"
+    path.write_text("".join(f"{0.01 * index:.2f} {np.sin(index):.4f}\n" for index in range(200)), encoding="ascii")
+    assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2") == 1
+    assert "nothing was written: hvps_UP.UP: vertical channel; it was read but not assessed" in capsys.readouterr().err
 
 
 @pytest.mark.sweep

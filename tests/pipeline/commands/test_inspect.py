@@ -23,7 +23,7 @@ def results(tmp_path_factory, loaded_once):
 def test_the_overview_names_records_verdicts_and_what_was_left_out(results, capsys):
     assert main(["inspect", results]) == 0
     out = capsys.readouterr().out
-    assert out.count("Verdict on each body") == 1
+    assert out.count("Each body") == 1
     assert all(record in out for record in RECORDS)
     assert "cut.AT2:4: expected 100 samples, found 3" in out
     assert main(["inspect", results, "--all"]) == 0

@@ -146,7 +146,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("name,width,height\na,1,2\n", "no column width [m] and height [m]"),
+        ("name,width,height\na,1,2\n", "missing: width [m], height [m]"),
         ("name,width [m],height [m]\na,0.4,3\na,0.4,3\n", "a unique name for each body"),
         ("name,width [m],height [m]\na,0.4,x\n", "row 1 of column 'height [m]': expected a number, found 'x'"),
         ("name,width [m],height [m]\na,0.4,-3\n", "a: height [m]: expected a positive number, found -3"),

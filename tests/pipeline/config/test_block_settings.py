@@ -25,7 +25,7 @@ DOUBTED = [
     ({"width": 600, "height": 1.7}, '"statue": 600 x 1.7: are these millimetres? A body larger than 30 m'),
     ({"width": 0.01, "height": 0.04}, '"statue": 0.01 x 0.04: are these metres? A body less than 5 cm high'),
     ({"width": 0.0006, "height": 1.7}, '"statue": 0.0006 x 1.7: are these metres? A body less than 1 mm wide'),
-    ({"width": 1.7, "height": 0.6}, '"statue": 1.7 x 0.6: are the two swapped? A body wider than high'),
+    ({"width": 1.7, "height": 0.6}, '"statue": 1.7 x 0.6: are width and height swapped? A body wider than high'),
     ({"p": 0.2, "alpha": 0.25}, '"statue": p and alpha of a rectangle of 91 x 356 m. A body larger than 30 m'),
     ({"p": 2.4, "alpha": 0.9}, '"statue": p and alpha of a rectangle of 2 x 1.59 m. A body wider than high'),
     (
@@ -55,7 +55,7 @@ def test_an_option_that_is_doubted_names_the_option_that_confirms_it():
     ):
         parse_block_option("statue=600x1700")
     assert parse_block_option("statue=600x1700", True).confirm_size
-    with pytest.raises(ConfigError, match="expected a number in m > 0"):
+    with pytest.raises(ConfigError, match="expected a positive number of metres"):
         parse_block_option("statue=0x1700", True)
 
 

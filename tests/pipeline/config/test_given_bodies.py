@@ -63,7 +63,7 @@ def test_settings_of_a_mapping_keep_what_a_direction_of_their_own_needs():
         ({"a/b": (0.25, 2.2)}, "name"),
         ({"wall": (-0.25, 2.2)}, r'\[\[block\]\] "wall" width'),
         ({"wall": (float("nan"), 2.2)}, r'\[\[block\]\] "wall" width'),
-        ({"wall": (2.2, 0.25)}, "are the two swapped"),
+        ({"wall": (2.2, 0.25)}, "are width and height swapped"),
         ({"wall": (250.0, 2200.0)}, "millimetres"),
     ],
 )

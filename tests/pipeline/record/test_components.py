@@ -22,6 +22,7 @@ from rockpulse.record.components import (
 )
 from rockpulse.record.record import Record
 
+VERTICAL = "vertical channel; it was read but not assessed, because only horizontal channels are"
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 
 
@@ -320,9 +321,7 @@ def test_a_channel_in_an_unknown_direction_is_taken_with_a_warning():
         assert [one.id for one in chosen] == ["unknown", "horizontal"]
         assert [one.code for one in chosen[0].warnings] == ["orientation_unknown"]
         assert chosen[1].warnings == ()
-        assert [(one.kind, one.reason) for one in failures] == [
-            ("vertical", "vertical: vertical channel: read, not assessed as horizontal")
-        ]
+        assert [(one.kind, one.reason) for one in failures] == [("vertical", f"vertical: {VERTICAL}")]
 
 
 @pytest.mark.parametrize("seed", range(4))

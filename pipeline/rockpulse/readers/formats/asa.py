@@ -45,7 +45,7 @@ class _Header:
         self.entries = [(key.strip(), value.strip(), at) for (key, colon, value), at in parts if colon]
 
     def entry(self, key: str) -> tuple[str, str, int]:
-        """Return key, value and line of the first entry whose key begins with `key`, ignoring accents; else empty."""
+        """Return key, value and line number of the first entry whose key begins with `key`; accents are ignored."""
         wanted = _consonants(key)
         return next((entry for entry in self.entries if _consonants(entry[0]).startswith(wanted)), ("", "", 1))
 
@@ -66,7 +66,7 @@ class _Header:
         return found
 
     def each(self, key: str, numbers: Sequence[int], required: bool = False) -> list[str]:
-        """Return the number that a list states for each of the channels `numbers`; blank if it states none."""
+        """Return, as text, the number that a list states for each of the channels `numbers`; blank if missing."""
         listed = [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key)]
         found = _chosen(listed, numbers)
         if required and not all(text and float(text) > 0.0 for text in found):

@@ -68,7 +68,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the line with the number of points and the interval; None if there is none."""
+    """Return the index of the last header line, which names the number of points and the interval; None if missing."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -78,7 +78,7 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def _names_both(lines: Sequence[str]) -> int | None:
-    """Return the index of the line that states number of points and interval; None if no line states both."""
+    """Return the index of the line that states the values of both number of points and interval; None if missing."""
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
@@ -199,7 +199,7 @@ def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) 
 
 
 def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
-    """Return warnings about a scale factor, and about another interval elsewhere in the header."""
+    """Return warnings about a scale factor, and about a different interval elsewhere in the header."""
     notes: list[str] = []
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
@@ -295,7 +295,7 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
 
 
 def _list_entry(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]:
-    """Return event, station, magnitude and Vs30 from the list in the folder, and a warning if it cannot be read."""
+    """Return event, station, magnitude and Vs30 from PEER's list in the folder, and a warning if unreadable."""
     try:
         content = file.beside(_LIST)
         rows = {} if content is None else _rows(content)

@@ -22,7 +22,7 @@ _AZIMUTH = r"azimuth\b.*\b{}\s+(\d{{1,3}}(?:\.\d*)?)(?!\S)"
 _ORIGIN = re.compile(r"\s*origin time\s*:\s*(.*)", re.IGNORECASE)
 _DEPTH = re.compile(r".*?\bFD\s*(\d{1,3}(?:\.\d{0,3})?)\s*km", re.ASCII | re.IGNORECASE)
 _DURATION = re.compile(r".*?duration\s*=\s*(\d{1,6}(?:\.\d{0,9})?)", re.IGNORECASE)
-#: Tolerance of the stated duration [steps]: it may be that of the samples or of the steps between them.
+#: Tolerance of the stated duration [steps], which may count the samples or the steps between them.
 _DURATION_STEPS = 2.0
 _SQUARE = 3.0  # largest deviation of L and T from a right angle [degrees]
 
@@ -49,7 +49,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
     header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
-    # Real 9 is the sampling rate. It begins the second row, as a row contains eight reals.
+    # Real header value 9 is the sampling rate; it begins the second row, as a row contains eight values.
     rate = float(kit.fixed_width([lines[start + 21][:_WIDTH]], start + 22, _WIDTH, 1, 1, file.name)[0])
     duration = kit.matched(_DURATION, header[10])
     if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):

@@ -38,7 +38,7 @@ _FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sens
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
 #: Values of integer 19 for stations whose sensors may be at depth.
 _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
-_CLOSING = 3  # the closing line may have lines of blanks behind it
+_CLOSING = 3  # blank lines may follow the closing line
 #: Relative tolerance of sensitivities: calibrated values deviate by some percent, wrong factors are 2 or more.
 _SENSITIVITY_TOLERANCE = 0.1
 _LEAST_FACTOR = 1e-9  # smallest possible factor of a gain, in any unit
@@ -47,7 +47,7 @@ _VELOCITY_SENSORS = range(1001, 2000)
 
 @dataclass(frozen=True)
 class _Series:
-    """The heading of a series of a channel: index of its line, number of samples, motion, unit and code of the unit."""
+    """The heading of a series: index of its line, number of samples, kind of motion, unit and code of the unit."""
 
     at: int
     count: int
@@ -192,7 +192,7 @@ def _unit(series: _Series, where: str) -> str:
 
 
 def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], list[str]]:
-    """Return the stated peak [m/s2], half a unit of its last digit, and warnings; the text precedes real 64."""
+    """Return the peak [m/s2] from text or else real header value 64, half a unit of its last digit, and warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
@@ -208,10 +208,11 @@ def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], lis
 
 
 def _per_count(header: CosmosHeader, where: str) -> float:
-    """Return m/s2 per count: 1e-6 r22 / (r42 r47) g, from reals 22 [microvolts], 42 (sensitivity [V/g]) and 47 (gain).
+    """Return m/s2 per count, which is 1e-6 r22 / (r42 r47) g with the real header values r22, r42 and r47.
 
-    Full-scale output and range of the sensor, reals 43 [V] and 44 [g], must agree with r42 r47 if they are stated; if
-    r47 is not 1 they are required, because programs differ in whether the gain is part of r42.
+    r22 [microvolts] is the size of a count, r42 [V/g] the sensitivity and r47 the gain. Full-scale output r43 [V] and
+    range r44 [g] of the sensor must agree with r42 r47 if they are stated; if r47 is not 1 they are required, because
+    programs differ in whether the gain is part of r42.
     """
     if header.integer(52) in _VELOCITY_SENSORS:
         raise kit.NotAcceleration(f"{where}: counts of a velocity sensor (integer header 52 is {header.integer(52)})")
@@ -231,7 +232,7 @@ def _per_count(header: CosmosHeader, where: str) -> float:
 
 
 def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[str]]:
-    """Return the sampling interval [s] from real 62 or 34, and warnings; if they differ, the length decides."""
+    """Return the sampling interval [s] and warnings; if real header values 62 and 34 differ, the length decides."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
     where = f"{name}:{header.start + 1}"

@@ -29,7 +29,7 @@ _OPENING = 1500  # number of bytes that contain the 13 lines of text of the firs
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
 _ReadHeader = Callable[[Sequence[str]], layout.CsmipHeader]
-#: Number of lines with the title and the text of volume 1, and number with the lines about the correction too.
+#: Number of lines of title and text in volume 1, and in volume 2, which has further lines about the correction.
 _CORRECTION, _ALL_TEXT = 1 + layout.TEXT_LINES, 1 + layout.TEXT_LINES + 11
 _FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
 _DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
@@ -50,7 +50,7 @@ _SPECTRA_OPENING = 4000  # number of bytes at the start of a file in which spect
 
 
 def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
-    """Return whether a file is an uncorrected volume of RENADIC or, without `renadic`, of another network."""
+    """Return whether a file is uncorrected, and from RENADIC if `renadic` is true, else from another network."""
     opening = head[:_OPENING].decode("latin-1")
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
@@ -81,7 +81,7 @@ def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Rec
 
 
 def _held(length: str, real_length: str, count: int, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the length stated in the text or in a real contradicts the samples."""
+    """Return warnings if the length stated in the text or in a real header value contradicts the samples."""
     spare = _LENGTH_TOLERANCE * block.duration
     return kit.held_length(length, count, block.dt, spare) + kit.held_length(real_length, count, block.dt, spare)
 
@@ -229,7 +229,7 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Chann
 
 
 def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
-    """Raise the error for a volume 3, which contains spectra."""
+    """Raise the error for a volume 3 file, which contains spectra."""
     station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
     of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
     advice = "read the volume 1 or 2 (.V1, .V2) of the same record"

@@ -15,7 +15,7 @@ from rockpulse.readers.kit.instrument_response import from_counts
 from rockpulse.readers.source import NoRecord
 
 _DATA = re.compile(rb"(?<!\d)\d{6}[DRQM][ \0]")  # the beginning of a data record
-_RATE_TOLERANCE = 1e-3  # largest relative difference of two statements of the sampling rate
+_RATE_TOLERANCE = 1e-3  # largest relative difference of two stated sampling rates
 
 
 def is_miniseed(head: bytes, name: str) -> bool:

@@ -33,7 +33,7 @@ def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 
 def _first_times(file: kit.SourceFile) -> dict[str, float]:
-    """Return the time of the first pair of each component [s]; of equal components the first counts."""
+    """Return the time of the first sample of each component [s]; if a component occurs twice, the first one is used."""
     lines, spans, _ = channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     times: dict[str, float] = {}
     for start, _ in spans:

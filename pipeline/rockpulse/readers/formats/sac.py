@@ -22,7 +22,7 @@ _LAST_STEPS = 2.0  # largest error of E [steps]
 
 
 def _byte_order(head: bytes) -> str | None:
-    """Return the byte order with which the header has a valid version; None if none has."""
+    """Return the byte order in which the version number of the header is valid; None if there is none."""
     if len(head) < _HEADER:
         return None
     orders = (order for order in "<>" if struct.unpack_from(order + "i", head, _NVHDR)[0] in (6, 7))
@@ -74,13 +74,13 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     extremes = (words["depmin"], words["depmax"])
     extremes = extremes if math.isfinite(sum(extremes)) else (math.nan, math.nan)
     last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
-    # E is a float32: of large times it has few digits.
+    # E is a float32, which has few digits for large times.
     if abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
         found = f"{declared} samples at {step:g} s from {words['b']:g} s (B) end at {last:g} s"
         notes.append(f"the header states {words['e']:g} s as the time of the last sample (E), {found}")
 
     def stated(name: str) -> float:
-        return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
+        return float(f"{float(header.get(name, math.nan)):.7g}")  # the header stores float32
 
     # An origin time O equal to B, the time of the first sample, was never set: no record begins at the origin time.
     to_origin = stated("o") - stated("b")
@@ -91,7 +91,7 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         kit.build_record(
             file,
             values,
-            # The header holds dt as float32: 0.01 would come as 0.00999999977648.
+            # The header stores dt as float32: 0.01 would become 0.00999999977648.
             float(f"{stats.delta:.7g}"),
             unit,
             processed=None,
@@ -107,7 +107,7 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
             depth_km=stated("evdp"),
             distance_km=stated("dist"),
             station_place=(stated("stla"), stated("stlo")),
-            # The larger of DEPMIN and DEPMAX without sign, where both are set and one is not 0.
+            # The larger absolute value of DEPMIN and DEPMAX, if both are set and one is not 0.
             header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
             warnings=notes,
         )

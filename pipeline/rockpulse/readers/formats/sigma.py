@@ -86,7 +86,7 @@ def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tuple[str, ...]]:
-    """Return the header entries, letter and unit of the series, and warnings."""
+    """Return the header entries, the first letter of the kind of motion, its unit, and warnings."""
     header = kit.Entries(name)
     for at, line in enumerate(lines[:_HEADER_LIMIT]):
         if series := _SERIES.fullmatch(line[:_LONGEST_LINE]):
@@ -107,7 +107,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tup
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Return the declared samples, split by field width or else at blanks, and warnings about the rest."""
+    """Return the declared samples, split by field width or else at blanks, and warnings about further numbers."""
     rows = [line.rstrip() for line in lines[first : first + _LOOK_AT]]
     kit.check_count(f"{name}:{len(lines)}", count, count if rows else 0)
     lengths = Counter(map(len, rows))

@@ -1,4 +1,4 @@
-"""Volumes 1 and 2 of the University of Southern California (and of Caltech before it), in the layout of CSMIP.
+"""Files (volumes 1 and 2) of the University of Southern California, and earlier of Caltech, in the layout of CSMIP.
 
 Volume 1 contains pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps; volume 2 contains
 corrected acceleration [cm/s2], then velocity and displacement. The time is the minute of the earthquake.
@@ -53,7 +53,7 @@ def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the stated count, duration or root mean square contradicts the pairs."""
+    """Return warnings if the stated count, duration or root mean square contradicts the samples."""
     behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
     for text in (kit.matched(_DURATION, lines[10][:_WORDS]), csmip_layout.real_header_value(behind, 3)):

@@ -9,11 +9,11 @@ import numpy as np
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.kit.text import FILE_DAMAGED, OWN_FILE, UNITS, fixed_width, printed_number, unexpected
 
-#: Tolerance of a stated length [steps]: it may be that of the samples or of the steps between them.
+#: Tolerance of a stated length [steps], which may count the samples or the steps between them.
 LENGTH_STEPS = 2.0
 #: Number of samples on either side of the stated time of the peak, and share of the peak that one of them must reach.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
-_TURN = 1.0  # largest difference of two statements of one azimuth [degrees]
+_TURN = 1.0  # largest difference of two stated values of one azimuth [degrees]
 _NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
 _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
 _LONGEST_LINE = 400  # number of characters of a line that are searched for a title
@@ -22,7 +22,7 @@ Span = tuple[int, int]
 
 
 def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[str]:
-    """Return a warning if `count` samples at `dt` contradict the stated length `text` [s]; `spare` is a tolerance."""
+    """Return a warning if `count` samples at `dt` contradict the length `text` [s]; `spare` [s] is extra tolerance."""
     if not _NUMBER.fullmatch(text):
         return []
     stated, rounding = printed_number(text)
@@ -69,7 +69,7 @@ def contradictory(said: Direction, told: Direction) -> bool:
 
 
 def held_direction(said: Direction, told: Direction, note: str) -> Direction:
-    """Return the more precise of two directions; if they contradict each other, an unknown one with `note`."""
+    """Return the more precise of two directions; if they contradict each other, an unknown one with warning `note`."""
     if contradictory(said, told):
         return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
     return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said

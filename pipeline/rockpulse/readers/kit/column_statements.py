@@ -21,7 +21,7 @@ _HALF_TURN = 180.0  # degrees between two opposite directions
 
 
 def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose: Sequence[str]) -> list[Direction]:
-    """Return the direction of each column from its heading; for a single column also from prose and file name."""
+    """Return the direction of each column from its heading; for a single column also from header text and file name."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
         for told, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
@@ -36,7 +36,7 @@ def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose
 
 
 def same_directions(headings: Sequence[ColumnHeading], facing: Sequence[Direction]) -> list[str]:
-    """Return a warning for each pair of columns along the same axis, such as N and S."""
+    """Return a warning for every two columns along the same axis, such as N and S."""
     notes: list[str] = []
     named = [(heading.name, one) for heading, one in zip(headings, facing, strict=True) if one.orientation != "unknown"]
     for (first, one), (second, other) in combinations(named, 2):
@@ -47,7 +47,7 @@ def same_directions(headings: Sequence[ColumnHeading], facing: Sequence[Directio
 
 
 def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -> dict[int, dict[str, Any]]:
-    """Return the peak that the prose states, as arguments of `build_record` for the column with the nearest peak."""
+    """Return the peak stated in the header as arguments of `build_record`, by the number of the best-fitting column."""
     peaks: dict[int, dict[str, Any]] = {}
     for said in stated_peaks(prose)[:1]:
         value, rounding = printed_number(said.text)
@@ -62,15 +62,19 @@ def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -
 
 
 def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[str], options: ReadOptions) -> list[str]:
-    """Return the unit of each column; raise UnitError if it is missing, or if header and options contradict."""
+    """Return the unit of each column; raise UnitError if it is missing, or if header and options differ."""
     units = []
     for other in other_units(prose):
-        found = f"the header states the unit {other.wording!r}, none of an acceleration"
+        found = f"the header states the unit {other.wording!r}, which is not one of acceleration"
         raise UnitError(f"{name}:{other.line}: {found}; convert the samples to {' or '.join(UNITS)} first")
     said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
     named = [(unit, line) for unit, line in said if line.value]
     asked = None if options.units is None else canonical_unit(options.units, "option units")
-    says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
+
+    def against(stated: str) -> str:
+        right = f"--units {stated}, or in " + for_such_files(name, f'units = "{stated}"')
+        return f"{options.said_by('units')} says {asked}; correct the wrong one; if the header is right, give {right}"
+
     for heading in headings:
         where = f"{name}: column {heading.name!r}"
         stated = canonical_unit(heading.unit, where) if heading.unit else None
@@ -86,7 +90,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
         if stated is None and asked is None and named:
             stated = named[0][0]
         if stated is None and asked is None:
-            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
+            found = f"; line {said[0][1].line} of its header mentions {said[0][1].wording!r}" if said else ""
             alone = for_such_files(name, 'units = "g"')
             raise UnitError(
                 f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
@@ -94,8 +98,8 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
                 f"configuration, or read(path, units='g'); if only some files use this unit, set it for them in {alone}"
             )
         if stated and asked and UNITS[stated] != UNITS[asked]:
-            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")
+            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {against(stated)}")
         if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
-            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
+            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {against(said[0][0])}")
         units.append(asked or stated or "")
     return units

@@ -49,18 +49,18 @@ class CosmosHeader:
     text: Sequence[str]  # at least 13 lines
     integers: np.ndarray  # (n,), NaN where unknown
     reals: np.ndarray  # (n,), NaN where unknown
-    unknown: float  # the number that stands for "unknown" among the reals and the samples
+    unknown: float  # the number that means "unknown" among the reals and the samples
     comments: Sequence[str]
     start: int  # index of the title
     end: int  # index of the first line after the comments
 
     def integer(self, number: int) -> int | None:
-        """Return the integer with this number in the header, from 1; None if it is unknown or missing."""
+        """Return integer header value `number`, counted from 1; None if it is unknown or missing."""
         value = self.integers[number - 1] if number <= self.integers.size else np.nan
         return None if np.isnan(value) else int(value)
 
     def real(self, number: int) -> float:
-        """Return the real with this number in the header, from 1; NaN if it is unknown or missing."""
+        """Return real header value `number`, counted from 1; NaN if it is unknown or missing."""
         return float(self.reals[number - 1]) if number <= self.reals.size else float("nan")
 
     def codes(self) -> tuple[str, str, str, str]:
@@ -92,7 +92,7 @@ class CosmosHeader:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Return the direction from text line 9 and integer 54; unknown, with a note, if they contradict."""
+        """Return the direction from text line 9 and integer 54; unknown, with a warning in it, if they differ."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -137,7 +137,7 @@ class CosmosHeader:
 
 
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
-    """Return the fields per row and the characters per field from a heading with ``Format=(8F9.6)``."""
+    """Return the number of fields per row and of characters per field from a heading with ``Format=(8F9.6)``."""
     layout = _LAYOUT.search(line[:LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
         raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))

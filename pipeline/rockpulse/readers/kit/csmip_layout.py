@@ -95,7 +95,7 @@ class CsmipHeader:
     def record(
         self, file: SourceFile, number: int, block: ChannelSamples, warnings: Sequence[str] = (), **further: Any
     ) -> Record:
-        """Return the record of this channel with the samples `block`; `further` goes to `build_record`."""
+        """Return the record of this channel with the samples `block`; `further` are arguments of `build_record`."""
         return build_record(
             file,
             block.samples,
@@ -123,7 +123,7 @@ class SeriesHeading:
 
     @property
     def layout(self) -> tuple[int, int] | None:
-        """Return fields per row and characters per field; None if the line contains no Fortran format."""
+        """Return the numbers of fields per row and characters per field; None if the line has no Fortran format."""
         match = _FORMAT.search(self.words)
         return (int(match[1]), int(match[2])) if match else None
 
@@ -134,7 +134,7 @@ class SeriesHeading:
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """Return the lines of a file, the span of lines of each channel, and warnings; `title` begins a channel."""
+    """Return the lines of a file, the span of lines of each channel, and warnings; each begins with a `title`."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
@@ -256,7 +256,7 @@ def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
 
 
 def _row(behind: Sequence[str], number: int) -> str:
-    """Return row `number` (from 0) of the integers and reals in the lines `behind` the text; empty if missing."""
+    """Return row `number` (from 0) of the integers and reals in the lines `behind` the header text; "" if missing."""
     rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[:LONGEST_LINE].rstrip()))
     at = next(rows, len(behind)) + number
     return behind[at] if at < len(behind) else ""
@@ -277,7 +277,7 @@ def held_count(behind: Sequence[str], points: int) -> list[str]:
 
 
 def real_header_value(behind: Sequence[str], number: int) -> str:
-    """Return the real with this number (from 1) in the lines `behind` the text, as text; empty if unknown."""
+    """Return real header value `number` (from 1) as text, from the lines `behind` the header text; empty if unknown."""
     row, column = divmod(number - 1, 8)
     text = _row(behind, _INTEGER_ROWS + row)[_REAL_WIDTH * column : _REAL_WIDTH * (column + 1)]
     known = _REAL.fullmatch(text) and any(map(str.isdigit, text)) and float(text) not in _UNKNOWN
@@ -285,7 +285,7 @@ def real_header_value(behind: Sequence[str], number: int) -> str:
 
 
 def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, per_unit: float) -> list[str]:
-    """Return a warning if a real of the header, a peak in units of `per_unit` m/s2, contradicts the samples."""
+    """Return a warning if real header value `number`, a peak whose unit is `per_unit` m/s2, contradicts the samples."""
     peak, rounding = printed_number(real_header_value(behind, number))
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:

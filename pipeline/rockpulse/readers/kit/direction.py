@@ -240,7 +240,7 @@ def name_suffix(file: SourceFile) -> str:
 
 
 def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
-    """Return whether three digits at the end of a file name are an azimuth: see `name_direction`."""
+    """Return whether three digits at the end of a file name are an azimuth, by the rules of `name_direction`."""
     azimuth, before, behind = int(glued[1]), glued.string[: glued.start()], file.path.suffix
     if azimuth > _FULL_TURN:
         return False
@@ -252,7 +252,7 @@ def _has_partner(file: SourceFile, glued: re.Match[str]) -> bool:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Return whether a location is on a structure; with `stated`, every location except free field is."""
+    """Return whether a sensor location is on a structure; if `stated`, every location but the free field is."""
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False
     return stated or bool(_ON_STRUCTURE.search(place))

@@ -102,7 +102,7 @@ _VS30 = (30.0, 5000.0)  # velocities of shear waves in mud and in the hardest ro
 
 
 class Facts(TypedDict, total=False):
-    """Statements of a header about earthquake and station; numbers may be texts."""
+    """Data on earthquake and station from a header; numbers may be given as text."""
 
     event_id: str
     origin_time: datetime | None

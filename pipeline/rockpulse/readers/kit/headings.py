@@ -42,13 +42,13 @@ class ColumnHeading:
 
     @property
     def known(self) -> bool:
-        """Return whether the heading names a motion, a direction or a channel number; else it may be prose."""
+        """Return whether the heading names a motion, a direction or a channel number; if not, it may be other text."""
         facing = len(self.name.split()) <= _SHORT and heading_direction(self.name).orientation != "unknown"
         return bool(self.kind or quantity_of(self.unit) or facing or _LABEL.fullmatch(self.name))
 
 
 def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[ColumnHeading, ...], int]:
-    """Return the headings of all columns (none if there is only prose), and the number of lines above them."""
+    """Return the headings of all columns (empty if no line contains headings), and the number of lines above them."""
     rows = [index for index, line in enumerate(header) if _is_heading(line)]
     units: Sequence[str] = [""] * layout.width
     prose = len(header)
@@ -62,7 +62,7 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Column
         if len(fields) == layout.width and all(quantities) and {*quantities} - {"time"}:
             units, prose = [field.strip("[]() ") for field in fields], rows.pop()
             break
-    # A line that states an interval or a count is prose.
+    # A line that states an interval or a count contains no headings.
     line = [header[rows[-1]]] if rows else []
     states = bool(stated_steps(line) or stated_counts(line))
     for names, own in _splits(line[0], layout) if line else ():
@@ -93,7 +93,7 @@ def _is_heading(line: str) -> bool:
 
 
 def _splits(line: str, layout: Layout) -> Iterator[tuple[list[str], bool]]:
-    """Yield possible ways to split a line into headings, each with True if the rows are split in the same way."""
+    """Yield possible ways to split a line into headings, and for each whether the rows are split in the same way."""
     text = line.strip(_COMMENT) if "\t" not in line else line.strip("\r\n").lstrip("#%!*/ ")
     for delimiter in dict.fromkeys((layout.delimiter or "\t", "\t", ";", ",")):
         if delimiter in text:
@@ -163,7 +163,7 @@ def _is_label(text: str) -> bool:
 
 
 def _are_headings(headings: Sequence[ColumnHeading], own: bool) -> bool:
-    """Return whether the parts of a line are headings, not prose; `own` if they are split as the rows are."""
+    """Return whether the parts of a line are headings; `own` is true if the line is split like the rows."""
     if any(heading.name.isdecimal() and int(heading.name) > _LARGEST_AZIMUTH for heading in headings):
         return False
     names = [heading.name for heading in headings]

@@ -57,7 +57,7 @@ _SUFFIXES = {"at2": "acceleration", "vt2": "velocity", "dt2": "displacement", "r
 _SUFFIXES |= {"acl": "acceleration", "rs": "spectrum"}
 #: Pattern of further words in the name of a folder that also contains the word for a kind of motion.
 _PLAIN_FOLDER = re.compile(r"data|files?|time|hist(?:ory|ories)?|series|records?|txt|csv|the|of|de|in|cm|m|s|g")
-#: Kinds of motion by letter; a letter counts if the folder contains the files with the two other letters.
+#: Kinds of motion by letter; a letter is used if the folder contains the files with the two other letters.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _ORDINATE = re.compile(r"(?<![A-Za-z])(?:Sa|Sv|Sd|SA|SV|SD|sa|sv|sd)(?![A-Za-z])")
 _LETTER = re.compile(r"(?<![A-Za-z])([avdAVD])(?![A-Za-z])|(?<=[a-z0-9])([AVD])(?![A-Za-z])")
@@ -87,7 +87,7 @@ def kinds_of(text: str) -> list[str]:
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
-    """Return the kinds of motion that a text in lower case names; in a file `name` short words count, too."""
+    """Return the kinds of motion that a lower-case text names; in a file name (`name`), short words are read, too."""
     words = [word for word in _words(text) if name or not _NO_PROSE.fullmatch(word)]
     kinds = [kind for kind in kinds_of(" ".join(words)) if kind not in ("spectrum", "time", "rotation")]
     spectrum = any(_PROSE_SPECTRUM.fullmatch(word) for word in words)
@@ -114,8 +114,8 @@ def name_words(stem: str) -> list[str]:
 def kind_of_name(file: SourceFile) -> str:
     """Return the kind of motion that a file or folder name states; empty if it states none or several.
 
-    The suffix has priority over the words. A letter (``rec_v.txt``) counts if the folder also contains the files with
-    the two other letters.
+    The suffix has priority over the words. A letter (``rec_v.txt``) is recognised if the folder also contains the files
+    with the two other letters.
     """
     path = file.path
     suffix = path.suffix[1:].lower()

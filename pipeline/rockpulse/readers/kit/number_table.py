@@ -21,7 +21,7 @@ _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 _SHOWN = 80
 _OF_RSPMATCH = 3  # number of numbers in the line above the samples of RSPMatch
-_PART = 2000  # number of rows that are read together
+_PART = 2**14  # number of rows that are read together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
 #: Number of rows from which the layout of samples is recognised, and smallest number of rows of a series in rows.
@@ -109,16 +109,15 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
 
 def read_table(name: str, rows: Sequence[str], layout: Layout, first: int) -> np.ndarray:
     """Return the numbers of the rows as an array (rows, columns); blank rows are ignored."""
-    table = _numbers(rows, layout)
-    if table is not None:
-        return table
     parts = [np.empty((0, layout.width))]
     for at in range(0, len(rows), _PART):
         part = rows[at : at + _PART]
-        kept = [row for row in (_bare(row, layout) for row in part) if row]
-        table = _numbers(kept, layout)
-        if kept and table is None:
-            raise _blamed(name, part, layout, first + at)
+        table = _numbers(part, layout)
+        if table is None:
+            kept = [row for row in (_bare(row, layout) for row in part) if row]
+            table = _numbers(kept, layout)
+            if kept and table is None:
+                raise _blamed(name, part, layout, first + at)
         parts += [] if table is None else [table]
     return np.concatenate(parts)
 

@@ -32,7 +32,7 @@ _OFF_AXIS = 45.0
 
 @contextmanager
 def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
-    """Collect obspy's warnings during a ``with`` block in a list; with `terminal` also its standard error."""
+    """Collect obspy's warnings during a ``with`` block in a list; with `terminal`, also its lines on standard error."""
     notes: list[str] = []
     lost: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:

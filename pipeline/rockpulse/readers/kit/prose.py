@@ -1,4 +1,4 @@
-"""Finds statements in the prose above plain columns: motion, unit, interval, count, peak, duration, components."""
+"""Finds statements in the text above plain columns: motion, unit, interval, count, peak, duration, components."""
 
 import re
 from collections.abc import Sequence
@@ -109,7 +109,7 @@ class Statement(NamedTuple):
 
 
 class Peak(NamedTuple):
-    """A peak that the prose states: its number and its unit, both as texts; the unit may be empty."""
+    """A peak stated in the header: its number and its unit, both as texts; the unit may be empty."""
 
     text: str
     unit: str = ""
@@ -127,7 +127,7 @@ def stated_kinds(header: Sequence[str]) -> dict[str, int]:
 
 
 def _units(line: str) -> list[tuple[str, str]]:
-    """Return the quantity and the unit of the samples that a line states; units of single values do not count."""
+    """Return quantity and unit of each unit that a line states for the samples; units of single values are ignored."""
     line = line[:_LINE]
     text = folded_text(line)
     if _PEAK.search(text) or _PAST.search(text):
@@ -163,7 +163,7 @@ def stated_units(header: Sequence[str]) -> list[Statement]:
 
 
 def other_units(header: Sequence[str]) -> list[Statement]:
-    """Return the units that a header states for the samples but that are none of acceleration: V, counts, mm."""
+    """Return the units that a header states for the samples and that are not units of acceleration, such as V or mm."""
     found = []
     for number, line in enumerate(header, 1):
         text = folded_text(line)
@@ -179,7 +179,7 @@ def other_units(header: Sequence[str]) -> list[Statement]:
 
 
 def stated_steps(header: Sequence[str]) -> list[Statement]:
-    """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` counts only without others."""
+    """Return the sampling intervals [s] that a header states; a bare ``200 Hz`` is used only if there is no other."""
     named, bare = [], []
     for number, line in enumerate(header, 1):
         text = folded_text(line)
@@ -210,7 +210,7 @@ def stated_counts(header: Sequence[str]) -> list[Statement]:
 
 
 def surely_counts(said: Statement) -> bool:
-    """Return whether a statement is surely the number of samples: clear words and a large number."""
+    """Return whether a statement certainly gives the number of samples, by its clear words and large number."""
     return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
 
 
@@ -251,11 +251,11 @@ def positive_downwards(header: Sequence[str]) -> bool:
 def reversed_polarity(header: Sequence[str]) -> list[str]:
     """Return a warning if a header states that the polarity is reversed."""
     lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(folded_text(line))]
-    return [f"line {number} speaks of a reversed polarity; the sign is that of the file" for number in lines]
+    return [f"line {number} mentions a reversed polarity; the sign is that of the file" for number in lines]
 
 
 def stated_direction(header: Sequence[str]) -> Direction:
-    """Return the direction that the prose states, as in "component: N-S"; unknown if it states several."""
+    """Return the direction that the header states, as in "component: N-S"; unknown if it states several."""
     found = []
     for line in header:
         for match in _ONE_COMPONENT.finditer(folded_text(line)):

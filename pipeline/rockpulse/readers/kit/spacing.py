@@ -31,7 +31,7 @@ LONG_STEP = 1.5
 #: share of unusual steps below which they mean damaged times.
 _SHORT_STEP, _ODD_STEP, _FEW_ODD = 0.3, 0.001, 0.02
 _SAME_CLOCK = 0.01  # largest relative difference of the mean interval of a clock from the declared one
-_SAME_STEP = 1.001  # largest ratio of two statements of one sampling interval
+_SAME_STEP = 1.001  # largest ratio of two stated sampling intervals
 #: Largest accepted time [s], which allows for Unix time in ms; larger ones may overflow.
 LATEST = 1e13
 #: Seconds in each unit that a column of times may have.
@@ -219,7 +219,7 @@ def names_time(headings: Sequence[ColumnHeading]) -> bool:
 
 
 def counts_rows(table: np.ndarray, headings: Sequence[ColumnHeading]) -> bool:
-    """Return whether the first column contains row numbers (0 1 2 or 1 2 3) and is not headed as time."""
+    """Return whether the first column contains row numbers (0 1 2 or 1 2 3) and its heading does not mean time."""
     first = table[:, 0]
     counts = first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
     return bool(counts and not names_time(headings))
@@ -240,7 +240,7 @@ def jitters(times: np.ndarray) -> bool:
 
 
 def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, WarningText]:
-    """Return the columns, interpolated by splines at equal steps of the times, and a warning about it."""
+    """Interpolate columns by splines to equal time steps; return them with a warning that says so."""
     from scipy.interpolate import CubicSpline
 
     step = float(times[-1] - times[0]) / (times.size - 1)
@@ -271,7 +271,7 @@ def time_column_step(
     if other:
         expected = "one column of times and accelerations beside it"
         found = f"that columns 1 and {other} both run like time"
-        raise unexpected(f"{name}:{start + 1}", expected, found, "take out the one that is none")
+        raise unexpected(f"{name}:{start + 1}", expected, found, "remove the one that does not contain times")
     rising = bool(np.all(steps > 0.0))
     step = even_step(first) if rising else None
     if step is not None:
@@ -309,9 +309,10 @@ def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(
-            f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
-            "none; give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or "
-            "read(path, units='g', dt=0.01); if only some files have this interval, set it for them in "
+            f"{name}: expected a time column, a first line with the number of samples and the interval, or the option "
+            "dt for the sampling interval, found none; give it: --dt 0.01 on the command line, dt = 0.01 under "
+            "[records] of the configuration, or read(path, units='g', dt=0.01); if only some files have this interval, "
+            "set it for them in "
             f"{for_such_files(name, 'dt = 0.01')}"
         )
     for source, step in known.items():

@@ -146,7 +146,7 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
-    """Return the first `count` numbers of rows with fields of equal width; `first` is the number of `lines[0]`."""
+    """Return the first `count` numbers of rows with fields of equal width; `first` is the line number of `lines[0]`."""
     if width < 1 or per_row < 1:
         found = f"{per_row} of {width} from line {first} on"
         raise unexpected(where, "fields of at least 1 character, at least 1 in a row", found)
@@ -199,7 +199,7 @@ def canonical_unit(text: str, where: str) -> str:
     unit = spelled_unit(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
-        of = f" ({quantity})" if quantity else ""
+        of = f", which is a unit of {quantity}" if quantity and quantity != "acceleration" else ""
         advice = (
             ""
             if where.startswith(("option", "--")) or "[records]" in where
@@ -212,7 +212,7 @@ def canonical_unit(text: str, where: str) -> str:
 
 
 def for_such_files(name: str, setting: str) -> str:
-    """Return lines of the configuration that give a property of all files with the suffix of a file."""
+    """Return configuration lines with a `setting`, such as ``dt = 0.01``, for all files with the suffix of `name`."""
     last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
     pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
     return f'the configuration:\n[[records.file]]\nmatch = "{pattern}"\n{setting}'
@@ -233,7 +233,7 @@ def _squeezed(text: str) -> str:
 
 
 def spelled_unit(text: str) -> str:
-    """Return the key of `UNITS` that a spelling means, if there is one."""
+    """Return the key of `UNITS` for a spelling of a unit; for an unknown unit, a text that is not a key."""
     unit = re.sub(r"(?:/s/s|[.·]?s-2|/?per/?s2|ps2|(?<=m)/s/2|/s?squared)$", "/s2", _squeezed(text).replace("_", "/"))
     return {"gals": "gal", "(g)": "g", "g's": "g", "gs": "g"}.get(unit, unit)
 

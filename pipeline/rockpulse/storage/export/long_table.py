@@ -43,7 +43,7 @@ class TableColumn:
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Return the values of the column in some rows; `places` has their indices along each dimension."""
+        """Return the values of the column in rows whose indices along each dimension are in `places`."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -184,7 +184,7 @@ def results_table(
 
 
 def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
-    """Return the dimensions of the variable with most dimensions, without those that become columns."""
+    """Return the dimensions of the variable with most dimensions, except dimensions that become columns."""
     every = [tuple(str(dim) for dim in one.dims if dim not in SPREAD) for one in dataset.data_vars.values()]
     most = [dims for dims in dict.fromkeys(every) if dims and len(dims) == max(map(len, every))]
     if len(most) != 1:

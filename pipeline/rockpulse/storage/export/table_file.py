@@ -141,7 +141,7 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
 
 
 def _mark_encoding(path: Path, compressed: bool) -> None:
-    """Add a byte order mark to a text with characters beyond ASCII, so that spreadsheets recognise UTF-8."""
+    """Add a byte order mark to a file that contains non-ASCII characters, so that spreadsheets recognise UTF-8."""
     opened = gzip.open if compressed else open
     marked = path.with_name(f"{path.name}.marked")
     with ExitStack() as stack:

@@ -104,14 +104,14 @@ def _check_name(path: Path) -> None:
         what, verb, suffix = OTHERS[plain.suffix.lower()]
         results = plain.with_suffix(".h5")
         raise ResultsError(
-            f"{path}: expected the name of a results file (HDF5), such as {results}, found the name of {what}, which "
-            f"is made from results: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+            f"{path}: expected the name of a results file (HDF5), such as {results}, found the name of {what}; "
+            f"{what} is made from a results file: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
         )
     if plain.suffix.lower() in TEXTS:
         results = plain.with_suffix(".h5")
         raise ResultsError(
-            f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix}, "
-            "which belongs to another kind of file"
+            f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix} "
+            "of another kind of file"
         )
 
 

@@ -52,7 +52,7 @@ HALF_CYCLE = along(
     duration=real("time to the next impact; inf where there is none", "s"),
     impulse_count=whole("intermediate impulses in it; -1 where n -> infinity", explanation="n_i"),
     interval=real("corrected interval of the intermediate impulses; NaN without", "s", explanation="dT_i"),
-    impact_speed=real("speed right before the next impact over p alpha_c; NaN without"),
+    impact_speed=real("velocity before the next impact divided by p alpha_c; NaN without an impact"),
 )
 
 OVERTURNING = along(
@@ -60,8 +60,8 @@ OVERTURNING = along(
     lambda name: _column("intervals", lambda rows: getattr(rows.source, name)),
     **_pointers("intervals"),
     lower=real("smallest factor on the model's input that overturns in this interval"),
-    upper=real("largest one; the end of the search where open"),
-    open=flag(NO_YES, "whether the block still overturns at the end of the search"),
+    upper=real("largest scale factor of this interval; the end of the search if open"),
+    open=flag(NO_YES, "whether the block overturns at the end of the search"),
     resolved=flag(
         NO_YES,
         "whether the model gives a result at the lower end",
@@ -81,37 +81,37 @@ DIRECTIONS: Declared = {
     "record_index": whole("index into record of /summary; -1 where not assessed", dims=("pair", "direction")),
     **along(
         ("pair",),
-        pga_median=real("median over direction of the peak ground acceleration", "m s-2"),
-        pga_largest=real("largest over direction of the peak ground acceleration", "m s-2"),
+        pga_median=real("median over directions of the peak ground acceleration", "m s-2"),
+        pga_largest=real("largest value over directions of the peak ground acceleration", "m s-2"),
         pga_azimuth=real("azimuth of the largest peak ground acceleration", "degree"),
-        main_impulse_median=real("median over direction of the main impulse I", "m s-1"),
-        main_impulse_largest=real("largest over direction of the main impulse I", "m s-1"),
+        main_impulse_median=real("median over directions of the main impulse I", "m s-1"),
+        main_impulse_largest=real("largest value over directions of the main impulse I", "m s-1"),
         main_impulse_azimuth=real("azimuth of the largest main impulse I", "degree"),
     ),
     **along(
         ("pair", *LANES[1:], "model"),
         median_rotation_ratio=real(
-            "median over direction of the largest rotation over alpha_c; inf where half of the directions "
-            "overturn, NaN where directions without an answer could change it"
+            "median over directions of the largest rotation over alpha_c; inf where half of the directions "
+            "overturn, NaN where number of directions without a result could change it"
         ),
         largest_rotation_ratio=real(
-            "largest over direction of the largest rotation over alpha_c; inf where a direction overturns, else "
+            "largest value over directions of the largest rotation over alpha_c; inf where a direction overturns, else "
             "NaN where one has no answer"
         ),
         largest_azimuth=real(
             "azimuth of the largest rotation; of the first to overturn if there are several", "degree"
         ),
         overturning_share=real("share of all directions that overturn"),
-        unanswered_count=whole("directions without an answer"),
+        unanswered_count=whole("number of directions without a result"),
         smallest_safety_factor=real(
-            "smallest over direction of the safety factor; NaN where one is not known",
+            "smallest value over directions of the safety factor; NaN where one is not known",
             explanation="inf: none in any direction up to the end of the search; a lower bound where "
             "`factor_resolved` of that direction says no",
         ),
         safety_factor_azimuth=real("azimuth of the smallest safety factor; NaN without a finite one", "degree"),
     ),
     "overturning_probability_mean": real(
-        "mean over direction of the probability of overturning; NaN where one is not known",
+        "mean over directions of the probability of overturning; NaN where one is not known",
         dims=("pair", *LANES[1:]),
         explanation="that of a body whose direction is not known; only with `[uncertainty] azimuth = true`",
         stored=lambda config: config.uncertainty.azimuth,

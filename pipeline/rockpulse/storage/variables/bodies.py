@@ -38,15 +38,15 @@ BLOCK = along(
     alpha_2=real("critical angle about the left-hand corner", "rad"),
     p_2=real("frequency parameter about the left-hand corner", "s-1"),
     radius_2=real("from the left-hand corner to the centre of mass", "m"),
-    one_sided=flag(NO_YES, "whether the body leans on a wall and falls away from it only", _of_body("side")),
-    facing=real("azimuth towards which such a body falls; NaN where not known", "degree", lambda b, config: b.facing),
+    one_sided=flag(NO_YES, "whether the body is in contact with a wall and falls to one side only", _of_body("side")),
+    facing=real("azimuth towards which a one-sided body falls; NaN if not known", "degree", lambda b, config: b.facing),
     body_azimuth=real(
-        "direction of its own in which pairs of channels shake the body; NaN for that of the records",
+        "direction of the body to which pairs of channels are rotated; NaN: the direction of the records",
         "degree",
         lambda b, config: b.azimuth,
     ),
     friction=real("coefficient at the base; NaN where not known", take=lambda b, config: b.friction),
-    mass=real("mass with the loads that it carries along; NaN where not known", "kg"),
+    mass=real("mass with the loads that move with the body; NaN if not known", "kg"),
     restraints=text(
         "ties, loads and thrusts of the body",
         lambda bodies, config: [
@@ -58,12 +58,12 @@ BLOCK = along(
         explanation="as JSON, in SI units; empty for none",
     ),
     floors=text(
-        "modes of the building that the body stands on",
+        "modes of the building below the body",
         lambda bodies, config: [floors_as_text(floors) for floors in bodies.floors],
         explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
     ),
     pedestal_of=text(
-        "name of the body that this one is together with its pedestal",
+        "name of the body that forms this body together with its pedestal",
         lambda bodies, config: bodies.pedestal_of,
         explanation="empty for all others",
     ),
@@ -79,7 +79,7 @@ BLOCK = along(
     ),
     slenderness=real("height over width"),
     critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
-    block_warnings=text("warnings on the block", lambda bodies, config: bodies.warnings, explanation="one a line"),
+    block_warnings=text("warnings on the block", lambda bodies, config: bodies.warnings, explanation="one per line"),
 )
 
 CASE = {

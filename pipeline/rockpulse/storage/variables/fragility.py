@@ -65,8 +65,8 @@ _FIT: Declared = {
 }
 _JUDGED: Declared = {
     "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level analysed"),
-    "statement": text("status, band and extrapolation in words where there is something to say"),
-    "statement_values": text("the same by codes and values, as JSON"),
+    "statement": text("explanation of status, band and extrapolation, if any"),
+    "statement_values": text("the explanation as codes and values, in JSON"),
 }
 
 #: Variables of the fit for each body, limit state and measure, and of its data.
@@ -85,7 +85,7 @@ CURVE = along(
 CURVES: Declared = {
     **CURVE,
     "level": real(
-        "values of the measure that the curves are given at",
+        "values of the measure at which the curves are given",
         OWN,
         dims=("block", "measure", "point"),
         explanation="the same for all limit states of a body",
@@ -120,7 +120,7 @@ IDA: Declared = {
         dims=("record", "block", "limit_state"),
     ),
     "search_step": real(
-        "ratio of neighbouring factors of the search for rotations and overturning; 1: nothing to miss",
+        "ratio of neighbouring scale factors of the search for rotations and overturning; 1: none is missed",
         dims=("record", "block"),
         explanation="uplift is in closed form; a limit state that is reached in a narrower interval only is given a "
         "higher `factor`",
@@ -152,7 +152,7 @@ CAPACITIES: Declared = {
     ),
     **along(
         ("record",),
-        event=text("earthquake that the record is counted to"),
+        event=text("earthquake of the record"),
         source=text(RECORD["source"].long_name),
         duration=real("length of the intense phase", "s"),
         period=real("2 pi PGV/PGA", "s"),

@@ -11,7 +11,7 @@ from rocking.response import Outcome
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
 
-#: Name of the mean over direction of the probability of overturning, for a body whose direction is unknown.
+#: Name of the mean over directions of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
 #: Words of the flag `probability_source`, in the order of its values.
 SOURCES = ("none", "spectrum", "slender_limit", "nonlinear")

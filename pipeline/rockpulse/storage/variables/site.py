@@ -27,7 +27,7 @@ OF_RECORDS: Declared = along(
     ("record",),
     source=text("file the record was read from"),
     source_sha256=text("SHA-256 of the source file"),
-    event=text("event that the record belongs to, by the user's table, the title or the time"),
+    event=text("earthquake of the record, from the user's table, the title or the time"),
     weight=real("weight of the record, of mean one"),
     scale_factor=real("factor on the conditioned record"),
     **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
@@ -39,14 +39,14 @@ OF_RECORDS: Declared = along(
 
 #: Variables of a design sequence: of the site, its parameters, records, blocks and events, in the order of the file.
 VARIABLES: Declared = {
-    "quantile": real("share of the recorded rotations that the design is to cover"),
+    "quantile": real("share of the recorded rotations that the design has to cover"),
     "confidence": real("confidence of all intervals"),
     "resamples": whole("bootstrap resamples of the events"),
     "record_count": whole("records of a weight above zero"),
     "event_count": whole("events of such records"),
-    "lifting_events": whole("those of these events that have a record which lifts a block"),
-    "lifted_share": real("share of the pairs of record and block that count, for the record lifts the block"),
-    "unresolved_share": real("share of the pairs of record and block without an answer, which count as overturned"),
+    "lifting_events": whole("number of these earthquakes with a record that lifts a block"),
+    "lifted_share": real("share of the pairs of record and block that are counted because the record lifts the block"),
+    "unresolved_share": real("share of the pairs of record and block without a result, which count as overturned"),
     "design_set_by": text(
         "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where larger "
         "rotations reach the quantile"
@@ -60,8 +60,8 @@ VARIABLES: Declared = {
     "judged_pairs": whole("pairs of record and block that the coverage rests on"),
     "judged_events": whole("events that the coverage rests on"),
     "coverage_in_sample": real("the same share by the design made of all records: no test of it"),
-    "coverage_all": real("as coverage, with the blocks that the design overturns, which it always covers"),
-    "standing_share": real("share of the pairs that count on blocks that the design leaves standing"),
+    "coverage_all": real("coverage including the blocks that the design overturns, which it always covers"),
+    "standing_share": real("share of the counted pairs on blocks that survive the design"),
     "site_warnings": text("warnings on the calibration, one per line", explanation="the most serious first"),
     "site_warning_values": text("the same warnings by their codes and values, as JSON"),
     **along(
@@ -111,7 +111,9 @@ VARIABLES: Declared = {
     **along(
         ("site_event",),
         event_records=whole("records of the event"),
-        event_coverage=real("coverage of its records by the design made without it, on blocks left standing"),
+        event_coverage=real(
+            "coverage of the records of the earthquake by the design made without it, on blocks that survive"
+        ),
     ),
     "correlation": real(
         "weighted correlation of the logarithms; NaN where one of the two does not vary",
@@ -189,7 +191,7 @@ SITE_AXES: Declared = {name: COORDINATES[name] for name in ("record", "block", "
 SPECTRA: Declared = {
     **along(
         ("p", "restitution"),
-        **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra, a value that occurs"),
+        **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra; one of the values"),
         **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, a value that occurs"),
         **_with_interval("spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"),
     ),
@@ -199,7 +201,7 @@ SPECTRA: Declared = {
         **_with_interval("main_count", "1", "number of main impulses on that time scale, likewise"),
     ),
     "spectrum": real(
-        "overturning spectrum of the scaled record, the effective impulse that a slender block takes from it",
+        "overturning spectrum of the scaled record: its effective impulse for a slender block",
         "m s-1",
         dims=("record", "p", "restitution"),
     ),

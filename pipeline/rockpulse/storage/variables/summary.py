@@ -34,16 +34,16 @@ FACTS: Declared = along(
         lambda one: "" if one.record.origin_time is None else one.record.origin_time.isoformat(),
     ),
     magnitude=real("magnitude of the earthquake"),
-    magnitude_type=text("scale of the magnitude as the file has it: Mw, ML"),
+    magnitude_type=text("scale of the magnitude as stated in the file: Mw, ML"),
     hypocentre_latitude=real("latitude of the hypocentre", "degrees_north"),
     hypocentre_longitude=real("longitude of the hypocentre", "degrees_east"),
     hypocentre_depth=real("depth of the hypocentre", "m"),
-    epicentral_distance=real("distance of the station from the epicentre, as the file states it", "m"),
+    epicentral_distance=real("distance of the station from the epicentre, as stated in the file", "m"),
     station_latitude=real("latitude of the station", "degrees_north"),
     station_longitude=real("longitude of the station", "degrees_east"),
     vs30=real("time-averaged velocity of shear waves in the upper 30 m", "m s-1"),
-    site_class=text("class of the ground as the file words it"),
-    sensor_depth=real("depth of the sensor below the ground, as the file states it", "m"),
+    site_class=text("class of the ground as stated in the file"),
+    sensor_depth=real("depth of the sensor below the ground, as stated in the file", "m"),
 )
 
 
@@ -80,7 +80,7 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    """Return a function that stacks the values of `pick` for every model to an array (block, case, model, ...)."""
+    """Return a function that stacks the values of `pick` for every model into one array (block, case, model, ...)."""
     return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 
@@ -120,8 +120,7 @@ def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..
         if one.drifts:
             found[f"{one.name}_drift"] = flag(
                 ("reliable", "drift"),
-                f"whether the ground velocity does not come back to zero, so that the {one.title} may be off by as "
-                "much",
+                f"whether the ground velocity does not return to zero, so that the {one.title} may have the same error",
                 lambda one: drifts(one.record),
             )
     return found
@@ -134,14 +133,14 @@ RECORD = along(
     source_sha256=text("SHA-256 of the source file"),
     format=text("file format"),
     event=text(
-        "earthquake that the record is counted to, by the user's table, the title or the time",
-        explanation="the table is `[records] events`; records that state none of these are counted as one",
+        "earthquake of the record, from the user's table, the title or the time",
+        explanation="the table is `[records] events`; all records without this information count as one earthquake",
     ),
-    event_title=text("event as the file names it"),
+    event_title=text("name of the earthquake in the file"),
     network=text("network code"),
     station=text("station code"),
     station_name=text("name of the station in words"),
-    component=text("component as the file names it"),
+    component=text("name of the component in the file"),
     azimuth=real("azimuth of the component, clockwise from north", "degree"),
     start_time=text("UTC time of the first sample, ISO 8601"),
     npts=whole("number of samples", of_ground=True),
@@ -153,20 +152,20 @@ RECORD = along(
     secondary_impulse=real("secondary impulse I_s of the calibrated sequence", "m s-1"),
     secondary_interval=real("interval dT of the secondary impulses", "s"),
     sequence_duration=real("duration within which main impulses act", "s"),
-    main_count=whole("number of main impulses; -1 where the duration alone limits them"),
+    main_count=whole("number of main impulses; -1 if only the duration limits it"),
     spacing=flag(
         ("not_known", *SPACINGS),
-        "where the secondary impulses stand in the half-cycle; not known where there is no sequence",
+        "positions of the secondary impulses in the half-cycle; not known without a sequence",
         first=NOT_KNOWN,
     ),
     half_wave_count=whole("number of half-waves of the whole record", of_ground=True),
-    warnings=text("warnings on the record", explanation="one a line"),
+    warnings=text("warnings on the record", explanation="one per line"),
     warning_codes=text(
         "codes of these warnings in their order; plain: a text without one",
-        explanation="with blanks between them, see below",
+        explanation="separated by blanks; listed below",
     ),
-    processing=text("conditioning steps in their order", explanation="one a line"),
-    vertical_channel=text("id of the vertical channel whose acceleration acts too; empty without one"),
+    processing=text("conditioning steps in their order", explanation="one per line"),
+    vertical_channel=text("id of the vertical channel that is used; empty without one"),
 ) | dict(FACTS)
 
 DEMAND = along(
@@ -196,8 +195,8 @@ ANSWER = along(
     outcome=flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
     reason=flag((reason.name.lower() for reason in Reason), "why a model gives no result"),
     overturning_time=real("time at which overturning is certain, from the start of the model's input", "s"),
-    overturning_half_cycle=whole("1 + impacts before overturning; -1 where it does not overturn"),
-    impacts=whole("impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
+    overturning_half_cycle=whole("half-cycle in which the block overturns, from 1; -1 if it does not overturn"),
+    impacts=whole("number of impacts faster than 1e-3 p alpha_c; -1 if infinite or not known"),
     safety_factor=real(
         "smallest factor on the model's input that overturns; NaN where not computed",
         explanation="inf: none up to the end of the search",
@@ -214,13 +213,13 @@ ANSWER = along(
         "`safety_factor` is a lower bound then too. Where `outcome` is unresolved the factor is at most 1, unless "
         "the bound that the search begins at already rules overturning out",
     ),
-    safe_up_to=real("factor on the model's input up to which the search found no overturning"),
+    safe_up_to=real("scale factor on the model's input up to which the search found no overturning"),
     interval_count=whole(
         "intervals of the factor in which the block overturns; -1 where not computed",
         explanation="that is where `safety_factor` is NaN",
     ),
     search_step=real(
-        "ratio of neighbouring factors of the search; 1: nothing to miss, NaN: no search",
+        "ratio of neighbouring scale factors of the search; 1: no interval can be missed; NaN: no search",
         explanation="nothing can be missed in closed form, and where nothing up to the end of the search lifts the "
         "block, or is strong enough to overturn it",
     ),
@@ -248,7 +247,7 @@ CAPACITY_RATIO = real(
 
 COORDINATES = {
     "block": text("name of the body", lambda bodies, config: bodies.names, dims=("block",)),
-    "model": text("model, in order of rising cost", lambda bodies, config: config.models.use, dims=("model",)),
+    "model": text("model, in order of increasing cost", lambda bodies, config: config.models.use, dims=("model",)),
 }
 
 SITE_DEMAND = along(

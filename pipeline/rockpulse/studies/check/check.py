@@ -45,12 +45,12 @@ def check(
     Returns
     -------
     xarray.Dataset
-        Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
-        [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
-        `displacement_ratio`, and `statement`, the reason for NaN. A ratio of 1 or more passes; it is for the worse
-        direction of rotation, named in `activation_sense` and `displacement_sense`. If results are given, over (block):
-        `probability` of overturning and `factor_50`, the median over the records, for the worst of several
-        restitutions; and `beside`, the reason for NaN in these.
+        Over (block): `multiplier` alpha_0 [-] and `share` e* [-]. Over (block, code): `activation` and
+        `activation_demand` [m/s2] and their `activation_ratio`; `displacement` and `displacement_demand` [m], their
+        `period` [s] and `displacement_ratio`; and `statement`, the reason for NaN. A ratio of 1 or more passes; it is
+        for the worse direction of rotation, named in `activation_sense` and `displacement_sense`. If results are given,
+        over (block), for the worst of several restitutions: `probability` of overturning; `factor_50`, the median over
+        the records; and `beside`, the reason for NaN in these.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def check(
     if isinstance(results, Config):
         raise ConfigError("results: expected the results of assess, found a Config; give it as config=")
     if results is None and config is None:
-        raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
+        raise ConfigError("expected a results file or --config with the bodies and a section [check], found none")
     tree = None if results is None else given_results(results)
     if tree is not None and (kind := str(tree.attrs.get("kind", ASSESSMENT))) != ASSESSMENT:
         name = "results" if isinstance(results, xr.DataTree) else results
@@ -126,7 +126,7 @@ def _checked(
 
 
 def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return the arrays `probability`, `factor_50` and `beside` (reason for NaN) of m bodies, from the results."""
+    """Return `probability`, `factor_50` and `beside` (the reason for missing values) of m bodies, from the results."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]

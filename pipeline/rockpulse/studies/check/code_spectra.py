@@ -56,7 +56,7 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the largest S_De [m] up to a period [s]; it is the value at that period, as S_De never decreases."""
+        """Return the largest spectral displacement S_De [m] up to a period [s]; S_De never decreases."""
         return displacement_of(period, self(period, damping))
 
 
@@ -99,7 +99,7 @@ class TabledSpectrum:
         return value * damping_factor(damping) if period > 0.0 else value
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the largest S_De [m] up to a period [s]."""
+        """Return the largest spectral displacement S_De [m] at all periods up to a given one [s]."""
         periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest period first, as it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
 
@@ -127,8 +127,8 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
         return _tabled(folder / settings.file)
     if settings.ag is None:
         raise ConfigError(
-            "[check]: expected the demand of the code: ag [g] with f0 and tc_star [s] (NTC), ag alone (en_1998_1, "
-            "en_1998_2), or the file of a table; found none"
+            "[check]: no design spectrum is given; state ag [g], f0 and tc_star [s] for NTC, ag [g] for en_1998_1 or "
+            "en_1998_2, or file, a CSV table of the spectrum"
         )
     ag, words = settings.ag * STANDARD_GRAVITY, f"a_g {settings.ag:g} g, ground {settings.ground}"
     soil = soil_factor(settings, settings.ag, settings.ground)

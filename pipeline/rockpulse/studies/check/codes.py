@@ -153,7 +153,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
 
 
 def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Return the largest spectral displacement [m] up to a period (C8.7.1.2.1.8), on floors from (C8.7.1.12)."""
+    """Return the largest spectral displacement [m] up to a period: (C8.7.1.2.1.8), or (C8.7.1.12) on floors."""
     if not floors:
         return spectrum.displacement(period, damping)
     own = max(one.period for one in floors)
@@ -169,7 +169,7 @@ CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], 
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Return one check with the worse acceleration and the worse displacement check of both directions of rotation."""
+    """Combine the checks of both directions of rotation: the worse acceleration and the worse displacement check."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:

@@ -71,7 +71,7 @@ class Mechanism:
         return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
 
     def at(self, rotation: float, lasting: bool = False) -> float:
-        """Return the multiplier alpha at a rotation [rad]; `lasting` omits forces that end before collapse."""
+        """Return the multiplier alpha at a rotation [rad]; `lasting` omits forces that cease at some displacement."""
         held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
         for force in self.forces:
             acts = force.begins <= force.height * rotation <= force.ends
@@ -91,12 +91,12 @@ class Mechanism:
         return math.inf
 
     def capacity(self, displacement: float) -> float:
-        """Return the multiplier alpha [-] at the rotation that belongs to a spectral displacement [m]; at least 0."""
+        """Return the multiplier alpha [-], at least 0, at the rotation that gives a spectral displacement [m]."""
         return max(0.0, self.at(displacement / self._lever))
 
 
 def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
-    """Return the weights whose mass stays with the building, and the forces, for theta > 0."""
+    """Return the loads whose mass belongs to the building, and the forces of all restraints, for theta > 0."""
     weights, forces = [], []
     for load in restraints.loads:
         assert load.friction is not None  # loads without friction move with the body

@@ -27,13 +27,13 @@ from rockpulse.warning_text import as_stored
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A fragility curve, or a statement of why there is no curve; numbers that are not determined are NaN."""
+    """A fragility curve, or the reason why there is none; numbers that the data do not determine are NaN."""
 
     status: Status  # whether there is a curve, or why not
     band: Band  # whether there is a band, or why not
     extrapolated: Extrapolated  # whether the median is outside the range of levels
-    statement: str  # these three in words; empty for a curve with a band and a median within the levels
-    statement_values: str  # the statement as it is stored
+    statement: str  # status, band and extrapolation in words; empty if there is nothing to report
+    statement_values: str  # the statement as codes and values, for storage
     records: int
     events: int
     observations: int  # number of observations
@@ -51,7 +51,7 @@ class Curve:
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the probability and both ends of its band [-] at levels (k,) of the measure; NaN if not determined."""
+        """Return the probability and both ends of its confidence band [-] at levels (k,); NaN if not determined."""
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
             nothing = np.full(levels.shape, np.nan)
@@ -63,7 +63,7 @@ class Curve:
 
     @cached_property
     def log_beta(self) -> np.ndarray:
-        """ln beta (1 + events,): from all observations, then without each event."""
+        """Logarithms of beta (1 + events,): first from all observations, then with each event left out in turn."""
         with np.errstate(invalid="ignore"):  # a curve fitted without an event may decrease
             return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
 
@@ -221,7 +221,7 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
 
 
 def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Return values (n,) scaled to mean zero and standard deviation one, their mean and their standard deviation."""
+    """Return values (n,) scaled to mean zero and standard deviation one, with their original mean and deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
 

@@ -70,14 +70,14 @@ class Ensemble:
     measures: np.ndarray  # (n, k, m) intensity measures of the unscaled records
     qualities: np.ndarray  # (n, c) properties in the order of QUALITIES
     facts: dict[str, np.ndarray]  # (n,) properties of earthquake and site by name
-    factors: np.ndarray  # (n, s, m) first to reach a limit state, or (n, r, m) all analysed scale factors [-]
+    factors: np.ndarray  # (n, s, m) first scale factors that reach a state, or (n, r, m) all of them [-]
     step: np.ndarray | None  # (n, m) ratio of successive scale factors in the search for the first
     reached: np.ndarray | None  # (n, s, r, m) 1 if the limit state was reached, 0 if not, or NOT_KNOWN
     weight: np.ndarray | None  # (n, r) weight of each scale factor [-]
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Return the observations of one limit state in one measure for some of the bodies; all are indices."""
+        """Return the observations for one limit state, one measure and some bodies, all given by their indices."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -102,7 +102,7 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """Properties (n, c) in the order of STATED, with exp(magnitude); NaN if the file does not state them."""
+        """Properties (n, c) in the order of STATED, the magnitude as exp(magnitude); NaN if the file lacks it."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
@@ -158,7 +158,7 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """Curves (g, s, k) of g groups of bodies, with slopes and p-values (g, s, k, c) for the properties in TESTED."""
+    """The curves (g, s, k) of g groups of bodies, and slopes and p-values (g, s, k, c) of their sufficiency tests."""
 
     curves: np.ndarray
     slope: np.ndarray
@@ -170,7 +170,7 @@ class Fits:
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit all curves and test their sufficiency; groups of several bodies are fitted only in dimensionless measures."""
+    """Fit all curves and test the measures for sufficiency; groups of bodies have only dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

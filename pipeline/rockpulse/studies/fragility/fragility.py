@@ -25,7 +25,7 @@ from rockpulse.storage.variables import fragility as stored
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble
 from rockpulse.studies.fragility.motion_capacity import FragilityBodies, empty_capacity, motion_capacity
 
-#: Number of points of a curve, its extent beyond the medians of a body in dispersions, and the largest absolute
+#: Number of points of a curve, its extent beyond the medians of a body (in dispersions), and the largest absolute
 #: logarithm of a level, which prevents overflow for a nearly flat curve.
 POINTS, REACH, FARTHEST = 41, 3.0, 600.0
 
@@ -128,7 +128,7 @@ class FragilityAnalysis(Analysis):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan the records in [fragility] selection, or all records; raise ConfigError if a selection is required."""
+        """Return the plan of the analysis; records that a [fragility] selection does not name are skipped."""
         plan = super().plan(records, failures)
         if self.selection is None:
             return plan
@@ -160,7 +160,7 @@ def _curves(
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return levels that all limit states of a body have in common, and the curves with their bands at these levels."""
+    """Return levels common to all limit states of a body, and the curves with their bands at these levels."""
     groups, states, measures = fits.curves.shape
     level = np.full((groups, measures, POINTS), np.nan)
     tables = [np.full((groups, states, measures, POINTS), np.nan) for _ in range(3)]
@@ -228,7 +228,7 @@ def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
-    """Return the ratio of dispersions with its limits: (3, g, s, k)."""
+    """Return the ratios of dispersions and their lower and upper limits as one array (3, g, s, k)."""
     table = np.full((3, *fits.curves.shape), np.nan)
     if REFERENCE in measures:
         column = list(measures).index(REFERENCE)

@@ -71,13 +71,13 @@ class Observations:
         return np.isfinite(values) & (values > 0.0)
 
     def only(self, kept: np.ndarray) -> "Observations":
-        """Return the observations in a mask (n,), with only their events."""
+        """Return the observations selected by a mask (n,), and only the events that still occur among them."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Return weights in rows (1 + events, n): for all observations, then without each event."""
+        """Return the weights (1 + events, n) of the observations: first all of them, then with each event left out."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 

@@ -71,7 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Return (s, r, m) whether a record reaches the states at scale factors (r, m): 1, 0 or :data:`NOT_KNOWN`."""
+    """Return (s, r, m): 1 if the record reaches a state at the scale factors (r, m), 0 if not, or :data:`NOT_KNOWN`."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)
@@ -118,8 +118,8 @@ def motion_capacity(
     `selection`. An incremental analysis ends at the limits of ``[fragility] factors``, and a stripe beyond these is
     unknown.
 
-    For a body beside a wall, the record and its reverse are two rows of one earthquake. Raises ValueError for a record
-    without an intense phase or rejected by the model, TooWeak below the smallest PGA or outside the selection.
+    For a body beside a wall, the record and its reverse are two rows of one earthquake. Raises ValueError if a record
+    has no intense phase or the model rejects it, and TooWeak if its PGA is too small or the selection lacks it.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -195,7 +195,7 @@ def _weights(record: str, config: Config, selection: SelectedRecords | None) -> 
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: SelectedRecords | None
 ) -> dict[str, np.ndarray]:
-    """Return the measures of `ground` and the capacities of (m,) blocks under the motion `there`."""
+    """Return the intensity measures of the `ground`, and the capacities of (m,) blocks that feel the motion `there`."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
@@ -213,7 +213,7 @@ def _capacity(
         factors = np.asarray(settings.stripe_levels)[:, None] / own
     least, most = settings.factors if settings.data == "stripes" and selection is None else (0.0, np.inf)
     near = (factors >= least) & (factors <= most)
-    # The scale factor zero replaces those that are not computed, as it takes no time.
+    # Scale factors that need no computation are replaced by zero, which takes no time.
     looked = reached_at(there, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 

@@ -1,4 +1,4 @@
-"""Checks of whether the data determine a fragility curve and its band, and statements of why they do not."""
+"""Checks whether the data determine a fragility curve and its confidence band, and words the reason if not."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """Return the status FITTED if a curve can be fitted to the data, else the reason why not."""
+    """Return the status FITTED if a curve can be fitted to the data, else the status that gives the reason."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -38,7 +38,7 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
-    """Return a statement of why a band is missing; `slopes` are b from all data, then without each event."""
+    """Return the reason for a missing band, or an empty list; `slopes` are b from all data, then without each event."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:
@@ -57,7 +57,7 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
 
 
 def extrapolation_statement(median: float, rows: Observations) -> list[WarningText]:
-    """Return a statement if the median of a curve is outside the levels of the observations; else none."""
+    """Return a warning if the median of a curve is outside the levels of the observations, else an empty list."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return []
@@ -97,7 +97,7 @@ def _separated(rows: Observations) -> WarningText:
     return WarningText("not_stronger")
 
 
-#: The statement for a missing curve, by status.
+#: Functions that word the reason for a missing curve, by status.
 STATEMENTS: dict[Status, Callable[[Observations], WarningText]] = {
     Status.NO_RECORD: lambda rows: WarningText("no_record"),
     Status.ONE_RECORD: _one_record,

@@ -21,12 +21,12 @@ from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.storage.variables.risk import FREE_FRAGILITY
 
-#: Largest number of pairs of body and record that are computed at once.
+#: Largest number of record-body pairs that are computed at once.
 AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
-    """The probability of overturning of m bodies at l levels under each of r records; logarithms are of SI values."""
+    """Overturning probabilities of m bodies under r records at l levels; logarithms are of values in SI units."""
 
     at: np.ndarray  #: (m, r, l) logarithms of the levels; the step is the same for all bodies and records
     probability: np.ndarray  #: (m, r, l) probability of overturning [-]
@@ -37,7 +37,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Create the curves of (m,) bodies from stored spectra; raise ResultsError if these have no values."""
+        """Create the curves from spectra and the ln of the records' measures (`own`); ResultsError for gaps."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -57,7 +57,7 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the index (m, r) of the interval between stored levels that contains a level, or is nearest to it."""
+        """Return the index (m, r) of the interval between stored levels that contains a level, or the nearest one."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
@@ -69,13 +69,13 @@ class BodyCurves(NamedTuple):
         return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the mean over records of the ln level (m,) that overturns each body, and its standard deviation."""
+        """Return mean and standard deviation (m,) over the records of the ln of the level that overturns each body."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Return the ln levels (m,) at which the mean probability over records, with weights (r,), is 1/2."""
+        """Return the ln of the levels (m,) at which the mean probability over records, by `weights` (r,), is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -85,12 +85,12 @@ class BodyCurves(NamedTuple):
 
 
 def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Return the values of (m, r, l) whose indices along the last axis are `place` (m, r)."""
+    """Select from values (m, r, l) the elements (m, r) with the indices `place` along the last axis."""
     return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return the spectra and the summary of their records; ConfigError for a measure that is not stored."""
+    """Return /spectra, and /summary of the records with spectra; ConfigError for a measure that is not stored."""
     measured = [one.name for one in STORED_LEVELS]
     if measure not in measured:
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, found {measure}")

@@ -174,7 +174,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of a frequency, whose data cover levels with logarithms from `low` to `high`."""
+    """Return the variables of one frequency; its data cover the levels with logarithms from `low` to `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -202,7 +202,7 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
 
 
 def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the limits of the frequency and the probability, or a statement of why there are none."""
+    """Return the confidence limits of the frequency and the probability, or the reason why there are none."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
         return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}

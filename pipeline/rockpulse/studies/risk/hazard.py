@@ -21,7 +21,7 @@ from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
-    """Return the factor that converts a unit of a measure to SI; raise ConfigError if the unit is unknown."""
+    """Return the factor from a unit of a measure to SI; raise ConfigError for an unknown unit, found at `where`."""
     known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
@@ -29,7 +29,7 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """Return the name of a measure; raise ConfigError if a hazard cannot have this measure."""
+    """Return the measure unchanged; raise ConfigError if a hazard cannot have it, with its location `where`."""
     if measure not in HAZARD:
         told = f"found {measure!r}{hint(measure, HAZARD)}"
         raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {told}")
@@ -366,7 +366,7 @@ class SiteHazards:
 
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
-    """Return one positive number for each of `count` bodies, from as many or from a single one; else ConfigError."""
+    """Return `count` positive numbers, one for each body; a single value is repeated. ConfigError for other values."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

@@ -37,7 +37,7 @@ OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """The content of a hazard file: levels in its unit and annual rates [1/year], for one or n points."""
+    """The content of a hazard file: levels in the file's unit and annual rates [1/year], for one or n points."""
 
     path: str
     measure: str
@@ -49,7 +49,7 @@ class _Sheet(NamedTuple):
     rock: bool = False  #: whether the levels are for rock
 
     def curve(self, row: int, soil_factor: float, warnings: tuple[str, ...] = ()) -> HazardCurve:
-        """Return the hazard curve in one row in SI units, without levels of probability 1 or 0."""
+        """Return the hazard curve of one row in SI units, without levels whose probability is 1 or 0."""
         in_si = unit_factor(self.measure, self.unit, self.path)
         where = self.path if self.places is None else f"{self.path}, place {place_in_words(*self.places[row])}"
         level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
@@ -66,7 +66,7 @@ class _Sheet(NamedTuple):
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """Return the row of the point nearest to a site, with its distance in words; ConfigError without a point."""
+        """Return the row of the point nearest to a site, and its distance as a warning; ConfigError if none is near."""
         if self.places is None:
             if site is None:
                 return 0, ()
@@ -137,7 +137,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     Returns
     -------
     SiteHazards
-        One curve for each pair of point and soil factor.
+        One curve for each combination of point and soil factor.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """Return the hazards of `count` bodies; sites and soil factors that are None come from [hazard]."""
+    """Return the hazards of `count` bodies; [hazard] replaces `sites` or `soil_factor` that are None."""
     for key, told, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil != 1.0, soil_factor),
@@ -204,7 +204,7 @@ def site_hazards_of(
 
 
 def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Hazard]:
-    """Return a function that creates the hazard of [hazard] for a given soil factor."""
+    """Return a function of the soil factor that creates the hazard described in [hazard]."""
     site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
     if settings.k0 is not None and settings.k is not None:
         if site is not None:
@@ -351,7 +351,7 @@ def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the index (m,) of the place nearest to each site, and its distance [m]; ConfigError above 50 km."""
+    """Return the index (m,) of the point nearest to each site, and its distance [m]; ConfigError beyond 50 km."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 

@@ -98,7 +98,7 @@ def _decay(rate: float, length: float) -> float:
 
 
 def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
-    """Return A and B of F(A + B ln x) in rows (1 + events, 2): fitted to all data, then without each earthquake."""
+    """Return A and B of F(A + B ln x), (1 + events, 2): fitted to all data, then with each earthquake left out."""
     events = len(rows.events)
     return _lines(rows, family, np.vstack([np.ones(events), 1.0 - np.eye(events)]))
 
@@ -111,7 +111,7 @@ def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarra
 
 
 def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """Return the logarithms of the frequencies that belong to q fitted lines (A, B), to 1e-4; NaN for B <= 0."""
+    """Return the logarithms of the frequencies for q fitted lines (A, B), accurate to 1e-4; NaN for B <= 0."""
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
     density = family.log_density(CAPACITY)[0] + math.log(STEP)

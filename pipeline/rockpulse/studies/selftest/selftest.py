@@ -31,7 +31,7 @@ FEW_SAMPLES = 200
 
 
 def synthetic_motion(peaks: str, samples: int, quiet: int) -> np.ndarray:
-    """Return a parabolic half-wave for each peak [m/s2] in a row, then `quiet` half-waves of zeros."""
+    """Return parabolic half-waves, one after another, with these peaks [m/s2], then `quiet` half-waves of zeros."""
     place = np.arange(samples) / samples
     shape = 4.0 * place * (1.0 - place)
     return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])

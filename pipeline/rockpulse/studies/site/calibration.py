@@ -140,7 +140,7 @@ class SiteCalibration(Analysis):
         return names, lanes
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan the records, and reject a record that has no weight before any record is processed."""
+        """Return the plan of the calibration; raise ConfigError before any processing if a record has no weight."""
         plan = super().plan(records, failures)
         known = [name for one in plan.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
@@ -207,7 +207,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
 
 
 def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
-    """Return the design from a site tree in memory, as :func:`load_design`; messages use `name` as its path."""
+    """Return the design in a site tree in memory, as :func:`load_design` does for a file; messages call it `name`."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()

@@ -49,7 +49,7 @@ class SiteSample:
 
     @property
     def counted(self) -> np.ndarray:
-        """Mask (n, m) of the pairs of record and block that count: the record has weight and lifts the block."""
+        """Mask (n, m) of the record-block pairs that count: the record has weight and lifts the block."""
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> "SiteSample":
@@ -64,7 +64,7 @@ class SiteSample:
 
 
 def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
-    """Return the sequence that covers the share `quantile` of the rotations; RecordRefused without rotations."""
+    """Return the sequence that covers the share `quantile` of the rotations; RecordRefused if no block rotates."""
     shape = _sequence(_medians(sample), sample)
     if not np.any(sample.counted):
         raise RecordRefused(
@@ -121,20 +121,20 @@ def _range(sample: SiteSample) -> tuple[float, float]:
 
 
 def covered_rotations(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Return codes (n, m): 1 if a sequence covers the rotation, else 0; BEYOND if it overturns; NaN if not counted."""
+    """Return codes (n, m): 1 if the rotation is covered, 0 if not, BEYOND if the sequence overturns, NaN at rest."""
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
     return np.where(np.isnan(sample.peaks), np.nan, marks)
 
 
 def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> np.ndarray:
-    """Return the peak rotations (q, m) of m blocks under sequences of one shape with q main impulses."""
+    """Return the peak rotations (q, m) of m blocks under q sequences of one shape, with the main impulses `mains`."""
     sequences = shape.scaled(mains / shape.main)
     return np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the covered and the total weight (g, q) of g events under q sequences, for the blocks in `stands`."""
+    """Return the weights (g, q) of covered and all rotations by event and sequence; `stands` excludes fallen blocks."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
@@ -146,12 +146,12 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
 
 
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
-    """Return whether the covered share of the weight is below the quantile; False if every block overturns."""
+    """Return whether the covered rotations have less weight than the quantile requires; False if the total is zero."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Return the mask (m,) of blocks whose overturning sets the design, and the share covered just below it."""
+    """Return a mask (m,) of blocks whose overturning governs the design, and the coverage just below the design."""
     low, high = _range(sample)
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
     reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))
@@ -200,7 +200,7 @@ def main_impulse_interval(
 
 
 def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the weighted correlation (p, p) of logarithms (n, p); NaN for a pair without values or variation."""
+    """Return the weighted correlation (p, p) of logarithms (n, p); NaN for parameters without values or variation."""
     count = logarithms.shape[1]
     matrix = np.full((count, count), np.nan)
     for row in range(count):

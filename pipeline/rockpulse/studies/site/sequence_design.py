@@ -29,12 +29,12 @@ from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.site_warnings import sequence_design_warnings
 from rockpulse.warning_text import as_stored
 
-#: Code for a pair of record and block that is not counted.
+#: Code for a record-block pair that is not counted.
 NOT_COUNTED = -1
 
 
 class Coverage(NamedTuple):
-    """The test of each earthquake with a design that was fitted without it; NaN if there is no such design."""
+    """The coverage of each earthquake's rotations by a design fitted to the other earthquakes; NaN without a design."""
 
     covered: np.ndarray  # (n, m) codes of :func:`rockpulse.studies.site.design.covered_rotations`
     main: np.ndarray  # (n,) main impulse of the design without the event of the record [m/s]
@@ -58,7 +58,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
 
 
 def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Return a mask (n, m) of the pairs of record and block for which :func:`coverage_of` computes the share."""
+    """Return a mask (n, m) of the record-block pairs in the coverage; `standing` leaves out overturned blocks."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -68,7 +68,7 @@ def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) 
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Return the weighted share of pairs that are covered, with its interval; `standing` excludes overturned blocks."""
+    """Return the weighted share of covered rotations and its interval; `standing` leaves out overturned blocks."""
     counted = counted_pairs(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
@@ -77,7 +77,7 @@ def coverage_of(
 
 
 def untested_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Return the code of a reason for each event on which no design could be tested with a block left standing."""
+    """Return the code of the reason for each event that tests no design, or only designs that overturn every block."""
     rests, lifts, counted = (
         counted_pairs(found.covered, sample).any(axis=1),
         ~np.isnan(sample.peaks),

@@ -17,7 +17,7 @@ WIDE = 0.5
 FEWEST_BEYOND = 2.0
 #: Largest number of events that a warning names.
 LISTED = 5
-#: Smallest share of lifted pairs of record and block without a warning [-].
+#: Smallest share of record-block pairs with uplift without a warning [-].
 FEW_LIFTED = 0.1
 
 
@@ -59,7 +59,7 @@ def sequence_design_warnings(
 
 
 def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
-    """Return a warning if records (n,) have unusual scale factors; empty if they have not."""
+    """Return a warning if some scale factors (n,) of records are unusually small or large, else an empty list."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if not odd:
@@ -69,7 +69,7 @@ def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
 
 
 def _tail(records: int, quantile: float) -> WarningText:
-    """Return a text on how many records lie beyond a quantile."""
+    """Return a text that states how many records are expected beyond a quantile."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
         return WarningText(f"tail_{side}", beyond=float(beyond), quantile=quantile)

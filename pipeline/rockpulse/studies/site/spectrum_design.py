@@ -37,7 +37,7 @@ STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Return the overturning spectrum of a scaled record as arrays (1, ...) by name; RecordRefused for zeros only."""
+    """Return the overturning spectrum of a scaled record as arrays (1, ...) by name; RecordRefused if all is zero."""
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
         if record.pga == 0.0:

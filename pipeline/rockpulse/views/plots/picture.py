@@ -1,4 +1,4 @@
-"""Writes figures as files with reproducible bytes and unique ids in SVG, and makes figures for notebooks."""
+"""Writes figures as files whose bytes are reproducible and whose SVG ids are unique."""
 
 import hashlib
 import re
@@ -31,7 +31,7 @@ _WRITING = threading.Lock()
 
 
 def picture_bytes(figure: Figure, form: str) -> bytes:
-    """Return the content of a file with the figure, as "png", "svg" or "pdf".
+    """Return the content of a picture file of a figure; `form` is "png", "svg" or "pdf".
 
     Equal figures give equal bytes, without a time stamp and, in SVG, without random ids. Text remains text in SVG and
     PDF.
@@ -87,8 +87,8 @@ def svg(figure: Figure, name: str | None = None) -> str:
 
 
 class NotebookFigure(Figure):
-    """A figure without a window, which pyplot does not know, and which displays itself in notebooks."""
+    """A figure without a window that a notebook displays."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """Return the bytes of a PNG and its display width [px]."""
+        """Return a PNG and its width on the screen [px], for the display in a notebook."""
         return picture_bytes(self, "png"), {"width": round(self.get_figwidth() * self.get_dpi())}

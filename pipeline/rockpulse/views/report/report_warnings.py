@@ -1,4 +1,4 @@
-"""The warnings of a report by grade: warnings that may change a verdict, limitations, and explanations."""
+"""The warnings of the report in three grades: may change a verdict, limits its use, or explains it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.shown_columns import doubt_notes, record_cells
+from rockpulse.views.shared.table_columns import doubt_notes, record_cells
 from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
@@ -34,7 +34,7 @@ GRADES = ("decides", "limits", "notes")
 
 @dataclass(frozen=True)
 class Limit:
-    """A warning on the use of the numbers: a heading and one or two sentences."""
+    """A warning in the report: its grade, a heading, and one or two sentences."""
 
     grade: Literal["decides", "limits", "notes"]
     head: str
@@ -48,7 +48,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Return the warnings on the verdicts, most serious first; /site and the key `components` may be given."""
+    """Return the warnings on the verdicts, the most serious first; `components` is that option of [records]."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -62,8 +62,8 @@ def warnings(
         said.append(_limit("limits", "no_demand", how=how, unknown=of_unknown_event(motions)))
     said.append(_at_rest(found, motions))
     if files.line:
-        told = files.counted or say("warning.files.none")
-        said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
+        counted = files.counted or say("warning.files.none")
+        said.append(_limit("limits", "files", counted=counted, reasons=files.reasons))
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
         said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
@@ -84,7 +84,8 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers
     if answers.motions.kind == "sequence":
         lines += [one.text for one in said if one.head == say("warning.site_confidence.head")]
     elif not answers.demands:
-        lines.append(say("legend.state_demand"))
+        head = say("warning.no_demand.head")
+        lines.append(f"{head[:1].upper()}{head[1:]}.")
     else:
         fewest = _fewest(found, answers.motions)
         lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=_most(fewest)))
@@ -96,7 +97,7 @@ def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: obj
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """Warn if the model is not the full equation of motion."""
+    """Warn if the verdicts do not follow from the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -107,7 +108,7 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if the records of too few earthquakes can be scaled to a demand."""
+    """Warn if too few earthquakes have records that can be scaled to a demand."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.demand] = max(demand.earthquakes, most.get(demand.demand, 0))
@@ -131,8 +132,8 @@ def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
 
 def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
-        told = say("warning.site_confidence.ask") if site is None else coverage(site)
-        return _limit("limits", "site_confidence", coverage=told)
+        covered = say("warning.site_confidence.ask") if site is None else coverage(site)
+        return _limit("limits", "site_confidence", coverage=covered)
     count = _fewest(found, motions)
     events = counted_words(count, "earthquake")
     few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
@@ -148,7 +149,7 @@ def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if a body that survives the design of its site may overturn within the uncertainty."""
+    """Warn if a body that the design does not overturn may overturn within the uncertainty of the design."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
@@ -162,7 +163,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Find surviving bodies that overturn within the interval of the main impulse or under a record of the site."""
+    """Return bodies that overturn within the interval of the main impulse, and bodies that site records overturn."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [(one.body.name, one.deciding.margin.smallest) for one in standing]
     sign = factor_heading("safety_factor")
@@ -176,7 +177,7 @@ def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[li
 
 
 def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Find such bodies for a design spectrum, with the weighted share of records that overturn each."""
+    """Return bodies that overturn within the interval of the spectrum, and bodies that site records overturn."""
     names = [str(name) for name in site["block"].values]
     of = {name: site.isel(block=place) for place, name in enumerate(names)}
     own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
@@ -188,23 +189,23 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if bodies are on a pedestal or may slide."""
+    """Warn of bodies that may slide, and of bodies with a worse verdict on their pedestal than without it."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.share.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=body_name(worst.body.name), value=value))
     for one in sliding(answers):
-        told = {
+        fields = {
             "total": counted_words(one.total, "record"),
             "most": ratio(one.most) if np.isfinite(one.most) else say("infinite"),
         }
         own = six_digits(one.friction)
-        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **told))
+        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **fields))
     return said
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """Warn if the probability excludes some records."""
+    """Warn if the result of a body is unknown under some records."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
@@ -224,7 +225,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
 
 
 def _doubtful(summary: xr.Dataset) -> Limit | None:
-    """Return records whose peak may be in a wrong unit or clipped."""
+    """Warn if records have doubtful samples."""
     named = [cell for cell in record_cells(summary) if cell.marks]
     if not named:
         return None

@@ -1,4 +1,4 @@
-"""Makes the verdict in the report: sentence and drawing of every body, table of the bodies, and explanations."""
+"""Makes the verdicts in the report: a card for each body, the table of bodies, and their explanations."""
 
 import math
 from collections.abc import Sequence
@@ -19,11 +19,12 @@ from rockpulse.model_table import is_upper_bound
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.plots.selection import block_of
-from rockpulse.views.report.drawings import Support, drawing
+from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.report.record_tables import record_named
 from rockpulse.views.shared.formatting import ratio, share, six_digits, three_digits
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.shown_columns import (
+from rockpulse.views.shared.table import Cell, Heading, Table
+from rockpulse.views.shared.table_columns import (
     columns,
     filled,
     grade_cell,
@@ -32,7 +33,6 @@ from rockpulse.views.shared.shown_columns import (
     record_cells,
     unexplained,
 )
-from rockpulse.views.shared.table import Cell, Heading, Table
 from rockpulse.views.shared.verdict_table import verdict_columns, verdict_rows
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 
@@ -41,7 +41,7 @@ FEW, MOST = 8, 6
 
 
 class Drawing(NamedTuple):
-    """An `<svg>` element of a body, and the description of its restraints."""
+    """An `<svg>` element of a body, and the names of its supports and restraints."""
 
     svg: Markup
     held: str
@@ -49,7 +49,7 @@ class Drawing(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """A body at its worst restitution: restraints, verdict and sentence; ``key`` is the id of its section."""
+    """The card of a body on the first page: drawing, restraints, verdict and sentence; ``key`` is a section id."""
 
     key: str
     name: str
@@ -60,7 +60,7 @@ class Card:
 
 
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
-    """Return the cards of the bodies with the worst verdicts, from worst to best."""
+    """Return the cards of the bodies with the worst verdicts, the worst first."""
     worst: dict[int, BodyVerdict] = {}
     for one in sorted(found, key=_by_severity):
         worst.setdefault(one.body.place, one)
@@ -77,8 +77,8 @@ def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
     return -float(one.grade), -likely, math.inf if math.isnan(factor) else factor
 
 
-def drawings(tree: xr.DataTree) -> list[Drawing]:
-    """Return the drawing of every body of the results on its pedestals."""
+def body_drawings(tree: xr.DataTree) -> list[Drawing]:
+    """Return a drawing of every body with its supports and restraints."""
     summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
     blocks = config_from_text(configuration).bodies if configuration else ()
     sizes = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
@@ -98,7 +98,7 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
         holds |= {"load": body.loads, "thrust": body.thrusts}
         held = ", ".join(say(f"drawing.{kind}") for kind, own in holds.items() if own)
         label = str(escape(say("drawing.label", name=name, held=f", {held}" if held else "")))
-        found.append(Drawing(Markup(drawing(body, support, label, lambda value: three_digits(value, "m"))), held))
+        found.append(Drawing(Markup(body_drawing(body, support, label, lambda value: three_digits(value, "m"))), held))
     return found
 
 
@@ -110,10 +110,10 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         margin = say("verdict.factor", factor=smallest) if not math.isnan(found.margin.smallest) else ""
         key = "overturns_under_sequence" if found.grade == Grade.OVERTURNS else "under_sequence"
         return say(f"verdict.{key}", margin=margin)
-    counted = say("count_of", count=found.overturned, total=counted_words(found.motions, motions.kind))
+    counted = {"count": found.overturned, "motions": counted_words(found.motions, motions.kind)}
     if not found.demand:
         factor = say("verdict.smallest", factor=say(f"factor.{answers.factor}"), value=smallest)
-        return say("verdict.as_recorded", counted=counted, factor=factor if answers.has_factor else "")
+        return say("verdict.as_recorded", **counted, factor=factor if answers.has_factor else "")
     if found.grade == Grade.AT_REST:
         return say("verdict.not_lifted", motions=counted_words(found.motions, motions.kind), name=found.demand)
     others = ""
@@ -131,26 +131,26 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         confidence=share(CONFIDENCE),
         name=found.demand,
         events=counted_words(found.earthquakes, "earthquake"),
-        counted=counted,
+        **counted,
         others=others,
         few=say("verdict.few", needed=FEWEST_AT_DEMAND) if found.few else "",
     )
 
 
 def basis(answers: Answers, unused: str) -> str:
-    """Describe the basis of the verdicts: model, records, unused files, and intensity of each demand."""
+    """Describe what the verdicts are based on: model, records, unused files and demands."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
     said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
-        told = in_numerals(demand.words.replace("m/s2", "m/s²"))
+        strength = in_numerals(demand.words.replace("m/s2", "m/s²"))
         if demand.words.startswith("PGA "):
-            told += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
-        said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))
+            strength += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
+        said.append(say("demand", name=name, strength=", ".join(filter(None, (strength, demand.limit_state)))))
     return " ".join(said)
 
 
 def motions_words(motions: Motions) -> str:
-    """Return the number of records and of their earthquakes as text."""
+    """Return the numbers of records and earthquakes as text."""
     if motions.kind == "sequence":
         return say("motions.sequence")
     key = f"motions.{motions.kind}{'_mean' if motions.kind == 'pair' and motions.any_azimuth else ''}"
@@ -159,7 +159,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def counted_by(answers: Answers) -> str:
-    """Explain the words of the verdict."""
+    """Explain how probability or share are computed, and which values separate the verdicts."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
@@ -170,7 +170,7 @@ def counted_by(answers: Answers) -> str:
 
 
 def of_unknown_event(motions: Motions) -> str:
-    """Describe the records whose earthquake is unknown; empty if all are known."""
+    """Describe how records of unknown earthquakes are counted; empty if all earthquakes are known."""
     count = motions.events.count(UNKNOWN)
     if not count:
         return ""
@@ -179,12 +179,12 @@ def of_unknown_event(motions: Motions) -> str:
 
 
 def model_words(model: str) -> str:
-    """Return the name of a model, marked if it is an upper bound."""
+    """Return the name of a model, with a note if it is an upper bound."""
     return say("model.upper_bound" if is_upper_bound(model) else "model.name", name=say(f"models.{model}"))
 
 
 def acceleration_in_words(value: float) -> str:
-    """Format an acceleration [m/s2] in m/s² and g."""
+    """Format an acceleration [m/s2] in m/s² and in g."""
     return f"{three_digits(value, 'm/s²')} ({three_digits(value / STANDARD_GRAVITY, 'g')})"
 
 

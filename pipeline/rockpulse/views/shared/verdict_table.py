@@ -9,7 +9,7 @@ import numpy as np
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, WEAK, BodyVerdict, Finding, Grade
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ABSENT, six_digits
 from rockpulse.views.shared.table import Cell
 from rockpulse.views.shared.words import counted_words, say

@@ -1,4 +1,4 @@
-"""The results of all models as text: a line for every record and body, and the overturned bodies."""
+"""The results of all models as text: a line for every record and body, verdicts, and worst records."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -11,7 +11,7 @@ from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.verdict import Grade, nominal_motion, overturning_probabilities, too_far, verdicts
 from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import paragraph, several, shortened, three_digits
 from rockpulse.views.shared.notes import (
     body_notes,
@@ -34,7 +34,7 @@ NAMED = 3
 
 
 def verdict_table(summary: xr.Dataset) -> str:
-    """Return the results of every model, one line per body under a heading per record, with footnotes."""
+    """Return the results of every model as text: a line for each body below the heading of each record."""
     answers = Answers(summary)
     of_models = col.answer_columns(answers)
     marks = col.marks_of(cell for column in of_models.values() for cell in column)
@@ -45,7 +45,7 @@ def verdict_table(summary: xr.Dataset) -> str:
 
 
 def probability_table(answers: Answers) -> str:
-    """Return probabilities of overturning and their scale factors in the layout of the results; empty if unknown."""
+    """Return probabilities and scale factors of overturning as text; empty if the results have none."""
     if not answers.probable:
         return ""
     selected = col.columns(*PROBABILITY)
@@ -61,7 +61,7 @@ def probability_table(answers: Answers) -> str:
 
 
 def factor_table(answers: Answers) -> str:
-    """Return the smallest scale factors in each searched model, in the layout of the results; empty if unknown."""
+    """Return the smallest scale factors in every searched model as text; empty if no model was searched."""
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
@@ -86,7 +86,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return the rows of a table by body under a heading for every record, each with its demand, and the notes."""
+    """Return a table as text: below the heading of each record, its body rows; `table` has their further cells."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -101,19 +101,19 @@ def _below_records(
         impulse = record.value("main_impulse")
         strength = [*record.strength, *([] if math.isnan(impulse) else [f"I {three_digits(impulse, 'm/s')}"])]
         found += ["", "  ".join([cell.marked, *strength]), *head, *laid[place * size : (place + 1) * size]]
-    shown = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
-    return "\n".join(shown)
+    text_lines = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
+    return "\n".join(text_lines)
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """Return the records that overturn each body, unscaled or reduced, and counts for every model; `files` first."""
+    """Return the records that overturn each body, and their number in every model; `files` is shown above."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already includes chance survival.
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
-    told = [
+    text_lines = [
         f"Records that overturn each body ({answers.model} model):",
         *([paragraph(files, "    ", "  ! ")] if files else []),
     ]
@@ -122,14 +122,14 @@ def overturned(answers: Answers, files: str = "") -> str:
         weaker = [f"{names[row]} ({three_digits(factor[row, place])})" for row in np.flatnonzero(lucky[:, place])]
         nothing = "none as recorded, but see below" if weaker else "none"
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
-        told.append(paragraph(named or nothing, "      ", f"  {block}: "))
+        text_lines.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
         rows.append((Cell(block), *(col.count_of(own[place], len(names)) for own in counts)))
     headings = (Heading("number of records", width=col.NAME_WIDTH), *map(Heading, answers.models))
-    told += ["", *lines(Table("", "", headings, tuple(rows)), "  ")]
+    text_lines += ["", *lines(Table("", "", headings, tuple(rows)), "  ")]
     if by_weaker:
-        told += ["", "Records that overturn the body only if scaled down (SF in brackets):", *by_weaker]
-    return "\n".join(told)
+        text_lines += ["", "Records that overturn the body only if scaled down (SF in brackets):", *by_weaker]
+    return "\n".join(text_lines)
 
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
@@ -225,20 +225,20 @@ def worst_motions(answers: Answers, most: int) -> str:
 
 
 def governing(answers: Answers) -> str:
-    """Describe the records with the smallest scale factors, or that overturn, and their bodies; empty if unknown."""
+    """Describe the records that govern the verdicts, and name their bodies; empty if there are none."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if (row := one.deciding.governing) >= 0:
             ruled.setdefault(row, {})[one.body.block] = None
-    told = []
+    text_lines = []
     for row, blocks in sorted(ruled.items(), key=lambda item: -len(item[1]))[:NAMED]:
         record = answers.records[row]
         if known := Known(answers.summary, record=record).described:
-            told.append(paragraph(f"{record}: {known} (for {some(list(blocks), NAMED)})", "      ", "  "))
-    if not told:
+            text_lines.append(paragraph(f"{record}: {known} (for {some(list(blocks), NAMED)})", "      ", "  "))
+    if not text_lines:
         return ""
     if len(ruled) > NAMED:
-        told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
+        text_lines.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
     smallest = "capacity/demand" if answers.demands else factor_name(answers.factor)
     what = f"with the smallest {smallest}" if answers.has_factor else "that overturns"
-    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *told])
+    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *text_lines])

@@ -1,6 +1,7 @@
 """Columns of numbers: layouts, delimiters, time columns; nothing is guessed."""
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -53,6 +54,21 @@ def test_blank_rows_quotes_and_separators_at_the_end_do_no_harm(write):
     rows = [f'{time:.2f}, "{value:.6f}",' for time, value in zip(TIMES, VALUES, strict=True)]
     (record,) = read(write("\n".join([*rows[:50], "", "  ", *rows[50:], ""])), units="m/s2")
     assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+
+
+@pytest.mark.parametrize("damaged", [0, 1, 2, 4])
+@pytest.mark.parametrize("cell", ["abc", "", "1.2.3"])
+def test_a_damaged_cell_in_a_first_row_is_named_with_its_line(write, damaged, cell):
+    rows = [f"{time:.2f},{value:.6f}" for time, value in zip(TIMES, VALUES, strict=True)]
+    rows[damaged] = f"{TIMES[damaged]:.2f},{cell}"
+    found = re.escape(f"record.txt:{damaged + 2}: expected a number in column 2, found {cell!r}; repair the cell")
+    with pytest.raises(RecordFormatError, match=found):
+        read(write("\n".join(["time [s],acc [g]", *rows])))
+
+
+def test_a_line_of_words_and_numbers_above_the_table_is_no_damaged_row(write):
+    (record,) = read(write(table(TIMES, VALUES, delimiter=",", header="rate,200 Hz\n100,Hz\n")), units="m/s2")
+    assert record.npts == len(TIMES)
 
 
 def test_a_single_column_needs_an_interval(write):
@@ -218,3 +234,24 @@ def test_a_title_above_time_and_acceleration_is_no_heading(write, title):
     (record,) = read(write(f"{title}\n{rows}"), units="g")
     assert (record.npts, record.dt) == (len(VALUES), 0.01)
     assert record.acceleration == pytest.approx(VALUES * STANDARD_GRAVITY, abs=1e-5)
+
+
+def rows(*columns, layout="{:9.4f}"):
+    return "".join("".join(map(layout.format, row)) + "\n" for row in zip(*columns, strict=True))
+
+
+@pytest.mark.parametrize("offset", [0.0, -300.0])
+def test_decimals_that_touch_at_a_sign_are_read_apart(write, offset):
+    strong = 100.0 * VALUES + offset
+    records = read(write(rows(TIMES, strong, -strong, strong)), units="cm/s2")
+    assert len(records) == 3
+    assert records[0].acceleration == pytest.approx(strong / 100.0, abs=1e-6)
+    assert records[1].acceleration == pytest.approx(-strong / 100.0, abs=1e-6)
+
+
+def test_decimals_that_touch_without_a_sign_are_refused(write):
+    apart, touching = rows(TIMES, VALUES, VALUES), "100.0000103.2500\n" * 9
+    with pytest.raises(RecordFormatError, match="txt:1: expected blanks between numbers, found numbers that touch in"):
+        read(write(touching + apart), units="cm/s2", dt=0.01)
+    with pytest.raises(RecordFormatError, match=r"txt:201: expected 3 finite numbers, found '100\.0000103\.2500'"):
+        read(write(apart + touching), units="cm/s2", dt=0.01)

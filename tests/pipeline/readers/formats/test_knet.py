@@ -57,7 +57,7 @@ def test_scale_styles(write, full, counts):
 def test_the_extension_tells_the_direction_and_says_so(write, name, component, orientation):
     (record,) = read(write(knet(COUNTS, peak_gal=11.0), name))
     assert (record.component, record.orientation) == (component, orientation)
-    assert any("the name counts" in warning for warning in record.warnings) is (name not in {"A.EW", "A.dat"})
+    assert any("the file name is used" in warning for warning in record.warnings) is (name not in {"A.EW", "A.dat"})
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_a_line_that_stands_twice_is_told(write):
     rows = knet(COUNTS).split(b"\n")
     (record,) = read(write(b"\n".join([*rows[:30], *rows[29:]])))
     assert record.npts == 508
-    assert any("the file has 508; all are kept: does a line stand in it twice?" in note for note in record.warnings)
+    assert any("the file has 508; all are kept: is a line duplicated?" in note for note in record.warnings)
 
 
 def test_a_scale_factor_of_many_digits_costs_no_time(write):

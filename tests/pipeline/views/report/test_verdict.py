@@ -18,16 +18,16 @@ from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.report.verdict import (
     Drawing,
     basis,
+    body_drawings,
     body_table,
     cards,
     counted_by,
-    drawings,
     motions_words,
     of_unknown_event,
     sentence,
 )
 from rockpulse.views.report.writing import report_page
-from rockpulse.views.shared.shown_columns import grade_cell
+from rockpulse.views.shared.table_columns import grade_cell
 from rockpulse.views.shared.verdict_table import verdict_legend
 
 
@@ -119,7 +119,7 @@ def test_under_a_design_sequence_there_is_no_probability():
         "Neither the design sequence nor a weaker one overturns it; smallest scale factor on its main"
     )
     assert told.endswith("impulse at which it overturns: 1.60.")
-    assert "That is not called safe" in counted_by(answers(summary, of))
+    assert "This does not prove safety" in counted_by(answers(summary, of))
     titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
     assert not {"P", "share", "interval"} & set(titles)
     assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.OVERTURNS
@@ -159,7 +159,7 @@ def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lif
     )  # fmt: skip
     summary = summary.assign(uplift_ratio=(("record", "block"), np.full((10, 1), 0.3)))
     told = sentence(answers(summary), verdict(summary))
-    assert told.startswith("Lifted by none of 10 records at the demand “ULS”; no conclusion can be drawn")
+    assert told.startswith("Not lifted by any of 10 records at the demand “ULS”; no conclusion can be drawn")
     assert grade_cell(verdict(summary).deciding).text == "at rest"
 
 
@@ -189,7 +189,7 @@ def test_the_motions_are_counted_by_their_kind():
     assert worst == "3 pairs of channels of 2 earthquakes, each in the worst of 2 directions"
     assert mean == "3 pairs of channels of 2 earthquakes, each averaged over 2 directions"
     sequence = motions_words(motions(1, kind="sequence"))
-    assert sequence == "one design sequence, which stands for the records of its site calibration"
+    assert sequence == "one design sequence, which represents the records of its site calibration"
 
 
 def test_what_the_verdicts_rest_on_and_what_their_words_mean_is_said():
@@ -222,7 +222,7 @@ def test_a_body_is_drawn_with_its_first_pedestal_and_with_both():
     tree.attrs["configuration"] = f'[[block]]\nname = "{wall}"\nwidth = 0.5\nheight = 2.0\nmass = 500.0\n{pedestals}'
     names = np.array(["", wall, wall], dtype=object)
     tree["summary"] = xr.DataTree(summary.assign(pedestal_of=SUMMARY["pedestal_of"].variable(names)))
-    assert [one.svg.count('class="pedestal"') for one in drawings(tree)] == [2, 1, 0]
+    assert [one.svg.count('class="pedestal"') for one in body_drawings(tree)] == [2, 1, 0]
 
 
 def test_a_pedestal_of_a_body_that_is_not_there_is_an_error_in_words():

@@ -134,7 +134,6 @@ def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
     words = Page(report_page(xr.DataTree.from_dict(parts))).text
     assert "resonance model (upper-bound type input, no prediction)" in words
     assert "judged by an upper-bound type input" in words
-    assert words.split("What limits it")[0].count("may overturn") >= 3
 
 
 def test_cases_of_restitution_are_bodies_of_their_own():
@@ -150,7 +149,7 @@ def test_the_design_sequence_of_a_site(tmp_path, site, bodies, undrawn):
     words = Page(report_page(results, site)).text
     assert "under one design sequence" in words
     said = words[words.index("The confidence is that of the site calibration") :].split("Site calibration")[0]
-    assert "a design made without the event of a record covers" in said or "is not known" in said
+    assert "a design made without the earthquake of a record covers" in said or "is not known" in said
     assert "Design sequence (quantile 0.84 of the recorded rotations)" in words
 
 

@@ -53,7 +53,7 @@ NINE_G = [row("b.v2", reason=f"b.{code}: peak 9 g", stage="assess") for code in 
         ),
         # a vertical channel beside horizontal ones that failed makes no file used
         (["a"], [row("b.v2", kind="vertical"), *NINE_G], "1 of 2 files used (1 rejected)", "{}: peak 9 g (b.v2)."),
-        (["", "a"], [row("b")], "1 file not used", "{}: damaged (b)."),  # records that do not tell their file
+        (["", "a"], [row("b")], "1 file could not be used", "{}: damaged (b)."),  # records that do not tell their file
     ],
 )
 def test_files_are_counted_once_and_nothing_that_failed_is_passed_over(group, sources, rows, counted, line):
@@ -74,7 +74,7 @@ def test_a_rotated_pair_has_the_files_of_both_channels():
     assert found.counted == "3 of 5 files used (2 rejected)"
     assert [one.file for one in found.unused] == ["n", "c; d.txt"]
     assert files_used(results("capacities", ["e; f"], [row("c")])).counted == "2 of 3 files used (1 rejected)"
-    assert count_files((), [row("a"), row("b")]).sentence == "none of 2 files used (2 rejected): damaged (a, b)."
+    assert count_files((), [row("a"), row("b")]).sentence == "2 files could not be used: damaged (a, b)."
 
 
 def test_the_commonest_reasons_come_first_each_with_its_files_and_the_rest_as_a_number():
