@@ -39,7 +39,7 @@ def record_probability(
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
         blocks = bodies.lanes.take(slice(None, None, bodies.cases)).weaker
-        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
+        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config, scene.record.id)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = _fill(values, scene, bodies, config) if config.has_probability else None
     return {name: np.repeat(own, bodies.cases, axis=0) for name, own in values.items()}, spectrum

@@ -197,7 +197,8 @@ _NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str)
 class DemandSettings(Section):
     """The demand of the site in one limit state: the intensity to which records are scaled to assess bodies.
 
-    `acceleration` is short for `measure = "pga"` with this `value`.
+    `acceleration` is short for `measure = "pga"` with this `value`. `selection` replaces them: a table with the columns
+    record and factor, as :func:`rockpulse.select` makes it; each record is scaled by its own factor.
 
     >>> rp.DemandSettings("SLV", measure="pga", value=2.5).strength
     2.5
@@ -210,11 +211,21 @@ class DemandSettings(Section):
     measure: str = choice(PGA, DEMAND)
     value: float | None = number(None, low=0.0, above=True, unit=units_in_words(DEMAND))
     period: float | None = number(None, low=0.02, unit="s")
+    selection: str | None = text(None)
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.selection is not None:
+            others = [name for name in ("acceleration", "value", "period") if self[name] is not None]
+            if others or self.measure != PGA:
+                raise ConfigError(
+                    f"{self.where} {self.name}: selection gives the scale factors; remove {', '.join(others) or 'measure'}"
+                )
+            return
         if self.acceleration is None and self.value is None:
-            raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found neither")
+            raise ConfigError(
+                f"{self.where} {self.name}: expected value, acceleration for a PGA, or selection, found none"
+            )
         if self.acceleration is not None and (self.measure != PGA or self.value not in (None, self.acceleration)):
             raise ConfigError(
                 f'{self.where} {self.name}: acceleration is the value of measure = "{PGA}"; found measure = '
@@ -228,10 +239,9 @@ class DemandSettings(Section):
 
     @property
     def strength(self) -> float:
-        """The value of the demand, in the unit of the measure."""
+        """The value of the demand, in the unit of the measure; NaN for a selection of records."""
         given = self.acceleration if self.value is None else self.value
-        assert given is not None  # checked above
-        return given
+        return math.nan if given is None else given
 
 
 @dataclass(frozen=True)
