@@ -1,6 +1,7 @@
 """``rockpulse select``: select records whose mean spectrum fits the spectrum of a code, a hazard or a table."""
 
 import argparse
+import sys
 from dataclasses import replace
 
 from rockpulse.commands.parser import Verb
@@ -30,7 +31,11 @@ def _run(args: argparse.Namespace) -> int:
     drawn = picture_bytes(whole_figure(selected_spectra(tree)), "png")
     write_files({table: table_csv(selection_table(tree)), picture: drawn})
     failed = files_used(tree).line
-    if not args.quiet:
+    if args.quiet:
+        outside = "" if tree["selection"].attrs["compatible"] else "the mean spectrum is not within the tolerance"
+        for words in filter(None, (failed, outside)):
+            tell(f"rockpulse: {words}", sys.stderr)
+    else:
         unused = rows_not_used(failure_rows(tree), more_in="")
         written = f"table: {table}\npicture: {picture}"
         tell("\n\n".join(filter(None, (selection_overview(tree), unused, written))))

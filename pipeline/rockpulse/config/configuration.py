@@ -88,11 +88,9 @@ class Config:
                 '[models] histories: true, but [records] store = "none" leaves them out of the results; '
                 'set store = "half_waves" or "all", or histories = false'
             )
-        tables = {
-            "[fragility]": self.fragility.selection,
-            **{f"[[demand]] {one.name}": one.selection for one in self.demands},
-        }
-        named = [where for where, table in tables.items() if table is not None]
+        tables = [("[fragility]", self.fragility.selection)]
+        tables += [(f"[[demand]] {one.name}", one.selection) for one in self.demands]
+        named = [where for where, table in tables if table is not None]
         if named and self.records.components == "strongest":
             raise ConfigError(
                 f'{named[0]} selection: it names records, but with [records] components = "strongest" their ids are '

@@ -218,9 +218,8 @@ class DemandSettings(Section):
         if self.selection is not None:
             others = [name for name in ("acceleration", "value", "period") if self[name] is not None]
             if others or self.measure != PGA:
-                raise ConfigError(
-                    f"{self.where} {self.name}: selection gives the scale factors; remove {', '.join(others) or 'measure'}"
-                )
+                told = ", ".join(others) or "measure"
+                raise ConfigError(f"{self.where} {self.name}: selection gives the scale factors; remove {told}")
             return
         if self.acceleration is None and self.value is None:
             raise ConfigError(

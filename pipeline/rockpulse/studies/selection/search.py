@@ -1,8 +1,8 @@
-"""Searches a set of spectra whose mean fits a target: greedy choice from several starts, then exchange of single members.
+"""Searches a set of spectra whose mean fits a target, by greedy choice from several starts and exchange of members.
 
-.. note:: Each spectrum has a scale factor of its own, with which the mean over the periods of its ratio to the target is
-   1, so that every member is as strong as the target. The search minimises max/min over the periods of the mean ratio of
-   the set, which does not depend on a common factor; one is applied at the end and centres the deviations.
+.. note:: Each spectrum has a scale factor of its own, with which the mean over the periods of its ratio to the target
+   is 1, so that every member is as strong as the target. The search minimises max/min over the periods of the mean
+   ratio of the set, which does not depend on a common factor; one is applied at the end and centres the deviations.
 """
 
 from collections.abc import Sequence

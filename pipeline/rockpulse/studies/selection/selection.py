@@ -186,7 +186,7 @@ def target_spectrum(config: Config, periods: np.ndarray) -> tuple[np.ndarray, st
     if period.size < 2 or period[0] > periods[0] or period[-1] < periods[-1]:
         ends = f"{period[0]:g} to {period[-1]:g} s" if period.size else "no period"
         raise ConfigError(
-            f"{path}: expected a target from {periods[0]:g} to {periods[-1]:g} s, as [selection] periods, found {ends}; "
-            "extend the table, or change periods"
+            f"{path}: expected a target from {periods[0]:g} to {periods[-1]:g} s, as [selection] periods, found {ends}"
+            "; extend the table, or change periods"
         )
     return np.interp(periods, period, acceleration), str(path)

@@ -130,6 +130,7 @@ def basis(answers: Answers, unused: str) -> str:
         told = in_numerals(demand.words.replace("m/s2", "m/s²"))
         if demand.words.startswith("PGA "):
             told += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
+        told = say("demand_selection") if math.isnan(demand.value) else told
         said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))
     return " ".join(said)
 
