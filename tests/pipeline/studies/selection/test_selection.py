@@ -138,13 +138,18 @@ def table(tmp_path):
     return tree["selection"]
 
 
+@pytest.mark.sweep
 def test_a_demand_scales_the_selected_records_by_their_factors_and_leaves_out_the_others(table, tmp_path):
     demand = rp.DemandSettings("SLV", selection="chosen.csv")
     config = rp.Config(folder=tmp_path, demands=(demand,), models=rp.ModelSettings(use=("linear",)))
     summary = rp.assess(RECORDS, config, {"wall": (0.4, 3.0)})["summary"].to_dataset()
     assert summary["record"].values.tolist() == table["record"].values.tolist()
     assert summary["demand_factor"].values.ravel() == pytest.approx(table["factor"].values)
-    beside = replace(config, demands=(demand, rp.DemandSettings("PGA", value=3.0)))
+
+
+def test_a_selection_and_a_measure_are_demands_side_by_side(table, tmp_path):
+    demands = rp.DemandSettings("SLV", selection="chosen.csv"), rp.DemandSettings("PGA", value=3.0)
+    beside = rp.Config(folder=tmp_path, demands=demands)
     factors = [demand_factors([one], Block(0.4, 3.0).lanes(1), beside, one.id)[0] for one in RECORDS]
     chosen = [one.id in table["record"].values for one in RECORDS]
     assert np.isfinite([one for one, _ in factors]).tolist() == chosen
