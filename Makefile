@@ -6,7 +6,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations ste
 	hard_crossings) tests/models/impulses
 LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories experiments reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -59,6 +59,9 @@ site:  ## the methods of rockpulse calibrate on earthquakes left out, on RECORDS
 
 check-histories:  ## the checks of codes against time histories of RECORDS
 	$(LABORATORY).histories $(RECORDS) -o build/check-histories $(OPTIONS)
+
+experiments:  ## overturning tests on a shake table (TESTS=FOLDER with the runs of Chen et al. 2022) against the response
+	$(LABORATORY).experiments $(TESTS)
 
 reference:  ## the stored reference of make accuracy, in 140-bit numbers (hours; goes on where it stopped)
 	$(PYTHON) benchmarks/make_reference.py

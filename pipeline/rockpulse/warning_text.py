@@ -38,8 +38,8 @@ WARNINGS = {
     "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
     "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the preceding one",
     "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on are repeated from {again:.4g} s on",
-    "spike": "spikes: samples far outside the range of their neighbours, {count:d} in all, the largest of {peak:.3g} g "
-    "at {time:.4g} s",
+    "spike": "spikes: samples far outside the range of their neighbours, {count:d} in all, the farthest of {peak:.3g} "
+    "g at {time:.4g} s",
     "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
     "0.5 s): its beginning is missing",
     "ends_strong": "the record ends in strong motion, at {share:.0f} % of its peak (root mean square of the last "

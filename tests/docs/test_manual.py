@@ -29,7 +29,7 @@ LONG = {DOCS / "gallery.md", DOCS / "accuracy.md"}
 
 #: All that the manual shows and no test runs, with the reason that stands above it on the page.
 NOT_RUN = {
-    ("accuracy.md", "sample output of `make accuracy`"),
+    ("accuracy.md", "it is the output of `make accuracy`"),
     ("index.md", "it installs the program"),
     ("installation.md", "it needs a container engine"),
     ("installation.md", "it writes to a system folder"),

@@ -7,8 +7,8 @@ TOP = Path(__file__).parents[2]
 
 
 def rows():
-    lines = (TOP / "docs" / "validation.md").read_text(encoding="utf-8").splitlines()
-    table = [line for line in lines if line.startswith("|")]
+    first = (TOP / "docs" / "validation.md").read_text(encoding="utf-8").partition("\n## ")[0]
+    table = [line for line in first.splitlines() if line.startswith("|")]
     return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in table[2:]]
 
 

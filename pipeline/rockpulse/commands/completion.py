@@ -25,7 +25,7 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.model_table import MODELS
     from rockpulse.readers import UNITS
-    from rockpulse.views.plots.kinds import KINDS
+    from rockpulse.views.plots.picture_kinds import KINDS
 
     words = {"KIND": tuple(KINDS), "UNIT": tuple(UNITS), "MODEL": tuple(MODELS)}
     for action in _actions(args.program):

@@ -15,7 +15,7 @@ class _List(argparse.Action):
         super().__init__(option_strings, dest, nargs=0, **options)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        from rockpulse.views.plots.kinds import kind_list
+        from rockpulse.views.plots.picture_kinds import kind_list
 
         tell(kind_list())  # works also if standard output is closed, as by `| head`
         parser.exit()
@@ -24,8 +24,8 @@ class _List(argparse.Action):
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.files import check_file, write_files
     from rockpulse.views.plots.drawing import plot
-    from rockpulse.views.plots.kinds import OPTIONS
     from rockpulse.views.plots.picture import picture_bytes
+    from rockpulse.views.plots.picture_kinds import OPTIONS
 
     target = check_file(args.output, args.overwrite, (".svg", ".png", ".pdf"))
     options = {name: getattr(args, name) for name in OPTIONS}

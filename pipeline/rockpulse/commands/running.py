@@ -126,9 +126,9 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
     message = f"rockpulse: no record could be {what}; nothing was written"
-    # If nothing failed, the reason is that records were too weak.
-    weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
-    why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))
+    # If nothing failed, the reason is that records were too weak, or no horizontal ground motion.
+    unused = [row for row in failures if row.kind not in ("failed", "duplicate") and row.stage not in ("find", "read")]
+    why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(unused))
     tell("\n".join(filter(None, (listed, f"{message}: {why}" if why else message))), sys.stderr)
     return 1
 

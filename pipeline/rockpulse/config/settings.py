@@ -223,7 +223,7 @@ class DemandSettings(Section):
             return
         if self.acceleration is None and self.value is None:
             raise ConfigError(
-                f"{self.where} {self.name}: expected value, acceleration for a PGA, or selection, found none"
+                f"{self.where} {self.name}: no level is given; state 'value', 'acceleration' for a PGA, or 'selection'"
             )
         if self.acceleration is not None and (self.measure != PGA or self.value not in (None, self.acceleration)):
             raise ConfigError(

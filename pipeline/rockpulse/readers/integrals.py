@@ -1,4 +1,4 @@
-"""Detects velocities and displacements among files of unstated kind: one is the integral of another."""
+"""Detects velocities and displacements among files of plain columns: one is the integral of another."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -10,23 +10,20 @@ import numpy as np
 from rockpulse.errors import Failure
 from rockpulse.record.record import Record
 
-_POINTS, _FEWEST = (
-    128,
-    50,
-)  # number of samples that are compared, and smallest number of samples of a file
+_POINTS, _FEWEST = 128, 50  # number of samples that are compared, and smallest number of samples of a file
 _BLOCK = 64  # number of files that are compared with all others at once
 _ALIKE = 0.98  # correlation of slopes and values of two files above which one is the integral of the other
 
 
-@dataclass(frozen=True, eq=False)
-class UnstatedKind(Record):
-    """A record whose file does not state the kind of motion, with some of its values and slopes."""
+@dataclass(frozen=True, eq=False, repr=False)
+class ColumnRecord(Record):
+    """A record of plain columns, with some of its values and slopes."""
 
     values: tuple[float, ...] = ()  # [m/s2]
     slopes: tuple[float, ...] = ()  # [m/s3]
 
 
-def of_unstated_kind(record: Record) -> Record:
+def with_slopes(record: Record) -> Record:
     """Return the record with some of its values and slopes; unchanged if it is too short."""
     if record.npts < _FEWEST:
         return record
@@ -34,14 +31,14 @@ def of_unstated_kind(record: Record) -> Record:
     samples = record.acceleration
     slopes = (samples[at + 1] - samples[at - 1]) / (2.0 * record.dt)
     known = {item.name: getattr(record, item.name) for item in fields(record)}
-    return UnstatedKind(**known, values=tuple(samples[at].tolist()), slopes=tuple(slopes.tolist()))
+    return ColumnRecord(**known, values=tuple(samples[at].tolist()), slopes=tuple(slopes.tolist()))
 
 
 def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
     """Return the records that are no integral of another one in their folder, and a failure for each integral."""
-    groups: dict[tuple[object, ...], list[UnstatedKind]] = defaultdict(list)
+    groups: dict[tuple[object, ...], list[ColumnRecord]] = defaultdict(list)
     for record in records:
-        if isinstance(record, UnstatedKind):
+        if isinstance(record, ColumnRecord):
             groups[str(PurePath(record.source).parent), record.npts, f"{record.dt:.6g}"].append(record)
     rows: dict[int, Failure] = {}
     for group in groups.values():
@@ -50,7 +47,7 @@ def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Fai
     return [record for record in records if id(record) not in rows], list(rows.values())
 
 
-def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
+def _integrals(group: Sequence[ColumnRecord]) -> dict[int, Failure]:
     """Return a failure for each record, by its identity, that is the integral of another record."""
     values, slopes = (_unit_vectors(np.array([getattr(one, name) for one in group])) for name in ("values", "slopes"))
     rows = {}
@@ -60,7 +57,8 @@ def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
         alike = block[place % _BLOCK]
         alike[place] = 0.0
         other = int(np.argmax(alike))
-        if alike[other] > _ALIKE and slopes[other] @ values[place] <= _ALIKE:
+        # Of two sines, each is the slope of the other.
+        if alike[other] > _ALIKE and abs(slopes[other] @ values[place]) <= _ALIKE:
             told = f"no acceleration: its derivative is {PurePath(group[other].source).name}"
             reason = f"{record.source}: {told}, so it holds a velocity or a displacement; name the files by their kind"
             rows[id(record)] = Failure(record.source, "read", reason, "skipped")

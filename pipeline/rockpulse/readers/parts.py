@@ -12,6 +12,7 @@ import numpy as np
 
 from rockpulse.errors import Failure, last_part
 from rockpulse.readers.integrals import without_integrals
+from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
@@ -21,7 +22,7 @@ _NEVER = datetime.max.replace(tzinfo=UTC)
 _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Part(Record):
     """A channel in one part of a record that is split into several files."""
 
@@ -56,10 +57,12 @@ class PartRule:
 
 
 def sample_digest(record: Record) -> str:
-    """Return the SHA-256 of the samples and the sampling interval of a record."""
-    digest = hashlib.sha256(record.acceleration.tobytes())
+    """Return the SHA-256 of the samples, all with the sign of the last, and of the interval; and the sign, + or -."""
+    turned = np.flatnonzero(record.acceleration)[-1:]
+    sign = "-" if np.any(record.acceleration[turned] < 0.0) else "+"
+    digest = hashlib.sha256((0.0 + (record.acceleration if sign == "+" else -record.acceleration)).tobytes())
     digest.update(f"{record.dt:.9g}".encode())
-    return digest.hexdigest()
+    return digest.hexdigest() + sign
 
 
 def settled(
@@ -90,20 +93,26 @@ def _without_duplicates(
     record, are on records of several files with equal samples that are kept as different channels.
     """
     alike: dict[str, list[Record]] = defaultdict(list)
+    signs: dict[int, str] = {}
     for record in records:
-        alike[digest(record)].append(record)
+        known = digest(record)
+        alike[known[:-1]].append(record)
+        signs[id(record)] = known[-1]
     copies: dict[int, Failure] = {}
     twins: dict[int, WarningText] = {}
     for group in alike.values():
         kept: list[Record] = []
         group.sort(key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
         for record in group:
-            first = next((one for one in kept if _same_motion(one, record)), None)
+            sign = signs[id(record)]
+            first = next((one for one in kept if signs[id(one)] == sign and _same_motion(one, record)), None)
             if first is None:
                 twin = next((one for one in kept if one.source != record.source), None)
                 if twin is not None and not find(record.warnings, "dead_channel"):
-                    twins.setdefault(id(twin), WarningText("same_samples", other=last_part(record.source), turned=""))
-                    twins[id(record)] = WarningText("same_samples", other=last_part(twin.source), turned="")
+                    turned = SIGNS[1.0 if signs[id(twin)] == sign else -1.0]
+                    for one, other in ((twin, record), (record, twin)):
+                        copy = WarningText("same_samples", other=last_part(other.source), turned=turned)
+                        twins.setdefault(id(one), copy)
                 kept.append(record)
                 continue
             told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"

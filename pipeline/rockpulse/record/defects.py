@@ -45,6 +45,8 @@ SPIKE_HALF, SPIKE_AROUND = 3, 50
 #: exceeds all other deviations by another ratio, and a larger share of the peak.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
+#: Smallest number of samples of zero, each between two of one sign above `SPIKE_NEAR_SHARE`, that are lost ones.
+DROPOUTS = 3
 #: Length of the two ends of a record [s], and ratio of their root mean square to the peak above which one is in strong
 #: motion; it must also exceed that of the quietest such window by a ratio, or weak motion in noise would be included.
 END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
@@ -106,7 +108,7 @@ def defects(record: Record) -> list[WarningText]:
     found = [
         *_lines(record, centred, resolution, strong),
         *_repeated(samples, dt, resolution, strong),
-        *_spikes(centred, dt),
+        *_spikes(samples, centred, dt),
         *_ends(samples, centred, dt),
     ]
     if dt > COARSE:
@@ -117,7 +119,8 @@ def defects(record: Record) -> list[WarningText]:
         key=lambda one: one[0] / one[1],
     )
     if slow > DRIFT * rest:
-        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=True))
+        # A pulse that is given as an array may leave a velocity on purpose.
+        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(record.source)))
     return found
 
 
@@ -236,8 +239,8 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningTex
     return []
 
 
-def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return a warning on samples far larger than their neighbours."""
+def _spikes(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
+    """Return a warning on samples far from their neighbours, which include several of zero in strong motion."""
     windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
     beyond = np.zeros(centred.size)
     beyond[SPIKE_HALF:-SPIKE_HALF] = np.abs(
@@ -256,6 +259,10 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
         near[max(own - SPIKE_HALF - 1, 0) : own + SPIKE_HALF + 2] = 0.0
         if all(abs(place - one) > SPIKE_HALF for one in spikes) and beyond[place] > SPIKE_NEAR * float(np.max(near)):
             spikes.append(place)
+    before, after = samples[:-2], samples[2:]
+    beside = np.where(before * after > 0.0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+    lost = 1 + np.flatnonzero((samples[1:-1] == 0.0) & (beside > SPIKE_NEAR_SHARE * peak))
+    spikes += lost.tolist() if lost.size >= DROPOUTS else []
     if not spikes:
         return []
     decides = any(abs(place - largest) <= SPIKE_HALF for place in spikes)

@@ -249,7 +249,7 @@ def _one_direction(record: Record, other: Record) -> bool:
 
 
 def _fault(record: Record, confirm: Sequence[str]) -> str:
-    """Return the fault for which duplicates of a record are preferred to it; empty for a record without a fault."""
+    """Return the fault of a record because of which a duplicate is used instead; empty if it has no fault."""
     if find(record.warnings, "dead_channel"):
         return "this channel is dead"
     odd = find(record.warnings, "odd_peak")

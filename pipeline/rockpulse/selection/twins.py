@@ -10,15 +10,18 @@ from typing import Literal
 import numpy as np
 
 from rockpulse.errors import Failure
+from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.record.components import concurrent, find_pairs, offset, sensor_level
 from rockpulse.record.defects import deciding, with_defects
 from rockpulse.record.record import Record, id_matches, outline_of
-from rockpulse.warning_text import WarningText
+from rockpulse.warning_text import WarningText, find
 
 #: Largest ratio of the peaks, and smallest correlation, of two records of the same ground motion.
 LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
 #: Largest ratio of the peaks of the two horizontal components of one instrument.
-COMPONENTS_RATIO = 10.0
+COMPONENTS_RATIO = 5.0
+#: Smallest correlation of two components of which one is a copy of the other, whatever its sign and scale.
+COPY_CORRELATION = 0.999
 #: Smallest angle between the lines of the two components of a pair [degrees].
 LEAST_TURN = 45.0
 #: Band in which records are compared [Hz], below this share of the lower sampling rate.
@@ -171,23 +174,36 @@ def _cause(ratio: float) -> str:
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if the peaks of two components differ greatly; None if a defect explains the difference."""
+    """Return a warning if a component copies the other, or its peak differs greatly and no defect explains it."""
     mine, others = (outline_of(one) for one in (channel, other))
     if not mine or not others or any(deciding(with_defects(one)) for one in (channel, other)):
         return None
-    ratio = mine[1] / others[1]
-    cause = _cause(ratio) or "a unit or gain may be wrong"
-    return WarningText("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
+    if _apart(mine, others):
+        ratio = mine[1] / others[1]
+        cause = _cause(ratio) or "a unit or gain may be wrong"
+        return WarningText("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
+    correlation = likeness(channel, other).correlation
+    if abs(correlation) < COPY_CORRELATION:
+        return None
+    return WarningText("same_samples", other=other.id, turned=SIGNS[math.copysign(1.0, correlation)])
+
+
+def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
+    """Return whether the peaks of two outlines differ by `COMPONENTS_RATIO` or more."""
+    return not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of each channel with the other channel of its pair, if their peaks differ greatly."""
+    """Yield a comparison of each channel with the other of its pair if peaks differ greatly or both may be equal."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
             continue
         mine, others = outline_of(channel), outline_of(other)
-        if mine and others and not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2:
+        if not mine or not others:
+            continue
+        alike = np.allclose(mine[2:], others[2:], rtol=0.0, atol=2.0 * channel.dt)
+        if _apart(mine, others) or (alike and not find(channel.warnings, "same_samples")):
             yield Comparison("component", place, other)
 
 

@@ -311,11 +311,12 @@ def test_record_without_a_sequence_is_still_assessed_and_says_so():
     pulse = np.zeros(200)
     pulse[50:80] = 3.0 * np.sin(np.pi * np.arange(30) / 30)
     single = Record(pulse, DT, id="pulse", processed=True, orientation="horizontal")
-    tree = assess([single], Config(bodies=(WALL,), records=RecordSettings(confirm=("pulse",))))  # its velocity stays
+    tree = assess([single], Config(bodies=(WALL,)))
     summary = tree["summary"].to_dataset().squeeze()
     assert list(summary["outcome"].values[:2]) == [Outcome.UNRESOLVED] * 2
     assert np.all(np.isfinite(summary["peak_rotation_ratio"].values[2:]) | np.isinf(summary["peak_rotation_ratio"][2:]))
     assert "no impulse sequence" in summary["warnings"].item()
+    assert "baseline drift or step" in summary["warnings"].item()  # its velocity stays
     assert tree["failures"].sizes["failure"] == 0
 
 

@@ -30,7 +30,6 @@ def settings(**options):
 def config(*blocks, **uncertainty):
     return rp.Config(
         bodies=blocks,
-        records=rp.RecordSettings(confirm=("*",)),  # its velocity stays
         models=rp.ModelSettings(use=("sequence", "linear", "nonlinear"), histories=True),
         search=rp.SearchSettings(intervals=True, points=16),
         uncertainty=rp.UncertaintySettings(**uncertainty),

@@ -107,6 +107,13 @@ def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, ca
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_single_vertical_channel_is_why_nothing_is_written(tmp_path, capsys):
+    path = tmp_path / "hvps_UP.dat"
+    path.write_text("".join(f"{0.01 * index:.2f} {np.sin(index):.4f}\n" for index in range(200)), encoding="ascii")
+    assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2") == 1
+    assert "nothing was written: hvps_UP.UP: vertical channel: read, not assessed" in capsys.readouterr().err
+
+
 @pytest.mark.sweep
 def test_columns_are_read_once_the_unit_is_named(quick, tmp_path, capsys):
     path = tmp_path / "columns.csv"

@@ -83,4 +83,4 @@ def test_wrong_arguments_are_reported(site, tmp_path, capsys):
     bare = tmp_path / "bare.toml"
     bare.write_text('[[block]]\nname = "wall"\nwidth = 0.4\nheight = 4.0\n')
     assert main(["check", "--config", str(bare)]) == 2
-    assert "[check]: expected the demand of the code" in capsys.readouterr().err
+    assert "[check]: no design spectrum is given" in capsys.readouterr().err

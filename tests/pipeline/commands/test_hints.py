@@ -54,7 +54,7 @@ HINTS = [
     ("export results.h5 -o table.csv --columns pgaa", "pgaa", r'did you mean "(\w+)"'),
     ("export results.h5 -o table.xlsx --decimal-comma", "--decimal-comma", r"(remove the option)"),
     ("plot results.h5 bodyes -o a.png", "bodyes", r'did you mean "(\w+)"'),
-    ("report results.h5 -o a.html --language de", "de", r"there are en, (it)"),
+    ("report results.h5 -o a.html --language de", "de", r"expected one of en, (it)"),
     ("report results.h5 -o a.doc", ".doc", r"ends in (\.html)"),
     ("assess large.txt --units g --dt 0.01 --block w=0.3x2.4 -o a.h5", "", r"give (--confirm \S+),"),
 ]

@@ -78,8 +78,8 @@ def test_a_unit_that_the_word_for_it_states_is_taken(put, header):
         ("PGA = 0.5 g\n", "states a peak of 0.5 g"),
         ("PGA (cm/s2): 10.0\n", "states a peak of 0.0102 g"),
         ("Peak acceleration = 300\n", "states a peak of 0.3059 g"),
-        ("NPTS = 200\n", "speaks of 200 samples"),
-        ("Number of samples: 800\n", "speaks of 800 samples"),
+        ("NPTS = 200\n", "mentions 200 samples"),
+        ("Number of samples: 800\n", "mentions 800 samples"),
         ("Duration: 8.0 s\n", "states 8 s"),
         ("Record length = 2 s\n", "states 2 s"),
         ("Scale factor: 2.5\n", "scale factor of 2.5"),
@@ -199,3 +199,13 @@ def test_the_hint_for_files_of_one_suffix_is_a_row_of_the_configuration(put):
         read(path, units="gal")
     chosen = FileSettings(match="*.dat", units="gal", dt=0.01)
     assert len(read_all(path, files=[chosen])[0]) == 1
+
+
+@pytest.mark.parametrize(("sign", "turned"), [(1.0, ""), (-1.0, " with the opposite sign")])
+def test_a_component_whose_samples_are_those_of_another_file_is_told(put, sign, turned):
+    put("time (s),acc E (g)\n" + table(0.003 * VALUES), "e.csv")
+    path = put("time (s),acc N (g)\n" + table(0.003 * sign * VALUES), "n.csv")
+    records, failures = read_all(path.parent)
+    assert (len(records), failures) == (2, [])
+    for record, other in zip(records, ("n.csv", "e.csv"), strict=True):
+        assert f"the samples are those of {other}{turned}: one of them is a copy" in record.warnings

@@ -105,6 +105,15 @@ def test_a_few_equal_spikes_do_not_hide_each_other():
     assert find(defects(record(motion)), "spike").values["count"] == 4
 
 
+def test_samples_of_zero_amid_strong_motion_are_told():
+    motion = shaking()
+    motion[at(motion, 0.2) : at(motion, 0.8) : 25] = 0.0
+    assert find(defects(record(motion)), "spike").values["count"] > 5
+    spread = np.zeros(2 * motion.size)
+    spread[::2] = shaking()
+    assert [one.code for one in deciding(condition(record(spread, 0.5 * DT)))] == ["spike"]
+
+
 def test_coarse_samples_decide_where_the_motion_goes_on_beyond_their_frequencies():
     slow = np.interp(np.arange(0.0, 5990.0, 10.0), np.arange(6000), np.convolve(shaking(), np.hanning(120), "same"))
     assert [one.values["decides"] for one in defects(record(slow, 0.1)) if one.code == "coarse_sampling"] == [False]
@@ -119,9 +128,17 @@ def test_a_step_drifts_whatever_baseline_is_subtracted(baseline):
 
 
 def test_a_high_pass_takes_the_velocity_of_a_step_away_so_that_it_does_not_decide():
-    stepped = record(*step(shaking(), DT, 25.0))
+    stepped = record(*step(shaking(), DT, 25.0), source="made.csv")
     assert [one.code for one in deciding(condition(stepped, "mean"))] == ["velocity_drift"]
     assert deciding(condition(stepped, "mean", highpass_hz=0.3)) == []
+
+
+def test_a_velocity_that_an_array_without_a_file_leaves_does_not_decide():
+    pulse = np.where(abs(TIME - 4.0) < 0.5, 3.0 * np.cos(np.pi * (TIME - 4.0)), 0.0)
+    for source, codes in (("", []), ("made.csv", ["velocity_drift"])):
+        one = condition(record(pulse, source=source), "none")
+        assert drifts(one)
+        assert [found.code for found in deciding(one)] == codes
 
 
 def test_a_velocity_that_comes_back_to_zero_by_the_mean_is_still_seen_to_drift():

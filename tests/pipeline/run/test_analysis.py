@@ -162,7 +162,7 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
     assert 'give --confirm a.E --confirm a.N, or confirm = ["a.E", "a.N"] under [records]' in row[3]
     assert "give --confirm a.N, or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
     assert len(seen(pair(40.0, 39.0), **swept, confirm=("a.*",))[0]) == 3  # at 135 degrees nothing is left
-    assert len(seen(pair(40.0, 5.0), **swept)[0]) == 4
+    assert len(seen(pair(40.0, 10.0), **swept)[0]) == 4
 
 
 def test_two_records_of_one_id_are_refused():

@@ -43,6 +43,7 @@ WAYS = {
     "horizontal": {},
     "vertical": {"include_vertical": True},
     "azimuth": {"components": "azimuth", "azimuth": 30.0},
+    "strongest": {"components": "strongest"},
     "sweep": {"components": "sweep", "azimuth_step": 45.0, "include_vertical": True},
     "structural": {"structural": True},
 }
@@ -90,7 +91,9 @@ def test_the_tasks_are_the_motions_of_the_assessment_in_memory(samples, samples_
         assert (task.planned.vertical and task.planned.vertical.id) == (one.vertical and one.vertical.id)
         motions = conditioned_motions(one, options)
         assert task.source == motions[0].record.source
-        assert planned_ids(task.planned, options) == [motion.record.id for motion in motions]
+        # The strongest direction depends on the samples.
+        known = [] if way == "strongest" else [motion.record.id for motion in motions]
+        assert planned_ids(task.planned, options) == known
 
 
 def test_a_task_is_small(samples):

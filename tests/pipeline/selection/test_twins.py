@@ -112,13 +112,23 @@ def test_an_aftershock_is_no_twin():
     assert seen(recording("main"), after)[0] == ["after.E", "after.N", "main.E", "main.N"]
 
 
-@pytest.mark.parametrize("factor", [15.0, 0.01])
+@pytest.mark.parametrize("factor", [9.80665, 15.0, 0.01])
 def test_components_of_one_instrument_far_apart_are_in_doubt(factor):
     found, failed, _, _ = seen(recording("a", north=factor * NORTH))
     assert (found, len(failed)) == ([], 2)
     assert all("the other component of its instrument" in reason for reason in failed)
     assert seen(recording("a", north=factor * NORTH), confirm=("a.*",))[0] == ["a.E", "a.N"]
-    assert seen(recording("a", north=5.0 * NORTH, late=1.0))[1] == []
+    assert seen(recording("a", north=4.0 * NORTH, late=1.0))[1] == []
+
+
+@pytest.mark.parametrize(("scale", "turned"), [(1.0, ""), (0.7, ""), (-1.0, " with the opposite sign")])
+def test_a_component_in_another_file_that_is_a_copy_is_told(scale, turned):
+    copied = np.round(scale * NORTH, 4)
+    pair = [replace(one, source=f"{one.id}.txt") for one in recording("a", east=copied)]
+    found, failed, _, warnings = seen(pair)
+    assert (found, failed) == (["a.E", "a.N"], [])
+    for other in "EN":
+        assert f"the samples are those of a.{other}{turned}: one of them is a copy" in warnings
 
 
 def test_beside_a_channel_of_noise_the_sound_one_counts():

@@ -3,13 +3,14 @@
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.integrals import of_unstated_kind
+from rockpulse.readers.integrals import with_slopes
 from rockpulse.readers.kit.column_statements import column_directions, column_units, same_directions, stated_peak
 from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
 from rockpulse.readers.kit.headings import ColumnHeading, column_headings
@@ -33,6 +34,9 @@ _COMPONENTS, _NO_STATION = 3, 4
 #: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
 _INTEGRAL = 0.95  # correlation above which a column is the integral of the one before it
+#: Patterns of decimals that touch: the end of one before the sign of the next, and rows of others, without a sign.
+_TOUCHING = re.compile(rb"(\.\d*+(?:[eEdD][+-]?\d++)?+)(?=[+-]\d*+\.\d)")
+_INSEPARABLE = re.compile(r"[\s\d.,;eEdD+-]*\.\d{3,}\.\d")
 #: Words in messages for the properties that a series wrapped into rows needs.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
 #: Names of the columns of a station in an example.
@@ -62,7 +66,7 @@ def is_columns(head: bytes, name: str) -> bool:
     """Return whether a short header is followed by rows of numbers with the same number of columns."""
     if b"\x00" in head:
         return False
-    lines, _ = without_stamps(kit.text_lines(head))
+    lines, _ = _lines(head)
     layout = find_layout(lines)
     if layout is None:
         return False
@@ -78,11 +82,15 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     interval are known and the values continue smoothly from row to row. The prose of a header must not contradict the
     numbers.
     """
-    lines, start_time = without_stamps(kit.text_lines(file.content))
+    lines, start_time = _lines(file.content)
     layout = find_layout(lines)
     if layout is None:
         expected = "rows of numbers, all with the same number of columns"
         raise RecordFormatError(f"{file.name}: expected {expected}, found none")
+    for number, line in enumerate(lines[: layout.start], 1):
+        if _INSEPARABLE.match(line):
+            found = f"numbers that touch in {line.strip()[:_SHOWN]!r}"
+            raise kit.unexpected(f"{file.name}:{number}", "blanks between numbers", found, "separate them")
     headings, end = column_headings(lines[: layout.start], layout)
     stop = kit.end_of_numbers(lines, layout.start)
     numbered = number_lines(file.name, lines[:stop], layout, names_time(headings))
@@ -159,9 +167,12 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             zip(columns.table.T, headings, units, facing, strict=True), 1
         )
     ]
-    worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
-    stated = worded or kit.kind_of_name(file)
-    return records if stated else [of_unstated_kind(record) for record in records]
+    return [with_slopes(record) for record in records]
+
+
+def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
+    """Return the lines, with numbers apart from each other and seconds for stamps, and the UTC time of the first."""
+    return without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
 
 
 def _with_one_time(columns: _Columns) -> _Columns:
@@ -251,7 +262,7 @@ def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complet
 
 
 def _other_count(said: Collection[int], found: int, what: str) -> str:
-    return f"the header speaks of {min(said)} samples, the file has {found} {what}; is it whole?"
+    return f"the header mentions {min(said)} samples, the file has {found} {what}; is it whole?"
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
@@ -273,7 +284,7 @@ def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
 
 def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> RecordFormatError:
     if width <= _NO_STATION and "last row" not in found:
-        series = f"Rows of up to {_NO_STATION} numbers are not taken for one series, for they may be those of a station"
+        series = f"Rows of up to {_NO_STATION} numbers are not read as one series: they may be channels of a station"
     elif lacking:
         series = f"Give {' and '.join(lacking)}: then one series is read if its values run on from row to row"
     else:
@@ -327,16 +338,16 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
     if others and not all(headings[index].kind for index in kept):
         where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
-            found = f"the header speaks of {listed} only; {kit.ACCELERATION_FILE}"
+            found = f"the header mentions {listed} only; {kit.ACCELERATION_FILE}"
             raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
-        expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
+        expected, found = "to know which columns are accelerations", f"a header that mentions {listed}"
         raise kit.unexpected(where, expected, found, _name_them(columns.width, False))
     by_name = kit.kind_of_name(file)
     if by_name not in ("", "acceleration"):
         if not said and not any(headings[index].kind for index in kept):
             raise kit.other_kind(name, by_name)
         if not all(headings[index].kind for index in kept):
-            found = f"a header that speaks of acceleration under a name that says {by_name}"
+            found = f"a header that mentions acceleration under a name that says {by_name}"
             raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
         told = f"the name of the file says {by_name}, the headings acceleration; check which is right"
         columns = replace(columns, warnings=(*columns.warnings, told))
@@ -348,7 +359,8 @@ def _sizes(columns: _Columns) -> list[int]:
     if columns.width < _COMPONENTS:
         headed = [means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
         return [index for index, size in enumerate(headed) if size and np.all(columns.table[:, index] >= 0.0)]
-    squares = columns.table**2
+    with np.errstate(over="ignore"):
+        squares = columns.table**2
     found = []
     for index in np.flatnonzero(np.all(columns.table >= 0.0, axis=0) & np.any(columns.table > 0.0, axis=0)):
         named = bool(columns.headings) and means_size(columns.headings[index].name)

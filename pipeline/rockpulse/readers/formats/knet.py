@@ -41,7 +41,7 @@ def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     component, warnings = _component(file, stats.channel)
     if declared < stats.npts <= expected + stats.sampling_rate:
         told = f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}"
-        notes.append(f"{told}; all are kept: does a line stand in it twice?")
+        notes.append(f"{told}; all are kept: is a line duplicated?")
     elif stats.npts > expected:
         wanted, advice = f"{declared} samples (duration and sampling frequency)", "the file holds more than one record"
         raise kit.unexpected(f"{file.name}:{len(lines)}", wanted, str(stats.npts), f"{advice}: download it again")

@@ -31,7 +31,7 @@ _DEEPEST_SENSOR = 10e3
 # Starts at the first blank only; otherwise the run time for a line of blanks would grow with its length squared.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 #: Number of samples that are compared first to find copies of a channel; signs of a copy, with the words for each.
-_FIRST, _SIGNS = 1000, ((1.0, ""), (-1.0, " with the opposite sign"))
+_FIRST, SIGNS = 1000, {1.0: "", -1.0: " with the opposite sign"}
 #: Number of equal consecutive samples at an extreme value that indicate clipping.
 RUN = 5
 #: Smallest distance of a clipped value from the mid-range [resolution steps]; nearer values may be equal by rounding.
@@ -193,7 +193,7 @@ def with_copy_warnings(records: Sequence[Record]) -> list[Record]:
         if not np.array_equal(abs(one.acceleration[near]), abs(other.acceleration[near])):
             continue
         turned = next(
-            (words for sign, words in _SIGNS if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
+            (words for sign, words in SIGNS.items() if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
         )
         if turned != "-":
             notes.setdefault(at, []).append(

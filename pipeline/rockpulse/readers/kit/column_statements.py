@@ -70,7 +70,11 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
     said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
     named = [(unit, line) for unit, line in said if line.value]
     asked = None if options.units is None else canonical_unit(options.units, "option units")
-    says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
+
+    def against(stated: str) -> str:
+        right = f"--units {stated}, or in " + for_such_files(name, f'units = "{stated}"')
+        return f"{options.said_by('units')} says {asked}; correct the wrong one; if the header is right, give {right}"
+
     for heading in headings:
         where = f"{name}: column {heading.name!r}"
         stated = canonical_unit(heading.unit, where) if heading.unit else None
@@ -86,7 +90,7 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
         if stated is None and asked is None and named:
             stated = named[0][0]
         if stated is None and asked is None:
-            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
+            found = f"; line {said[0][1].line} of its header mentions {said[0][1].wording!r}" if said else ""
             alone = for_such_files(name, 'units = "g"')
             raise UnitError(
                 f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
@@ -94,8 +98,8 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
                 f"configuration, or read(path, units='g'); if only some files use this unit, set it for them in {alone}"
             )
         if stated and asked and UNITS[stated] != UNITS[asked]:
-            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")
+            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {against(stated)}")
         if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
-            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
+            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {against(said[0][0])}")
         units.append(asked or stated or "")
     return units

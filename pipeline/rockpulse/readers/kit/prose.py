@@ -251,7 +251,7 @@ def positive_downwards(header: Sequence[str]) -> bool:
 def reversed_polarity(header: Sequence[str]) -> list[str]:
     """Return a warning if a header states that the polarity is reversed."""
     lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(folded_text(line))]
-    return [f"line {number} speaks of a reversed polarity; the sign is that of the file" for number in lines]
+    return [f"line {number} mentions a reversed polarity; the sign is that of the file" for number in lines]
 
 
 def stated_direction(header: Sequence[str]) -> Direction:

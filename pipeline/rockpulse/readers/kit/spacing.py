@@ -240,7 +240,7 @@ def jitters(times: np.ndarray) -> bool:
 
 
 def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, WarningText]:
-    """Return the columns, interpolated by splines at equal steps of the times, and a warning about it."""
+    """Interpolate columns by splines to equal time steps; return them with a warning that says so."""
     from scipy.interpolate import CubicSpline
 
     step = float(times[-1] - times[0]) / (times.size - 1)

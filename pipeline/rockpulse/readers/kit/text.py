@@ -199,7 +199,7 @@ def canonical_unit(text: str, where: str) -> str:
     unit = spelled_unit(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
-        of = f" ({quantity})" if quantity else ""
+        of = f", which is a unit of {quantity}" if quantity and quantity != "acceleration" else ""
         advice = (
             ""
             if where.startswith(("option", "--")) or "[records]" in where

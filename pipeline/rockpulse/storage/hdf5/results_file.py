@@ -239,7 +239,7 @@ class ResultsFile:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Convert errors of HDF5 in the ``with`` block to ResultsError, as the file is damaged."""
+        """Convert errors of HDF5 in the ``with`` block to ResultsError, because they mean that the file is damaged."""
         try:
             yield
         except (OSError, RuntimeError) as error:

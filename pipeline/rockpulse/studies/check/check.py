@@ -73,7 +73,7 @@ def check(
     if isinstance(results, Config):
         raise ConfigError("results: expected the results of assess, found a Config; give it as config=")
     if results is None and config is None:
-        raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
+        raise ConfigError("expected a results file or --config with the bodies and a section [check], found none")
     tree = None if results is None else given_results(results)
     if tree is not None and (kind := str(tree.attrs.get("kind", ASSESSMENT))) != ASSESSMENT:
         name = "results" if isinstance(results, xr.DataTree) else results

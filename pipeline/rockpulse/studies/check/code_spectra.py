@@ -156,8 +156,8 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
         return TabledSpectrum(*read_spectrum(folder / settings.file), str(folder / settings.file))
     if settings.ag is None:
         raise ConfigError(
-            "[check]: expected the demand of the code: ag [g] with f0 and tc_star [s] (NTC), ag alone (en_1998_1, "
-            "en_1998_2), or the file of a table; found none"
+            "[check]: no design spectrum is given; state ag [g], f0 and tc_star [s] for NTC, ag [g] for en_1998_1 or "
+            "en_1998_2, or file, a CSV table of the spectrum"
         )
     ag, words = settings.ag * STANDARD_GRAVITY, f"a_g {settings.ag:g} g, ground {settings.ground}"
     if settings.spectrum != "ntc":

@@ -170,7 +170,7 @@ class Fits:
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit all curves and test their sufficiency; groups of several bodies are fitted only in dimensionless measures."""
+    """Fit all curves and test the measures for sufficiency; groups of bodies have only dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

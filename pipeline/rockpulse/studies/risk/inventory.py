@@ -50,7 +50,7 @@ def read_inventory(path: str | Path) -> Inventory:
     table = table_of(str(path), read_text(where, what="a table of bodies"))
     table.columns = [_known(str(name)) for name in table.columns]
     if missing := [name for name in NEEDED if name not in table.columns]:
-        raise ConfigError(f"{path}: expected the columns {', '.join(NEEDED)}; no column {' and '.join(missing)}")
+        raise ConfigError(f"{path}: expected the columns {', '.join(NEEDED)}; missing: {', '.join(missing)}")
     names = table["name"].tolist()
     if not names or "" in names or len(set(names)) < len(names):
         raise ConfigError(f"{path}: expected a unique name for each body")

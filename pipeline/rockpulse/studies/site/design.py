@@ -151,7 +151,7 @@ def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.nda
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Return the mask (m,) of blocks whose overturning sets the design, and the share covered just below it."""
+    """Return a mask (m,) of the blocks that govern the design, and the coverage of a slightly weaker design."""
     low, high = _range(sample)
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
     reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))

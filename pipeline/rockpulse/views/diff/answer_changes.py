@@ -1,4 +1,4 @@
-"""The decisive changes between two assessments: results that crossed a limit, and margins that changed."""
+"""Decisive changes between two assessments: changed verdicts, ratios that crossed 1, and changed margins."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
 from rockpulse.views.shared.formatting import ratio
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.shown_columns import margin_cells
+from rockpulse.views.shared.table_columns import margin_cells
 
 #: Variables that describe the margin of a body.
 MARGIN = (
@@ -21,7 +21,7 @@ MARGIN = (
 
 
 class Flip(NamedTuple):
-    """A changed verdict or a ratio that crossed 1, for a record, body and model, and possibly a demand."""
+    """A verdict that changed, or a ratio that crossed 1; ``place`` names the record, body, model and demand."""
 
     place: tuple[str, ...]
     before: str
@@ -30,7 +30,7 @@ class Flip(NamedTuple):
 
 @dataclass
 class Changes:
-    """Results of one variable that crossed a limit, in all models and in the most complete; the `listed` are named."""
+    """The changes of one variable: their number in all models and in the most complete model, and the first ones."""
 
     listed: int = 0
     compared: int = 0
@@ -42,19 +42,19 @@ class Changes:
 
     @property
     def named(self) -> list[Flip]:
-        """Return the first changes; changes of the most complete model come first."""
+        """Return the first `listed` changes; those in the most complete model come first."""
         return [*self._first, *self._others][: self.listed]
 
     def add(self, places: np.ndarray, leading: np.ndarray, named: Callable[[int], Flip]) -> None:
-        """Count changes at `places` and name the listed ones; `leading` marks changes of the most complete model."""
+        """Add changes at indices `places`; `leading` is True for those in the most complete model."""
         self.count += places.size
         self.count_by_model += int(leading.sum())
-        for told, some in ((self._first, places[leading]), (self._others, places[~leading])):
-            told.extend(named(int(at)) for at in some[: self.listed - len(told)])
+        for kept, some in ((self._first, places[leading]), (self._others, places[~leading])):
+            kept.extend(named(int(at)) for at in some[: self.listed - len(kept)])
 
 
 def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
-    """Return the most complete model that two nodes /summary have in common; empty for none."""
+    """Return the most complete model that is in both groups /summary; empty if they have no common model."""
     if "model" not in one.coords or "model" not in other.coords:
         return ""
     common = one.sel(model=np.isin(one["model"].values, other["model"].values))
@@ -64,7 +64,7 @@ def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
 def body_changes(
     one: xr.Dataset, other: xr.Dataset, named: Mapping[str, Matched], model: str, ignore: Sequence[str] = ()
 ) -> list[str]:
-    """Return a line for each body whose margin changed, for its worst restitution and the common records (`named`)."""
+    """Return a line for each body whose margin changed, computed from the records that both files contain."""
     records, blocks = named["record"], named["block"]
     size = records.first.size
     if not size or not blocks.first.size:
@@ -87,13 +87,13 @@ def body_changes(
     for place in range(blocks.first.size):
         pairs = {what: (cells[place], after[what][place]) for what, cells in before.items() if what in after}
         if any(old != new for old, new in pairs.values()):
-            told = [f"{what} {old}" + (f" -> {new}" if new != old else "") for what, (old, new) in pairs.items()]
-            lines.append(f"{blocks.names(place)[0]}: {', '.join(told)}{of}")
+            changes = [f"{what} {old}" + (f" -> {new}" if new != old else "") for what, (old, new) in pairs.items()]
+            lines.append(f"{blocks.names(place)[0]}: {', '.join(changes)}{of}")
     return lines
 
 
 def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
-    """Describe the margins of bodies from the variables `names`."""
+    """Return the margins of all bodies as text, by name of the margin."""
     answers = Answers(summary)
 
     def probability(values: np.ndarray, *left_out: np.ndarray) -> list[str]:
@@ -103,16 +103,16 @@ def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[
     def smallest(*demand: str) -> list[str]:
         return [margin_cells(margin)[0].marked for margin in answers.margins("block", *demand)]
 
-    shown = {}
+    margins = {}
     if answers.probable:
-        shown["P"] = probability(answers["overturning_probability"])
+        margins["P"] = probability(answers["overturning_probability"])
     if answers.factor in names:
-        shown[f"smallest {factor_heading(answers.factor)}"] = smallest()
+        margins[f"smallest {factor_heading(answers.factor)}"] = smallest()
     for demand in answers.demands:
         if answers.probable:
             at_demand = answers.at_demand(demand)
-            shown[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
-        shown[f"smallest capacity/demand {demand}"] = smallest(demand)
+            margins[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
+        margins[f"smallest capacity/demand {demand}"] = smallest(demand)
     if "outcome" in names:
-        shown["overturned"] = [str(count) for count in answers.overturnings("block")]
-    return shown
+        margins["overturned"] = [str(count) for count in answers.overturnings("block")]
+    return margins

@@ -1,4 +1,4 @@
-"""The changes between two results files as text."""
+"""The differences between two results files as text."""
 
 import math
 import os
@@ -84,7 +84,7 @@ def diff(
 def difference_overview(
     found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str, full: bool = True
 ) -> str:
-    """Return the differences (bodies, verdicts, crossed ratios and others) as text: one screen unless `full`."""
+    """Return the differences between two files as text, on one screen unless `full`."""
     most = LISTED if full else ON_SCREEN
     parts = ["\n".join(map(_file, "-+", (first, second)))]
     if not found.same:
@@ -97,9 +97,9 @@ def difference_overview(
         parts.append(_changes(title, by_model, found.model, flips))
     elif flips.compared:
         parts.append(f"None of {flips.compared} verdicts changed.")
-    told = {title: one for title, one in crossed.items() if one.count}
+    changed = {title: one for title, one in crossed.items() if one.count}
     parts += [
-        _changes(f"{title}: {one.count}", str(one.count_by_model), found.model, one) for title, one in told.items()
+        _changes(f"{title}: {one.count}", str(one.count_by_model), found.model, one) for title, one in changed.items()
     ]
     parts.append("\n".join(f"  {name}: {old} -> {new}" for name, old, new in found.about))
     changes = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration]
@@ -131,26 +131,26 @@ def _only(one: OnlyIn, most: int) -> str:
 
 
 def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -> str:
-    """Return the title and the first lines of a list; empty for an empty list."""
+    """Return a title and at most `most` lines below it; empty if there are no lines."""
     said = [paragraph(line, indent, "  ") for line in every]
     return "\n".join([title, *_first(said, most)]) if said else ""
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
-    """Return the first lines, and the number of the others."""
+    """Return at most `most` lines, then a line with the number of the other ones."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
-    """Return the title, a line for each listed change, and the number of other changes."""
+    """Return a title, a line for each listed change, and a line with the number of the other ones."""
     rows = tuple(
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
     )
-    shown = lines(Table("", "", (Heading(""),) * len(rows[0]), rows))[1:]
+    listed = lines(Table("", "", (Heading(""),) * len(rows[0]), rows))[1:]
     more = [f"  and {changes.count - len(rows)} more (--limit)"] if changes.count > len(rows) else []
     heading = paragraph(f"{title} ({by_model} by the {model} model)" if model else title, "    ", "")
-    return "\n".join([heading, *("  " + line for line in shown), *more])
+    return "\n".join([heading, *("  " + line for line in listed), *more])
 
 
 def _variables(found: Differences, tolerance: str, most: int) -> str:
@@ -172,13 +172,13 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
         "largest: relative difference (inf: one value is not finite) and its position; of texts and flags the first "
         "difference."
     )
-    shown = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
+    text = table_text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
     more = len(found.variables) - len(rows)
-    return f"{shown}\n  and {more} more variables" if more > 0 else shown
+    return f"{text}\n  and {several(more, 'more variable')}" if more > 0 else text
 
 
 def _place(names: Sequence[str]) -> str:
-    """Join names in one line, shortening the longest ones to fit."""
+    """Return the names on one line; the longest ones are shortened so that the line fits the column."""
     room = PLACE_WIDTH - 2 * (len(names) - 1)
     width = max(map(len, names), default=0)
     while sum(min(len(name), width) for name in names) > room:
@@ -187,7 +187,7 @@ def _place(names: Sequence[str]) -> str:
 
 
 def _cut(name: str, width: int) -> str:
-    """Shorten a name at its end, as a record id ends with its time."""
+    """Shorten a name to a width; the end of a record id is kept, as it contains the time."""
     channel, at, start = name.partition("@")
     room = width - len(channel) - len("@…")
     if len(name) > width and at and room > 0:

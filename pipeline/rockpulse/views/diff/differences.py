@@ -1,4 +1,4 @@
-"""The changes between two results files: rows in only one file, values beyond a tolerance, changed verdicts."""
+"""Compares two results files: rows in only one file, values beyond a tolerance, and changed verdicts."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,7 +33,7 @@ APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_diges
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """The differences of one variable: their number, and the largest."""
+    """The differences of one variable: how many values differ, and where the difference is largest."""
 
     name: str  # group and variable
     differing: int  # number of values beyond the tolerance
@@ -46,7 +46,7 @@ class VariableDifference:
 
 @dataclass(repr=False)
 class Differences:
-    """The changes between two files; ``sides`` contains changed verdicts and crossed ratios by variable."""
+    """All differences between two files; ``sides`` has changed verdicts and crossed ratios by variable."""
 
     about: list[tuple[str, str, str]] = field(default_factory=list)  # root attributes: name, before, after
     configuration: list[str] = field(default_factory=list)
@@ -68,7 +68,7 @@ class Differences:
 
     @property
     def same(self) -> bool:
-        """Whether the results are equal; versions and configuration may differ."""
+        """Whether the results are equal; versions and configurations may differ."""
         return not (self.only or self.others or self.variables)
 
 
@@ -80,11 +80,11 @@ def compare_results(
     ignore: Sequence[str] = (),
     listed: int = 20,
 ) -> Differences:
-    """Compare two open results files; ResultsError if their kinds differ or `ignore` has an unknown name.
+    """Compare two open results files; ResultsError if they are of different kinds or `ignore` has an unknown name.
 
-    Two numbers are equal if they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the same
-    infinity; strings, integers and flags must be identical. Variables in `ignore`, as ``name`` or ``/group/name``, are
-    not compared; at most `listed` changed verdicts and `listed` crossed ratios are named.
+    Two numbers are equal if they differ by at most `atol` + `rtol` times the larger one, or if both are NaN or the same
+    infinity; texts, integers and flags must be identical. Variables in `ignore`, as ``name`` or ``/group/name``, are
+    not compared. At most `listed` changed verdicts and `listed` crossed ratios are named.
     """
     if first.kind != second.kind:
         raise ResultsError(
@@ -133,7 +133,7 @@ def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Ma
 
 
 def _placed(configuration: str) -> list[str]:
-    """Return the lines of a configuration with their section, which contains the name for bodies and demands."""
+    """Return the lines of a configuration, each preceded by its section; bodies and demands are named."""
     where, lines = "", []
     for line in configuration.splitlines():
         if line.startswith("["):
@@ -146,7 +146,7 @@ def _placed(configuration: str) -> list[str]:
 
 
 def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) -> None:
-    """Compare the failures as sets, as a failure is identified only by its whole text."""
+    """Compare the rows of the failures tables as whole rows, regardless of their order."""
     first, second = (
         list(map("{} ({}) {}: {}".format, *(dataset[name].values for name in ("kind", "stage", "file", "reason"))))
         for dataset in (one, other)
@@ -156,7 +156,7 @@ def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) ->
 
 
 def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], rtol: float, atol: float) -> None:
-    """Match the rows of a group in both files, and compare the common variables."""
+    """Match the rows of a group in both files, and compare the variables that both contain."""
     one, other, group = rows.one, rows.other, rows.group
     for name in sorted(set(one.attrs) | set(other.attrs)):
         old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (one, other))
@@ -181,7 +181,7 @@ def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], 
 
 
 def _not_alike(before: xr.Variable, after: xr.Variable) -> str:
-    """Describe a difference in units, flags, dimensions or type that prevents a comparison; empty if they agree."""
+    """Return why two variables cannot be compared (units, flags, dimensions or type); empty if they can."""
     for what in ("units", "flag_meanings"):
         if str(before.attrs.get(what)) != str(after.attrs.get(what)):
             return f"{what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}"
@@ -205,7 +205,7 @@ def _compare_values(
     largest, worst = -1.0, None
     for start, old, new in _parts(before, after, rows):
 
-        def told(at: int, start: int = start, old: np.ndarray = old, new: np.ndarray = new) -> Flip:
+        def change_at(at: int, start: int = start, old: np.ndarray = old, new: np.ndarray = new) -> Flip:
             place = np.unravel_index(at, old.shape)
             labels = (row.names(int(k) + (start if row is rows[0] else 0)) for row, k in zip(rows, place, strict=True))
             return Flip(tuple(chain(*labels)), _shown(old[place], words), _shown(new[place], words))
@@ -221,13 +221,13 @@ def _compare_values(
                 leads = np.moveaxis(np.broadcast_to(own, (*np.delete(old.shape, axis), own.size)), -1, axis)
             sides.compared += old.size
             sides.compared_by_model += int(leads.sum())
-            sides.add(changed, leads.ravel()[changed], told)
+            sides.add(changed, leads.ravel()[changed], change_at)
         if apart.size:
             differing += apart.size
             sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
             at = int(sizes.argmax())
             if sizes[at] > largest:
-                largest, worst = float(sizes[at]), told(apart[at])
+                largest, worst = float(sizes[at]), change_at(apart[at])
     found.compared += compared
     if worst is not None:
         size = largest if before.dtype.kind == "f" else math.nan
@@ -237,7 +237,7 @@ def _compare_values(
 def _parts(
     before: xr.Variable, after: xr.Variable, rows: list[Matched]
 ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yield parts of a variable: the start along the first dimension, and the values of both files."""
+    """Yield parts of a variable: the index of the first row, and the values in both files."""
     if not rows:
         yield 0, np.asarray(before.values), np.asarray(after.values)
         return
@@ -273,13 +273,13 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
 
 
 def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Return the flat indices at which a ratio crossed 1."""
+    """Return the indices in `places` at which a ratio crossed 1."""
     one, other = old.reshape(-1)[places], new.reshape(-1)[places]
     return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
 
 
 def _relative(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Return the relative difference of numbers, inf if only one is finite; 1 for strings and integers."""
+    """Return the relative differences of numbers; inf if only one is finite, and 1 for texts and integers."""
     if old.dtype.kind != "f" or new.dtype.kind != "f":
         return np.ones(old.shape)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,4 +1,4 @@
-"""Pictures of results on given or new Axes, which are returned; no window is opened, no global setting is changed."""
+"""Pictures of results, drawn on given or new Axes; no window is opened and no global setting is changed."""
 
 import lazy_loader
 

@@ -8,7 +8,6 @@ from .ground_motion import accelerogram as accelerogram
 from .ground_motion import motion_of_record as motion_of_record
 from .ground_motion import stored_motion as stored_motion
 from .impulse_sequences import limit_accelerogram as limit_accelerogram
-from .kinds import KINDS as KINDS
 from .model_histories import ModelHistory as ModelHistory
 from .model_histories import histories as histories
 from .objects import block_outlines as block_outlines
@@ -18,6 +17,7 @@ from .objects import response as response
 from .objects import two_half_cycles as two_half_cycles
 from .picture import picture_bytes as picture_bytes
 from .picture import svg as svg
+from .picture_kinds import KINDS as KINDS
 from .probability_map import probability_map as probability_map
 from .rotation_panels import rotation_history as rotation_history
 from .selected_spectra import selected_spectra as selected_spectra

@@ -1,4 +1,4 @@
-"""Pictures of scale factors: intervals of overturning, and the smallest scale factor of overturning of every record."""
+"""Pictures of the scale factors at which bodies overturn: all intervals, or the smallest of every record."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -28,7 +28,7 @@ _THINNEST = 1.0
 #: Left end of the axis divided by the smallest factor, and position of the mark of each model in a row without a factor
 #: divided by the upper limit of the search.
 _BELOW, _NONE = 0.7, 1.09
-_SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
+_SEARCH = "assess again with the model in [search] models and with [search] intervals = true"
 
 
 def overturning_map(
@@ -73,11 +73,11 @@ def overturning_map(
     rows = list(product(records, blocks, range(1, summary.sizes.get("case", 1) + 1)))
     searched = not is_full(model) or bool(summary["safety_factor"].sel(model=model).notnull().any())
     name = "safety_factor" if searched else "factor_10"
-    told = (name, "factor_resolved", "search_step", "applicable", "factor_50", "factor_10_low", "factor_10_high")
-    factors, resolved, steps, inside, half, *ends = (_of_rows(summary, one, records, blocks, model) for one in told)
+    wanted = (name, "factor_resolved", "search_step", "applicable", "factor_50", "factor_10_low", "factor_10_high")
+    factors, resolved, steps, inside, half, *ends = (_of_rows(summary, one, records, blocks, model) for one in wanted)
     if np.all(np.isnan(factors)):
-        raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
-    kept, merged, names, notes = factor_rows.shown_rows(summary, rows, factors, most)
+        raise ResultsError(f"{model}: no scale factors in these results; {_SEARCH}")
+    kept, merged, names, notes = factor_rows.drawn_rows(summary, rows, factors, most)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     end = settings_of(tree, SearchSettings).factor_max
     asked = factor_rows.factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
@@ -153,16 +153,16 @@ def critical_scale(
     asked = [one_name(summary, "model", str(name)) for name in models or summary["model"].values]
     searched = [name for name in asked if bool(own["safety_factor"].sel(model=name).notnull().any())]
     if not searched:
-        raise ResultsError(f"{block}: no factors in these results: {_SEARCH}")
+        raise ResultsError(f"{block}: no scale factors in these results; {_SEARCH}")
     full = fullest_model(summary)
     leading = full if full in searched else searched[-1]
     order = np.argsort(own["safety_factor"].sel(model=leading).values, kind="stable")[: factor_rows.ROWS]
     end = settings_of(tree, SearchSettings).factor_max
     ax = style.one_axes(ax, height=1.6 + factor_rows.ROW * max(order.size, 4))
-    shown = own.isel(record=order)
-    records = [str(name) for name in shown["record"].values]
+    drawn = own.isel(record=order)
+    records = [str(name) for name in drawn["record"].values]
     none_at = [end * _NONE ** (1 + place) for place in range(len(searched) + 1)]
-    lowest = [_markers(ax, shown.sel(model=name), name, at) for name, at in zip(searched, none_at, strict=False)]
+    lowest = [_markers(ax, drawn.sel(model=name), name, at) for name, at in zip(searched, none_at, strict=False)]
     needed = factor_rows.factors_to_demands(summary, records, block, end)
     factor_rows.demand_ticks(ax, needed)
     factor_rows.factor_axis(ax, records, _BELOW * factor_rows.least(needed, min([1.0, *lowest])), end, none_at[-1])
@@ -170,15 +170,15 @@ def critical_scale(
     legend_rows = factor_rows.legend_once(ax, columns=3)
     name = style.plain(named_body(summary, block, case))
     style.title(ax, say("plot.scale.title", name=name), rows=legend_rows)
-    notes = _scale_notes(own, shown, searched, leading, end)
-    told = [style.look(name).label.capitalize() for name in searched if name in probable]
-    notes += [say("plot.scale.probable", model=model) for model in told]
+    notes = _scale_notes(own, drawn, searched, leading, end)
+    labels = [style.look(name).label.capitalize() for name in searched if name in probable]
+    notes += [say("plot.scale.probable", model=model) for model in labels]
     style.caption(ax, " ".join([*notes, *factor_rows.tick_notes(needed)]))
     return ax
 
 
 def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[str], model: str) -> np.ndarray:
-    """Return a variable for every record, body and restitution (varying fastest); NaN if it is not in the file."""
+    """Return the values of a variable by record, body and restitution; NaN if the variable is missing."""
     count = len(records) * len(blocks) * summary.sizes.get("case", 1)
     if name not in summary:
         return np.full(count, np.nan)
@@ -206,16 +206,16 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:
-    """Draw a dot at the scale factor of every row, hollow for a lower bound."""
+    """Draw a dot at the scale factor of every row; dots of lower bounds are hollow."""
     dots: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 3.6, "mec": BLACK, "mew": 0.7, "zorder": 3}
     for rows, face in ((~bound, BLACK), (bound, "white")):
-        shown = rows & np.isfinite(factors)
-        if np.any(shown):
-            ax.plot(factors[shown], np.flatnonzero(shown), label=words, mfc=face, **dots)
+        drawn = rows & np.isfinite(factors)
+        if np.any(drawn):
+            ax.plot(factors[drawn], np.flatnonzero(drawn), label=words, mfc=face, **dots)
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
-    """Draw the scale factors of one model, and return the smallest."""
+    """Draw the scale factors of one model, and return the smallest one."""
     appearance, factor = style.look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0
@@ -243,8 +243,8 @@ def _map_notes(model: str, end: float, step: float, outside: Sequence[str], boun
     return words + _bounds([model])
 
 
-def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], leading: str, end: float) -> list[str]:
-    rows, every, answers = shown.sizes["record"], own.sizes["record"], shown.sel(model=list(searched))
+def _scale_notes(own: xr.Dataset, drawn: xr.Dataset, searched: Sequence[str], leading: str, end: float) -> list[str]:
+    rows, every, answers = drawn.sizes["record"], own.sizes["record"], drawn.sel(model=list(searched))
     values = answers["safety_factor"].values
     unknown = int(np.count_nonzero(np.isnan(values)))
     words = [say("plot.scale.smallest", count=rows, total=every)] if rows < every else []

@@ -1,4 +1,4 @@
-"""Figures for each kind of picture of a results file, and for objects by their type."""
+"""Draws any kind of picture of a results file, and pictures of objects by their type."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -27,9 +27,9 @@ from rockpulse.views.plots import ground_motion, selection, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
-from rockpulse.views.plots.kinds import KINDS, OPTIONS
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
+from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation_panels import rotation_history
 from rockpulse.views.plots.site import calibration
@@ -47,7 +47,7 @@ FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIN
 
 
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
-    """Return a record, a body and the title, with a second line on earthquake, station and direction."""
+    """Return the names of a record and a body, and the title of their picture."""
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     names = f"{style.plain(record)}, {style.plain(selection.named_body(summary, block, case))}"
@@ -91,7 +91,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
-    """Return equally spaced values over the same range, extended so that it includes every marked value."""
+    """Return equally spaced values from below the smallest to above the largest of all given values."""
     low, high = min([values[0], *(0.9 * one for one in marked)]), max([values[-1], *(1.1 * one for one in marked)])
     return np.linspace(low, high, len(values)).tolist()
 
@@ -107,7 +107,7 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 
 def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
-    """Return spectra at the stored C nearest to `restitution`, recomputed if they have gaps and the records are few."""
+    """Return the spectra; gaps next to the given restitution are filled by a new computation for a few records."""
     records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
     nearest = float(grid[np.argmin(np.abs(grid - restitution))])
     there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
@@ -130,7 +130,7 @@ def _overturning_map(
     return overturning_map(tree, record, block, None if models is None else models[0])
 
 
-#: For each name in :data:`rockpulse.views.plots.kinds.KINDS`: the function that draws it from a tree and options.
+#: For each kind of picture (:data:`rockpulse.plots.KINDS`): the function that draws it from a tree and options.
 DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
     "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
         ground_motion.stored_motion(tree, selection.one_name(tree["summary"].to_dataset(), "record", record))
@@ -181,8 +181,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     'stele'
     """
     if kind not in KINDS:
-        told = f"there are: {', '.join(KINDS)}"
-        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
+        available = f"there are: {', '.join(KINDS)}"
+        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, available)}')
     row = KINDS[kind]
     found = str(tree.attrs.get("kind", ASSESSMENT))
     if found != row.file or (row.group and row.group not in tree.children):
@@ -274,7 +274,7 @@ def _of_dataset(spectrum: xr.Dataset) -> Axes:
 
 
 def _first(tree: xr.DataTree) -> str:
-    """Return the default kind of picture of results."""
+    """Return the kind of picture that is drawn by default."""
     found = str(tree.attrs.get("kind", ASSESSMENT))
     for kind in FIRST.get(found, ()):
         if not KINDS[kind].group or KINDS[kind].group in tree.children:

@@ -1,4 +1,4 @@
-"""Draws the rows of a picture of scale factors: selection, axis, ticks of demands, and bars of probability."""
+"""Draws the rows of a picture of scale factors: axis, bars of probability, and ticks of demands."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -23,17 +23,17 @@ ROWS, ROW, NAME = 60, 0.155, 34
 LISTED = 3
 
 
-def shown_rows(
+def drawn_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """Return the drawn rows (rows without a factor are merged), the rows merged into each last row, names and notes."""
+    """Return the indices of the drawn rows, the rows merged into each of the last ones, names, and notes."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
     records = len({record for record, _, _ in rows})
     if records > 1 or lone.size > most:  # smallest factor on top
         lone = lone[np.argsort(factors[lone], kind="stable")]
-    told = [say("plot.rows.smallest", count=most, total=len(rows))] if lone.size > most else []
+    sentences = [say("plot.rows.smallest", count=most, total=len(rows))] if lone.size > most else []
     lone = lone[:most]
     every = [named_body(summary, block, case) for _, block, case in rows]
     if records > 1:
@@ -45,12 +45,12 @@ def shown_rows(
     for group in merged:
         which = "all" if group.size == len(rows) else "other"
         names.append(say(f"plot.rows.{which}_{noun}", count=group.size))
-        told.append(f"{names[-1].capitalize()}: {plain(listed([every[place] for place in group], LISTED))}.")
-    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, told
+        sentences.append(f"{names[-1].capitalize()}: {plain(listed([every[place] for place in group], LISTED))}.")
+    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, sentences
 
 
 def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the ticks of the drawn rows; NaN for a merged row with different ticks."""
+    """Return the ticks of the drawn rows; a merged row has no tick (NaN) if those of its rows differ."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
         if np.unique(ticks[group]).size > 1:
@@ -59,7 +59,7 @@ def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarr
 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Label the rows, and set a logarithmic axis of scale factors with space at its end for rows without a factor."""
+    """Set a logarithmic axis of scale factors and name the rows; rows without a factor are marked up to `last`."""
     ax.set_xscale("log")
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:
@@ -76,7 +76,7 @@ def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: 
 
 
 def legend_once(ax: Axes, columns: int) -> int:
-    """Draw a legend with every label once, and return its number of rows."""
+    """Draw a legend that contains every label once, and return its number of rows."""
     handles, labels = ax.get_legend_handles_labels()
     names = list(dict.fromkeys(labels))
     legend_above(ax, columns, across=True, handles=[handles[labels.index(name)] for name in names], labels=names)
@@ -86,7 +86,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """Return, for each demand, scale factors (rows,) that scale records to it; NaN beyond the range of the search."""
+    """Return for each demand the factors that scale the records to it; NaN if the search ended below."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
@@ -98,12 +98,12 @@ def factors_to_demands(
 
 
 def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
-    """Return the smallest of the factors from :func:`factors_to_demands` and of the number `otherwise`."""
+    """Return the smallest of the factors to the demands, or `otherwise` if it is smaller."""
     return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """Draw the factors from :func:`factors_to_demands` as ticks in rows 0, 1, ..., shorter for each further demand."""
+    """Draw the factors to the demands as ticks, one row for each factor; ticks of further demands are shorter."""
     for place, (name, factors) in enumerate(needed.items()):
         words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
@@ -111,12 +111,12 @@ def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
 
 
 def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
-    """Return the meaning of the ticks for the caption."""
+    """Return the notes that explain the ticks of demands."""
     return notes(tick=bool(needed), no_tick=any(np.isnan(factors).any() for factors in needed.values()))
 
 
 def configured_uncertainty(tree: xr.DataTree) -> str:
-    """Describe the uncertainty of the probability of overturning from the configuration."""
+    """Describe the uncertainty that the probability includes, from the stored configuration."""
     known, search = settings_of(tree, UncertaintySettings), settings_of(tree, SearchSettings)
     low, high = map(six_digits, known.restitution)
     factor, less = (six_digits(100.0 * spread) for spread in (known.factor, known.geometry))
@@ -134,7 +134,7 @@ _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
-    """Draw bars up to the scale factor at P = 10 %, up to that at P = 50 %, and up to the end of the search."""
+    """Draw bars that end at the scale factors for P = 10 % and P = 50 %, and at the end of the search."""
     edges = [begin, *np.clip(factors, begin, end), end]
     for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
         if high > low:
@@ -144,7 +144,7 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 
 
 def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None:
-    """Write the label of a row without a factor, at the end of the search or next to the line at 1."""
+    """Label a row with "none found", at the upper limit of the search or beside the line of the scale factor 1."""
     words, (where, side) = (
         say("plot.rows.none_up_to", factor=six_digits(end)),
         (end, "right") if at_end else (1.0, "left"),
@@ -153,5 +153,5 @@ def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None
 
 
 def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    """Draw a bar in a row between two factors, with a label from the section [plot.bar] of the texts."""
+    """Draw a bar from one scale factor to another; `words` is the key of its label in the section [plot.bar]."""
     ax.barh(place, high - low, left=low, height=2.0 * HALF, label=say(f"plot.bar.{words}"), **style)

@@ -1,4 +1,4 @@
-"""Draws the fragility curves of a body, one of them with its confidence band, over one or more measures."""
+"""Draws the fragility curves of a body, one of them with its confidence band, over intensity measures."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,7 +14,7 @@ from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.plots.style import GREY, Look, Panels
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import in_numerals, numerals, say, translated
-from rockpulse.views.text.fragility import shown_measure, statement
+from rockpulse.views.text.fragility import displayed_measure, statement
 
 #: Probabilities below this value, and above one minus this value, are ignored for the range of the axis.
 _TAIL = 0.002
@@ -61,7 +61,7 @@ def fragility(
     >>> rp.plots.fragility(fragility, "pier", measure="pga").get_xlabel()
     'PGA [m/s²]'
     """
-    measure = measure or shown_measure(tree["fragility"].to_dataset())
+    measure = measure or displayed_measure(tree["fragility"].to_dataset())
     found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
     return found
 
@@ -92,7 +92,7 @@ def fragility_panels(
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
-    usual = dict.fromkeys((shown_measure(curves), settings_of(tree, HazardSettings).measure))
+    usual = dict.fromkeys((displayed_measure(curves), settings_of(tree, HazardSettings).measure))
     there = [name for name in usual if name in curves["measure"].values]
     chosen = [one_name(curves, "measure", name) for name in measures or there]
     panels = style.several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
@@ -129,9 +129,9 @@ def _measure_words(own: xr.Dataset) -> str:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw curves over one measure and return the notes; if the panel is `alone` its legend explains missing curves."""
+    """Draw the curves over one measure and return the notes; `alone` if the picture has no other panel."""
     level, measure = own["level"].values, str(own["measure"].item())
-    shown = _shown(own.sel(limit_state=list(states)))
+    drawn = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
     warnings: dict[str, list[str]] = {}
     for state, appearance in zip(states, style.looks([_named(state) for state in states]), strict=True):
@@ -145,7 +145,7 @@ def _panel(
         if alone and int(one["extrapolated"]):
             words = say("plot.fragility.extrapolated", state=words)
         ax.plot(*_curve(one, "probability"), lw=1.4, label=words, **line)
-        if state == banded and not _band_too_wide(one, shown):
+        if state == banded and not _band_too_wide(one, drawn):
             (levels, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
             ax.fill_between(levels, low, high, color=appearance.color, alpha=0.16, lw=0)
             for edge in (low, high):
@@ -154,12 +154,12 @@ def _panel(
             capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
             _capacities(ax, capacities, state, measure, appearance, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
-    first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
+    first, last = (float(end(level[drawn], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
         ax.set_xlim(first, last)
     counts = style.record_counts(int(own["records"].max()), int(own["events"].max()))
     data = say(f"plot.fragility.data.{tree.attrs['data']}")
-    notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, shown)]
+    notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, drawn)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan
     if lifted > ax.get_xlim()[0]:
         ax.axvline(lifted, color=GREY, lw=0.9, label=say("plot.fragility.lifts"))
@@ -167,17 +167,17 @@ def _panel(
     ax.set_ylim(-0.01, 1.01)
     ax.set_xlabel(f"{_measure_words(own)} [{style.unit(str(own['measure_units'].item()))}]")
     style.plain_ticks(ax.xaxis)
-    crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown)
+    crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), drawn)
     return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _merged_warnings(warnings, len(states))
 
 
 def _named(state: str) -> str:
-    """Return the name of a limit state, or its rotation as a formula."""
+    """Return the name of a limit state, or the formula of its rotation."""
     return say(f"limit_state.{state}") if state.isalpha() else rf"$\theta_{{max}}/\alpha_c \geq$ {numerals(state)}"
 
 
 def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
-    """Draw the capacity of every record at its cumulative share (Kaplan-Meier), censored if it was not reached."""
+    """Draw a mark for the capacity of every record that reached a limit state, at its cumulative share."""
     from scipy.stats import CensoredData, ecdf
 
     factor = own["factor"].sel(limit_state=state).values
@@ -193,7 +193,7 @@ def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance:
 
 
 def _shown(own: xr.Dataset) -> np.ndarray:
-    """Return the levels between which curves rise from 0 to 1, or all levels."""
+    """Return a mask of the levels at which a curve is between 0 and 1; all levels if there are none."""
     probability = own["probability"].transpose("limit_state", "point").values
     rising = np.flatnonzero(np.any((probability > _TAIL) & (probability < 1.0 - _TAIL), axis=0))
     every = np.ones(probability.shape[1], dtype=bool)
@@ -202,15 +202,15 @@ def _shown(own: xr.Dataset) -> np.ndarray:
     return every
 
 
-def _crossing(own: xr.Dataset, shown: np.ndarray) -> bool:
-    """Return whether a curve exceeds the curve of a milder limit state, as separate fits may."""
-    probability = own["probability"].transpose("limit_state", "point").values[:, shown]
+def _crossing(own: xr.Dataset, drawn: np.ndarray) -> bool:
+    """Return whether a curve lies above the curve of a milder limit state."""
+    probability = own["probability"].transpose("limit_state", "point").values[:, drawn]
     probability = probability[~np.isnan(probability).any(axis=1)]  # no curve
     return bool(np.any(probability[1:] > np.minimum.accumulate(probability[:-1]) + _ABOVE))
 
 
 def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return a curve at the levels of the file and smoothly interpolated between them, or as steps for a step curve."""
+    """Return levels and values of a curve, interpolated smoothly between the levels of the file."""
     from scipy.interpolate import PchipInterpolator
 
     level, values = one["level"].values, one[name].values
@@ -222,22 +222,22 @@ def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
     return np.exp(fine), PchipInterpolator(np.log(level), values)(fine)
 
 
-def _band_too_wide(one: xr.Dataset, shown: np.ndarray) -> bool:
-    return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
+def _band_too_wide(one: xr.Dataset, drawn: np.ndarray) -> bool:
+    return bool(np.median((one["probability_high"] - one["probability_low"]).values[drawn]) > _WIDE)
 
 
-def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: np.ndarray) -> list[str]:
+def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, drawn: np.ndarray) -> list[str]:
     if banded is None:
         return []
     one = own.sel(limit_state=banded)
-    if _band_too_wide(one, shown):
+    if _band_too_wide(one, drawn):
         return [say("plot.fragility.no_band", state=_named(banded), count=int(one["events"]))]
     confidence = six_digits(100.0 * float(tree.attrs["confidence"]))
     return [say("plot.fragility.band", state=_named(banded), confidence=confidence)]
 
 
 def _merged_warnings(warnings: dict[str, list[str]], states: int) -> list[str]:
-    """Return every warning once, with the limit states to which it applies."""
+    """Return the warnings on the curves, each once, with the limit states that it concerns."""
     every = say("plot.fragility.all")
     words = [
         f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {warning}."

@@ -1,4 +1,4 @@
-"""The ground motion of one record as a dataset, and pictures of accelerogram, half-waves and impulses."""
+"""The ground motion of one record as a dataset, and the picture of its accelerogram, half-waves and impulses."""
 
 from typing import Any
 
@@ -111,14 +111,14 @@ def motion_of_record(
 
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:
-    """Return the conditioned record stored in results; ResultsError if the accelerogram is not stored."""
+    """Return a conditioned record that is stored in results; ResultsError if its accelerogram is not stored."""
     own = tree["summary"].to_dataset().sel(record=record)
     samples = _samples(tree, own, "row_size", ["acceleration"])
     return Record(samples["acceleration"].values, dt=float(own["dt"]), id=record)
 
 
 def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -> dict[str, xr.Variable]:
-    """Return the variables of /records for one record, given its part of /summary."""
+    """Return variables of /records for one record; `sizes` is the variable with the number of its samples."""
     record = str(own["record"].item())
     found = ragged(tree, sizes, names, record)
     if found is None:
@@ -128,7 +128,7 @@ def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -
 
 
 def had_vertical(summary: xr.Dataset, record: str) -> bool:
-    """Return whether the nonlinear model of a record used a vertical channel, which is not stored."""
+    """Return whether the nonlinear model used the vertical channel of a record."""
     return bool(summary["vertical_channel"].sel(record=record).item())
 
 
@@ -191,7 +191,7 @@ def _phase(motion: xr.Dataset) -> tuple[float, float]:
 
 
 def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None:
-    """Draw the acceleration, with the strong half-waves of the phase filled."""
+    """Draw the acceleration, and fill the strong half-waves of the intense phase."""
     time, acceleration = motion["time"].values, motion["acceleration"].values
     inside = (time >= window[0]) & (time <= window[1])
     ax.plot(*thinned(time[inside], acceleration[inside], INSTANTS), color=GREY, lw=0.6)
@@ -207,7 +207,7 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
 
 
 def _strong(motion: xr.Dataset) -> np.ndarray:
-    """Return the mask of the strong half-waves of the phase, which `main_count = "half-largest"` counts."""
+    """Return the mask of the half-waves of the intense phase whose impulse is above half the largest one."""
     impulse, centroid = np.abs(motion["impulse"].values), motion["centroid"].values
     first, last = _phase(motion)
     within = (centroid >= first) & (centroid <= last)
@@ -217,12 +217,12 @@ def _strong(motion: xr.Dataset) -> np.ndarray:
 def _impulses(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None:
     impulse, centroid = motion["impulse"].values, motion["centroid"].values
     largest = float(np.max(np.abs(impulse), initial=0.0))
-    shown = (centroid >= window[0]) & (centroid <= window[1]) & (np.abs(impulse) > VISIBLE * largest)
+    drawn = (centroid >= window[0]) & (centroid <= window[1]) & (np.abs(impulse) > VISIBLE * largest)
     # Lines from zero to every impulse, drawn as one line with gaps.
-    stems = np.full((np.count_nonzero(shown), 3, 2), np.nan)
-    stems[:, :2, 0], stems[:, 0, 1], stems[:, 1, 1] = centroid[shown, np.newaxis], 0.0, impulse[shown]
+    stems = np.full((np.count_nonzero(drawn), 3, 2), np.nan)
+    stems[:, :2, 0], stems[:, 0, 1], stems[:, 1, 1] = centroid[drawn, np.newaxis], 0.0, impulse[drawn]
     handles = ax.plot(*stems.reshape(-1, 2).T, color=BLUE, lw=0.9, label=say("plot.ground.impulses"))
-    strong = _strong(motion) & shown
+    strong = _strong(motion) & drawn
     if np.any(strong):
         dots: dict[str, Any] = {"color": BLUE, "ms": 3.0, "label": say("plot.ground.strong_impulses")}
         handles += ax.plot(centroid[strong], impulse[strong], "o", **dots)

@@ -1,4 +1,4 @@
-"""The limit accelerogram and its secondary sequence (Casapulla & Maione 2017, Figures 1 and 2)."""
+"""Draws the limit accelerogram of a block (Casapulla & Maione 2017, Figures 1 and 2)."""
 
 import math
 from dataclasses import replace
@@ -16,7 +16,7 @@ from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import numerals, say
 
 #: Largest number of main impulses in a picture, and shortest half-cycle whose peak is written, as a share of the width.
-_MAIN_SHOWN, _NAMED = 12, 0.07
+_MAIN_DRAWN, _NAMED = 12, 0.07
 #: Options of the text next to a half-cycle.
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}
 
@@ -56,14 +56,14 @@ def limit_accelerogram(
         main = np.isclose(np.abs(impulses), own.main)
         if own.secondary > 0.0 and math.isclose(own.secondary, own.main):
             main = _main_places(response, own, times)
-        starts = times[main][:_MAIN_SHOWN]
-        shown = times <= (starts[-1] if starts.size else 0.0)
+        starts = times[main][:_MAIN_DRAWN]
+        visible = times <= (starts[-1] if starts.size else 0.0)
         size = say("plot.sequence.main", size=three_digits(float(own.main)))
-        _draw(ax, times[shown & main], impulses[shown & main], size, color=BLUE, lw=1.6, ms=4.5)
+        _draw(ax, times[visible & main], impulses[visible & main], size, color=BLUE, lw=1.6, ms=4.5)
         if own.secondary > 0.0:
             size = say("plot.sequence.secondary", size=three_digits(float(own.secondary)))
             size = say("plot.sequence.continuous") if own.spacing == "continuous" else size
-            _draw(ax, times[shown & ~main], impulses[shown & ~main], size, color=ORANGE, lw=1.0, ms=2.8)
+            _draw(ax, times[visible & ~main], impulses[visible & ~main], size, color=ORANGE, lw=1.0, ms=2.8)
         ax.axhline(0.0, color=BLACK, lw=0.6)
         ax.set_ylabel(say("plot.sequence.impulse"))
         style.panel_title(ax, say(f"plot.sequence.{words}"), rows=1)
@@ -89,7 +89,7 @@ def limit_accelerogram(
 
 
 def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Return the mask of the main impulses in a train with I_s = I, from the secondary impulses per half-cycle."""
+    """Return a mask of the main impulses among all impulses, if both kinds have the same size."""
     table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)
@@ -109,7 +109,7 @@ def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, words: str, color: str,
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
-    """Draw the half-cycles as bars along the bottom, each of which ends at the next main impulse."""
+    """Draw the half-cycles as bars along the bottom, with the largest rotation of each."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label=say("limit_state.overturning"))
@@ -126,8 +126,8 @@ def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.nd
 def _warnings(found: list[Response], sequence: ImpulseSequence) -> str:
     words = style.notes(below=True)
     count = [int(main_impulses_given(one, sequence)) for one in found]
-    if max(count) > _MAIN_SHOWN:
-        words.append(say("plot.sequence.shown", most=_MAIN_SHOWN, one=count[0], other=count[1]))
+    if max(count) > _MAIN_DRAWN:
+        words.append(say("plot.sequence.shown", most=_MAIN_DRAWN, one=count[0], other=count[1]))
     if sequence.secondary > 0.0:
         interval = three_digits(float(sequence.interval), "s")
         words.append(say("plot.sequence.interval", interval=interval, spacing=sequence.spacing))

@@ -1,4 +1,4 @@
-"""Rotation histories of a body under one record in several models, stored in the results or recomputed."""
+"""Rotation histories of a body under one record in several models, read from the results or recomputed."""
 
 import math
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other mod
 
 
 class ModelHistory(NamedTuple):
-    """The motion of a body in one model; without samples if the model gave no result.
+    """The motion of a body in one model; the arrays are empty if the model gave no result.
 
     >>> history = rp.plots.histories(results, "burst.2", "pier")[0]
     >>> history.model, round(history.peak, 3)
@@ -143,7 +143,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
 def stored_history(
     tree: xr.DataTree, record: str, block: str, model: str, case: int
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return time from the first sample [s] and theta/alpha_c under the unscaled record; None if not stored."""
+    """Return the stored times [s] and rotations theta/alpha_c of the unscaled record; None if they are not stored."""
     if "records" not in tree.children or "rotation" not in tree["records"]:
         return None
     summary, kept = tree["summary"].to_dataset(), tree["records"].to_dataset()
@@ -162,7 +162,7 @@ def stored_history(
 def _of_sequence(
     tree: xr.DataTree, record: str, block: str, model: str, case: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return time from the first main impulse, theta/alpha_c and impacts, from the table of half-cycles."""
+    """Return times, rotations theta/alpha_c and times of impacts, computed from the stored half-cycles."""
     own = tree["summary"].to_dataset().sel(block=block)
     table = selection.table_of_pair(tree, "half_cycles", record, block, model, case)
     order = np.argsort(table["half_cycle"])
@@ -177,7 +177,7 @@ def _of_sequence(
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
-    """Return the times of impacts faster than `IMPACT_CUTOFF`, found from changes of sign, or reversals at a wall."""
+    """Return the times of the impacts in a history; slow impacts are omitted."""
     before, after = rotation[:-1], rotation[1:]
     if body.side:
         # A reversal at the wall between two samples is found by mirroring the motion after it.
@@ -192,14 +192,14 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
 ) -> list[ModelHistory]:
-    """Recompute the motions of a block, `body`, under a scaled record; ResultsError if the record is not stored."""
+    """Recompute the motions of a body under a scaled record, one for each factor; ResultsError if not possible."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
     azimuth, own = float(summary["azimuth"].sel(record=record)), float(summary["body_azimuth"].sel(block=block))
     turned = selection.settings_of(tree, RecordSettings).components != "horizontal"
     if turned and np.isfinite(own) and not abs(math.remainder(own - azimuth, 180.0)) <= FACING_WITHIN:
         raise ResultsError(
-            f"{block}: it is shaken in a direction of its own, whose motion is not in the file: {_AGAIN}, or with its "
+            f"{block}: the motion in the direction of this body is not in the file: {_AGAIN}, or with its "
             "direction as that of [records]"
         )
     if floors and row.takes == "half-waves":
@@ -221,7 +221,7 @@ def recomputed(
 
 
 def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
-    """Return the stored half-waves of a record, without the accelerogram."""
+    """Return the stored half-waves of a record as the input of a model."""
     summary = tree["summary"].to_dataset().sel(record=record)
     waves = selection.ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
     if waves is None:
@@ -234,7 +234,7 @@ def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
 
 
 def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> Scene:
-    """Return the scene of a record for the models that use it."""
+    """Return a record and its half-waves as the input of a model."""
     others = dict.fromkeys(("start", "end", "peak", "lobes"), np.zeros(waves["impulse"].size))
     return Scene(
         record=record,
@@ -247,12 +247,12 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
 
 
 def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
-    """Return for each factor the response with the larger peak; a missing result is treated as the largest."""
+    """Return the motion for each scale factor; of several responses, the one with the largest rotation."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
     time, histories = np.asarray(found[0].time), []
     for lane, worse in enumerate(np.argmax(rank, axis=0)):
         rotation = body.ratio(np.asarray(found[worse].rotation)[lane])
-        told = (getattr(found[worse], name)[lane].item() for name in names)
-        histories.append(ModelHistory(model, time, rotation, _impacts(time, rotation, body), *told))
+        values = (getattr(found[worse], name)[lane].item() for name in names)
+        histories.append(ModelHistory(model, time, rotation, _impacts(time, rotation, body), *values))
     return histories

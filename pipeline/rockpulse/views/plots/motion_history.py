@@ -1,4 +1,4 @@
-"""Computes the motion under the limit accelerogram from the table of its half-cycles.
+"""Computes the rotation of a block under the limit accelerogram from the table of its half-cycles.
 
 Rotations are in units of alpha_c, velocities u = theta'/(p alpha_c); the first main impulse is positive: theta < 0.
 """
@@ -15,7 +15,7 @@ _PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
 
 
 class HalfCycle(NamedTuple):
-    """One row of the table of half-cycles."""
+    """One half-cycle of a block: velocity, duration, number of secondary impulses, and their interval."""
 
     start_velocity: float  # u_i [-]
     duration: float  # [s], inf where the block overturns
@@ -24,7 +24,7 @@ class HalfCycle(NamedTuple):
 
 
 def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return times [s] and velocity changes [-] of the secondary impulses (u_1 I_s/I) in a half-cycle that returns."""
+    """Return times [s] and velocity changes [-] of the secondary impulses within a half-cycle."""
     if secondary == 0.0:
         return np.zeros(0), np.zeros(0)
     if spacing == "continuous":  # the limit of infinitely many is half an impulse at the start and half at the end

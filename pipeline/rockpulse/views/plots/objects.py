@@ -95,7 +95,7 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
 
 
 def block_outlines(block: Block) -> Figure:
-    """Draw a block, or the first eight of (m,) blocks, with sizes and restraints, each at its own scale.
+    """Draw a block with its sizes and restraints, or the first eight blocks of an array, each at its own scale.
 
     The view is along the base, with theta > 0 to the right.
 
@@ -129,12 +129,12 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
     lanes = answer.rotation.reshape(-1, answer.time.size)
     ax.axhline(0.0, color=PALE, lw=0.8)
     first, last = moving_stretch([(answer.time, rotation) for rotation in lanes[:LANES]])
-    shown = (answer.time >= first) & (answer.time <= last)
+    inside = (answer.time >= first) & (answer.time <= last)
     ax.set_xlim(first, last)
     for place, rotation in enumerate(lanes[:LANES]):
         words = _word(Outcome(codes[place]))
         words = words if len(lanes) == 1 else say("plot.object.of_lane", lane=place + 1, words=words)
-        ax.plot(*thinned(answer.time[shown], rotation[shown], INSTANTS), lw=1.0, label=words)
+        ax.plot(*thinned(answer.time[inside], rotation[inside], INSTANTS), lw=1.0, label=words)
     ax.set_xlabel(say("plot.object.time"))
     ax.set_ylabel(say("plot.object.rotation"))
     style.legend_above(ax, 3)
@@ -177,7 +177,7 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
 
 
 def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
-    """Draw the first eight bodies, given by names, blocks and the periods of their floors [s]."""
+    """Draw the first eight bodies, each given by its name, block and periods of its floor [s]."""
     drawn = drawn[:MOST]
     rows = math.ceil(len(drawn) / IN_ROW)
     figure = style.figure_of(height=3.2 * rows)

@@ -1,4 +1,4 @@
-"""Writes figures as files with reproducible bytes and unique ids in SVG, and makes figures for notebooks."""
+"""Writes figures as files whose bytes are reproducible and whose SVG ids are unique."""
 
 import hashlib
 import re
@@ -87,8 +87,8 @@ def svg(figure: Figure, name: str | None = None) -> str:
 
 
 class NotebookFigure(Figure):
-    """A figure without a window, which pyplot does not know, and which displays itself in notebooks."""
+    """A figure without a window that a notebook displays."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """Return the bytes of a PNG and its display width [px]."""
+        """Return a PNG and its width on the screen [px], for the display in a notebook."""
         return picture_bytes(self, "png"), {"width": round(self.get_figwidth() * self.get_dpi())}

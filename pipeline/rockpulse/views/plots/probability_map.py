@@ -1,4 +1,4 @@
-"""Map of the probability of overturning of every body under every record."""
+"""Draws a map of the probability of overturning of every body under every record."""
 
 from typing import Any
 
@@ -58,17 +58,17 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         of_records = np.where(too_far(answers, demand), np.nan, of_records)
     values = np.fmax.reduce(motions.over(of_records, np.nan), axis=1)
     if np.isnan(values).all():
-        told = " as they are" if demand is None else f", scaled to the demand {demand}"
-        raise ResultsError(f"probability: what overturns{told} is not known in these results")
+        scaled = "as recorded" if demand is None else f"scaled to the demand {demand}"
+        raise ResultsError(f"probability: the results do not state whether the records, {scaled}, overturn a body")
     likely = np.nan_to_num(values)
     rows = np.argsort(-likely.mean(axis=1), kind="stable")[:ROWS]
     columns = np.sort(np.argsort(-likely.mean(axis=0), kind="stable")[:COLUMNS])
-    shown = values[np.ix_(rows, columns)]
+    probabilities = values[np.ix_(rows, columns)]
     upright = columns.size <= UPRIGHT
     ax = style.one_axes(ax, height=(1.9 if upright else 3.2) + ROW * max(rows.size, 4))
     colours = colormaps["cividis_r"].with_extremes(bad="white")
     norm = BoundaryNorm(LEVELS, colours.N)
-    mesh = ax.pcolormesh(np.ma.masked_invalid(shown), cmap=colours, norm=norm, ec="white", lw=0.6)
+    mesh = ax.pcolormesh(np.ma.masked_invalid(probabilities), cmap=colours, norm=norm, ec="white", lw=0.6)
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)
     ax.tick_params(length=0)
@@ -85,13 +85,13 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         levels: dict[str, Any] = {"format": FuncFormatter(lambda level, _: six_digits(level)), "spacing": "uniform"}
         style.colour_bar(ax, mesh, LEVELS, say("plot.probability.scale"), **levels)
         if columns.size <= WRITTEN:
-            for (row, column), value in np.ndenumerate(shown):
+            for (row, column), value in np.ndenumerate(probabilities):
                 options: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}
                 ax.text(column + 0.5, row + 0.5, ratio(value), fontsize=SMALL - 1.0, **options)
     else:
         verdicts = ((0.99, "overturns"), (0.0, "stands"))
         handles += [Patch(fc=colours(norm(one)), label=say(f"plot.bar.{words}")) for one, words in verdicts]
-    if np.isnan(shown).any():
+    if np.isnan(probabilities).any():
         handles.append(Patch(fc="white", ec=GREY, lw=0.5, label=say("grade.not_known")))
     style.legend_above(ax, 3, across=True, lift=lift, handles=handles)
     what = say(f"plot.probability.motions.{motions.kind}")

@@ -1,4 +1,4 @@
-"""Rotation histories of several models under one record, with impacts and overturning."""
+"""Draws rotation histories of several models under one record, with impacts and overturning."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -48,8 +48,8 @@ def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = No
     for place, history in enumerate(histories):
         appearance = style.look(history.model)
         color, words = appearance.color, f"{appearance.label}: {_answer(history)}"
-        shown = (history.time >= first) & (history.time <= last)
-        curve = thinned(history.time[shown], history.rotation[shown], INSTANTS)
+        in_window = (history.time >= first) & (history.time <= last)
+        curve = thinned(history.time[in_window], history.rotation[in_window], INSTANTS)
         # The reference model is the thickest line and on top.
         width, above = (1.7, 3.0) if is_full(history.model) else (1.0, 2.0)
         moving.plot(*curve, color=color, ls=appearance.line, lw=width, zorder=above, label=words)
@@ -92,7 +92,7 @@ def _answer(history: ModelHistory) -> str:
 
 
 def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
-    """Return symmetric limits of the rotation axis, which are narrower for a motion far below alpha_c."""
+    """Return symmetric limits of the rotation axis; they are narrow for rotations far below alpha_c."""
     finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
     largest = max(finite, default=0.0)
     if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
@@ -103,7 +103,7 @@ def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
 
 
 def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
-    """Return limits of the time axis [s], around the first and the last motion, from pairs of times and rotations."""
+    """Return the limits of the time axis [s] between which any body moves, from pairs of times and rotations."""
     largest = [min(np.nanmax(np.abs(rotation), initial=0.0), 1.0) for _, rotation in motions]
     found = [time[np.abs(one) > _MOVES * most] for (time, one), most in zip(motions, largest, strict=True)]
     moving = np.concatenate([np.zeros(0), *found])

@@ -1,4 +1,4 @@
-"""Selects the part of a results file to draw (records, bodies and models by name), and reads its values."""
+"""Selects records, bodies and models of a results file by name, and reads their values."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -23,7 +23,7 @@ LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """Return the only name along a dimension, or the one that the given name or pattern matches, else ResultsError."""
+    """Return the name along a dimension that matches the given name or pattern; ResultsError if not exactly one."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]
@@ -53,7 +53,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
-    """Return the selector of a restitution of the bodies from its number, which starts at 1."""
+    """Return the selector of a restitution, given by its number from 1."""
     count = summary.sizes.get("case", 1)
     if not 1 <= case <= count:
         raise ResultsError(f"case: expected the number of a restitution from 1 to {count}, got {case}")
@@ -61,13 +61,13 @@ def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
 
 
 def settings_of(tree: xr.DataTree, section: type[_Section]) -> _Section:
-    """Return a section of the stored configuration, or its defaults."""
+    """Return the settings of a section of the stored configuration."""
     sections = stored_sections(str(tree.attrs.get("configuration", "")))
     return section(**sections.get(section.heading.strip("[]"), {}))
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
-    """Return a body of /summary as a Block, with a restitution given by its number, from 1.
+    """Return a body of /summary as a Block; `case` is the number of its restitution, from 1.
 
     >>> rp.plots.block_of(results["summary"].dataset, "pier")
     <Block width 1 m, height 4 m, p 1.889 1/s, alpha_c 0.245 rad, C 0.9118>
@@ -85,7 +85,7 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
 
 
 def plain_bodies(summary: xr.Dataset) -> list[str]:
-    """Return the bodies for which spectra of the records are valid: free, symmetric, on the ground, no direction."""
+    """Return the bodies that overturning spectra represent: free, symmetric, on the ground, in any direction."""
     like = (summary["one_sided"].values == 0) & (summary["alpha_2"].values == summary["alpha_c"].values)
     like &= np.isnan(summary["body_azimuth"].values)
     like &= (summary["restraints"].values == "") & (summary["floors"].values == "")
@@ -93,7 +93,7 @@ def plain_bodies(summary: xr.Dataset) -> list[str]:
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
-    """Return the name of a body, with the restitution of a number (from 1) if it has several."""
+    """Return the name of a body, with its restitution if the results have several for each body."""
     if "case" not in summary.dims:
         return block
     c = summary["restitution"].sel(block=block).isel(chosen_case(summary, case))
@@ -101,7 +101,7 @@ def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
 
 
 def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> dict[str, xr.Variable] | None:
-    """Return variables of /records for one record, with the counts in `sizes`; None if they are not stored."""
+    """Return variables of /records for one record; `sizes` is the variable with the number of its samples."""
     if "records" not in tree.children or any(name not in tree["records"] for name in (sizes, *names)):
         return None
     stored = tree["records"].to_dataset()
@@ -113,7 +113,7 @@ def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> 
 def table_of_pair(
     tree: xr.DataTree, group: str, record: str, block: str, model: str, case: int = 1
 ) -> dict[str, np.ndarray]:
-    """Return the rows of /half_cycles or /overturning_intervals for one result and one restitution (number from 1)."""
+    """Return the rows of a group such as /half_cycles that belong to one record, body, model and restitution."""
     summary, table = tree["summary"].to_dataset(), tree[group].to_dataset()
     rows = table["case_index"].values == case - 1
     for dimension, name in (("record", record), ("block", block), ("model", model)):

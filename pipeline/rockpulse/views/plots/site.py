@@ -1,4 +1,4 @@
-"""Pictures of a site: parameters of the impulse sequences with the design sequence, or the overturning spectrum."""
+"""Draws the records and the design of a site: sequence parameters, or overturning spectra."""
 
 import textwrap
 from typing import Any
@@ -74,7 +74,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
 
 
 def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None:
-    """Draw the distribution of a parameter over the records, its fit, and the design."""
+    """Draw the distribution of a sequence parameter over the records, its lognormal fit, and its design value."""
     value, confidence = own["value"].values, six_digits(100.0 * float(own["confidence"]))
     known = np.isfinite(value) & (weight > 0.0)
     words = style.readable_name(translated(f"parameters.{name}", str(own["parameter_name"].item())))
@@ -111,7 +111,7 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
 
 
 def _range(values: np.ndarray, design: float) -> tuple[float, float]:
-    """Return the limits of the axis: the range of the records, extended to a design that is near it."""
+    """Return the limits of the axis: the values of the records, and the design value if it is near them."""
     low, high = float(values[0]), float(values[-1])
     if low / _NEAR <= design <= high * _NEAR:
         low, high = min(low, design), max(high, design)
@@ -122,7 +122,7 @@ def _range(values: np.ndarray, design: float) -> tuple[float, float]:
 
 
 def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
-    """Draw the lognormal curve and the interval of its median."""
+    """Draw the lognormal distribution of a parameter, and the confidence interval of its median."""
     median, dispersion = float(own["median"]), float(own["dispersion"])
     if np.isfinite(median) and np.isfinite(dispersion) and dispersion > 0.0:
         values = median * np.exp(np.linspace(-2.6, 2.6, 101) * dispersion)
@@ -135,7 +135,7 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
 
 
 def _warnings(site: xr.Dataset) -> list[str]:
-    """Return the design and the first warning, which is the most serious."""
+    """Return sentences for the caption: the quantile of the design, and the most serious warning."""
     words = [say("plot.site.quantile", quantile=six_digits(float(site["quantile"])))]
     warnings = _sentences(site)
     for one in warnings[:1]:
@@ -149,7 +149,7 @@ def _sentences(site: xr.Dataset) -> list[str]:
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
-    """Draw the median and 84 % spectra of a site at the median C of its bodies, and the design of each as a point."""
+    """Draw the spectra of the records of a site, their quantiles, and the design impulse of every body."""
     ax = style.one_axes(ax, height=4.4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     restitution = float(np.median(site["restitution"])) if site.sizes["block"] else 0.9

@@ -1,4 +1,4 @@
-"""Draws rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p, with bodies as points."""
+"""Draws rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -62,10 +62,10 @@ def rocking_spectrum(
     fallen = outcome == Outcome.OVERTURNS
     # Rotations of at least alpha_c without overturning have the darkest colour.
     rotation = np.minimum(peak, np.nextafter(1.0, 0.0))
-    shown = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
+    colour_values = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
     p, alpha = spectrum["p"].values, spectrum["alpha_c"].values
     cells: dict[str, Any] = {"cmap": colours, "norm": BoundaryNorm(levels, colours.N), "rasterized": True}
-    mesh = ax.pcolormesh(p, alpha, np.ma.masked_invalid(shown), **cells)
+    mesh = ax.pcolormesh(p, alpha, np.ma.masked_invalid(colour_values), **cells)
     if np.any(fallen):
         corners = np.asarray(mesh.get_coordinates())
         ways = [(0, 0), (0, 1), (1, 1), (1, 0), (0, 0)]
@@ -102,7 +102,7 @@ def rocking_spectrum(
 
 
 def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
-    """Draw numbers on the map for the bodies, and list their names in the legend."""
+    """Draw a numbered mark for every body, and return the legend entries with their names."""
     handles = []
     ring: dict[str, Any] = {"ls": "none", "marker": "o", "mfc": "white", "mec": BLACK}
     for number, (name, (p, alpha)) in enumerate(bodies.items(), start=1):
@@ -118,13 +118,13 @@ def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
 
 
 def _edges(values: np.ndarray) -> tuple[float, float]:
-    """Return the outer edges of the cells around the first and the last value."""
+    """Return the outer edges of the map cells around the first and the last value."""
     steps = np.diff(values) if values.size > 1 else 0.1 * values
     return float(values[0] - 0.5 * steps[0]), float(values[-1] + 0.5 * steps[-1])
 
 
 def size_scale(ax: Axes, gravity: float) -> None:
-    """Draw a scale of R of a rectangle along the top: p^2 = 3 g/(4 R)."""
+    """Draw an upper axis with the radius R of rectangles, from p^2 = 3 g/(4 R)."""
 
     def swapped(p: Any) -> np.ndarray:
         return 0.75 * gravity / np.maximum(np.asarray(p, dtype=float), 1e-6) ** 2
@@ -134,8 +134,8 @@ def size_scale(ax: Axes, gravity: float) -> None:
 
     low, high = ax.get_xlim()
     top = ax.secondary_xaxis("top", functions=(swapped, back))
-    shown = [radius for radius in _RADII if low <= float(back(np.array(radius))) <= high]
-    top.set_xticks(shown, list(map(six_digits, shown)), fontsize=SMALL)
+    radii = [radius for radius in _RADII if low <= float(back(np.array(radius))) <= high]
+    top.set_xticks(radii, list(map(six_digits, radii)), fontsize=SMALL)
     top.minorticks_off()
     top.tick_params(width=0.6, length=3)
     top.set_xlabel(say("plot.spectra.radius"), fontsize=FONT)
@@ -225,7 +225,7 @@ def overturning_spectra(
 
 
 def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
-    """Draw the spectra of an assessment with its bodies and demands, by default at the median C of the bodies."""
+    """Draw the overturning spectra of an assessment with its bodies, by default at their median restitution."""
     summary = tree["summary"].to_dataset()
     own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
     plain = summary.sel(block=names)
@@ -244,13 +244,13 @@ def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: floa
 
 
 def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
-    """Draw the spectra of single records (records, a) [m/s] over p (a,) as thin lines with one legend entry."""
+    """Draw the spectra of single records as thin lines over p, with one legend entry."""
     for place, curve in enumerate(curves[:_DRAWN]):
         ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else counted_words(len(curves), "record"))
 
 
 def curves_below_axes(ax: Axes, curves: np.ndarray) -> list[str]:
-    """Return a sentence on the number of curves (records, a) that lie below the Axes; empty if there are none."""
+    """Return a sentence with the number of curves that lie entirely below the Axes; empty if there are none."""
     below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
     return [say("plot.spectra.below", count=below, total=len(curves))] if below else []
 
@@ -258,7 +258,7 @@ def curves_below_axes(ax: Axes, curves: np.ndarray) -> list[str]:
 def spectrum_axes(
     ax: Axes, p: xr.DataArray, points: Mapping[str, tuple[float, float]], gravity: float, columns: int
 ) -> int:
-    """Prepare Axes over p, mark bodies at p and g tan(alpha)/p, and return the number of rows of the legend above."""
+    """Format the axes of overturning spectra, mark the bodies, and return the number of legend rows."""
     handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, dict(points))]
     ax.set_xscale("log")
     ax.set_yscale("log")

@@ -1,4 +1,4 @@
-"""The common style of all pictures: sizes for A4, colours that colour-blind readers can distinguish, and labels."""
+"""The style that all pictures share: size for an A4 page, colours, line styles, labels and notes."""
 
 import re
 import textwrap
@@ -44,7 +44,7 @@ Panels: TypeAlias = Axes | Sequence[Axes] | np.ndarray
 
 
 class Look(NamedTuple):
-    """The style of an item: a colour together with a line and a marker, as colour alone is not enough."""
+    """The style of a curve: colour, line and marker, so that colour is not the only difference."""
 
     label: str
     color: str
@@ -66,7 +66,7 @@ _CYCLE = [
 
 
 def look(name: str) -> Look:
-    """Return the style of a model, by its name in the results."""
+    """Return the style of a model, given by its name in the results."""
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
     color, line, marker = MODELS[name].look
@@ -74,21 +74,21 @@ def look(name: str) -> Look:
 
 
 def looks(names: Sequence[str]) -> list[Look]:
-    """Return styles of named items in order; repeated colours have different lines and markers."""
+    """Return a style for each name; styles with the same colour differ in line and marker."""
     turns = [divmod(place, len(_CYCLE)) for place in range(len(names))]
     other = [_CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at] for turn, at in turns]
     return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
-    """Make a figure of a size [in] without a window and unknown to pyplot."""
+    """Make an empty figure of the given size [in] that opens no window."""
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
     figure.set_label(_OURS)
     return figure
 
 
 def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
-    """Return the figure of Axes (the first, if several are given), or the given figure."""
+    """Return the figure that contains the given Axes, or the given figure itself."""
     if isinstance(what, Figure):
         return what
     figure: Figure = np.ravel(np.array(what, dtype=object))[0].get_figure(root=True)
@@ -96,17 +96,17 @@ def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
 
 
 def _ours(ax: Axes) -> bool:
-    """Return whether the figure of Axes was made by this module, so that its margins may be changed."""
+    """Return whether rockpulse made the figure of the Axes, so that its title and margins may be set."""
     return whole_figure(ax).get_label() == _OURS
 
 
 def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
-    """Return the given Axes, or new ones on a new figure of a height [in], in the common style."""
+    """Return the given Axes, or the Axes of a new figure of the given height [in], in the common style."""
     return dressed(figure_of(height=height).subplots() if ax is None else ax)
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """Return rows x columns of Axes as :func:`one_axes` does, with options of `Figure.subplots`."""
+    """Return the given Axes as an array, or those of a new figure; `options` are those of `Figure.subplots`."""
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
     else:
@@ -120,15 +120,15 @@ def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float
 
 
 class TickNumerals(ScalarFormatter):
-    """Tick formatter that writes numbers in the form of the current language."""
+    """A tick formatter with the decimal sign of the current language."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        """Return the text of a tick."""
+        """Return the label of a tick."""
         return in_numerals(super().__call__(x, pos))
 
 
 def dressed(ax: Axes) -> Axes:
-    """Apply the sizes of the common style to Axes and return the Axes."""
+    """Apply the common style to Axes, and return them."""
     ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines[["left", "bottom"]].set_linewidth(0.6)
@@ -143,7 +143,7 @@ def dressed(ax: Axes) -> Axes:
 
 
 def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
-    """Draw the colour scale of a map next to it."""
+    """Draw the colour scale of a map beside it, with a label."""
     options = {"format": TickNumerals(), **options}
     bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
@@ -151,13 +151,13 @@ def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **option
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """Draw the legend of labelled artists, if there are any, with options of :meth:`matplotlib.axes.Axes.legend`."""
+    """Draw the legend if there are entries; `options` are those of :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
         ax.legend(**{"fontsize": SMALL, "frameon": True, "framealpha": 0.85, "edgecolor": "none", **options})
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """Draw the legend above the Axes in rows of `ncols`, `lift` [pt] higher; if `across`, from the figure's edge."""
+    """Draw the legend above the Axes in `ncols` columns, raised by `lift` [pt]; `across` the whole figure or not."""
     figure, beside = whole_figure(ax), across and _ours(ax)
     above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
     place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
@@ -167,7 +167,7 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
-    """Set the title of a figure made here, or else of its uppermost Axes, above `rows` rows of a legend."""
+    """Write the title of the figure above `rows` rows of a legend; in a figure of the caller, that of the Axes."""
     if words and _ours(ax):
         whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
@@ -175,12 +175,12 @@ def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
 
 
 def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
-    """Set the title of a panel above `rows` rows of a legend; `width` is the length of the longest line."""
+    """Write the title of a panel above `rows` rows of a legend, with at most `width` characters in a line."""
     ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
 
 
 def caption(ax: Axes, words: str, width: int = 106) -> None:
-    """Write small print below the label of the horizontal axis of the lowest Axes."""
+    """Write small print below the lowest Axes of the figure."""
     options: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
     if words and _ours(ax):
         whole_figure(ax).supxlabel(wrapped(words, width), x=0.01, ha="left", **options)
@@ -191,12 +191,12 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
 
 
 def notes(**held: bool) -> list[str]:
-    """Return the sentences of the small print whose condition is true, given by their keys in [plot.note]."""
+    """Return the sentences of the section [plot.note] whose condition, given by key, is true."""
     return [say(f"plot.note.{key}") for key, holds in held.items() if holds]
 
 
 def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
-    """Label the ticks of a logarithmic axis with plain numbers, on a `wide` axis only powers of ten."""
+    """Label a logarithmic axis with plain numbers; only powers of ten if its ends have a ratio of `wide` or more."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
@@ -223,33 +223,33 @@ _MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 
 
 def unit(units: str) -> str:
-    """Return the printed form of a unit in the results (attribute `units`, CF)."""
+    """Return a unit as it is printed: "m/s²" for "m s-2"."""
     return _UNITS.get(units, units)
 
 
 def readable_name(long_name: str) -> str:
-    """Return a long name up to its first semicolon, with its symbols as formulas."""
+    """Return the part of a long name before the first semicolon, with symbols as formulas."""
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 
 def label(variable: xr.DataArray, symbol: str = "") -> str:
-    """Return the label of an axis: long name, symbol and unit of a variable."""
+    """Return the axis label of a variable: its long name, symbol and unit."""
     name = readable_name(translated(f"variables.{variable.name}", str(variable.attrs["long_name"])))
     return f"{name} {symbol}".rstrip() + f" [{unit(str(variable.attrs['units']))}]"
 
 
 def plain(name: object) -> str:
-    """Escape a name given by the user (record, block, title), so that it contains no formula of matplotlib."""
+    """Escape a name given by the user, so that matplotlib reads no formula in it."""
     return escaped(str(name)).replace("$", r"\$")
 
 
 def wrapped(words: str, width: int) -> str:
-    """Wrap text to lines of `width` characters; formulas have their drawn width and are not cut, longer words are."""
+    """Wrap text to lines of `width` characters; a formula is not cut and counts as many characters as it shows."""
     pieces = _MATHEMATICS.findall(words)
     # Each formula is replaced by as many private characters as it shows.
     for place, piece in enumerate(pieces):
-        shown = re.sub(r"\\[A-Za-z]+", "x", piece[1:-1])
-        words = words.replace(piece, chr(_PRIVATE + place) * max(len(re.sub(r"[{}_^ ]", "", shown)), 1), 1)
+        characters = re.sub(r"\\[A-Za-z]+", "x", piece[1:-1])
+        words = words.replace(piece, chr(_PRIVATE + place) * max(len(re.sub(r"[{}_^ ]", "", characters)), 1), 1)
     text = "\n".join(textwrap.fill(line, width, break_on_hyphens=False) for line in words.split("\n"))
     for place, piece in enumerate(pieces):
         letter = chr(_PRIVATE + place)
@@ -258,5 +258,5 @@ def wrapped(words: str, width: int) -> str:
 
 
 def record_counts(records: int, events: int) -> str:
-    """Return the numbers of records and of their earthquakes as text."""
+    """Return the numbers of records and earthquakes as text."""
     return say("records_of", records=counted_words(records, "record"), earthquakes=counted_words(events, "earthquake"))

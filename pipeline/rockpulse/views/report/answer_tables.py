@@ -1,4 +1,4 @@
-"""Makes the tables of the results of every model, record and body, and of the number of overturning records."""
+"""Makes the tables of results by model, record and body, and the table of numbers of overturning records."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from rockpulse.assessment.verdict import BodyVerdict, Standing, reasons_unknown,
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.record_tables import record_label
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ratio, share
 from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table
@@ -26,12 +26,12 @@ _GRADES = {
 
 
 def model_heading(model: str) -> Heading:
-    """Return the heading of the column of a model."""
+    """Return the heading of a column with the results of a model."""
     return Heading(say(f"models.{model}"), note=say("upper_bound") if is_upper_bound(model) else "")
 
 
 class AnswerCells:
-    """Makes the cells of records and bodies, with marks that the notes explain; ``names`` contains the marked ids."""
+    """Makes table cells for records and bodies, given by index; ``names`` contains the record ids with marks."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
@@ -48,52 +48,52 @@ class AnswerCells:
 
     @property
     def marks(self) -> set[CellMark]:
-        """Marks of the results of all models, and of the scale factors of the model that gives the verdict."""
+        """Marks of the results of every model, and of the scale factors."""
         return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
 
     def record(self, record: int) -> Cell:
-        """Return the id of a record with a link to its section."""
+        """Return a cell with the id of a record and a link to its section."""
         return col.unexplained(self.names[record])._replace(link=f"record-{record}")
 
     def body(self, lane: int) -> Cell:
-        """Return the name of a body with a link to its section."""
+        """Return a cell with the name of a body and a link to its section."""
         body = self.answers.bodies[lane]
         return Cell(body.block, link=f"body-{body.place}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """Return a cell with the probability of overturning under a record, or with the result, sorted by severity."""
+        """Return a cell with the probability of overturning or, if the results have none, the result as a word."""
         if self.answers.probable:
             (cell,) = self.cells(col.columns("overturning_probability"), [record], [lane])[0]
             return cell
         kind = Standing(int(self.standing[record, lane]))
         resting = kind == Standing.STANDS and self.answers["outcome"][record, lane] == Outcome.AT_REST
-        told = say(f"standing.{'at_rest' if resting else kind.name.lower()}")
+        result = say(f"standing.{'at_rest' if resting else kind.name.lower()}")
         why = f": {say(f'unknown.{self._why[record, lane]}')}" if kind == Standing.UNKNOWN else ""
-        return Cell(told + why, float(kind), grade=_GRADES[kind])
+        return Cell(result + why, float(kind), grade=_GRADES[kind])
 
     def worst(self, record: int) -> int:
-        """Return the index of the body for which a record is worst."""
+        """Return the index of the body that a record is most likely to overturn."""
         table = self.answers["overturning_probability"] if self.answers.probable else self.standing
         return int(np.argmax(np.nan_to_num(table[record])))
 
     def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
-        """Return the cells of the columns of :meth:`of` for bodies under records."""
+        """Return the cells of the columns `of`, one row for each pair of record and body."""
         places = (np.array(one, dtype=int) for one in (records, lanes))
         return col.filled(of, col.AnswerRows(self.answers, *places))
 
     @property
     def short(self) -> tuple[Heading, ...]:
-        """Headings of the cells of :meth:`of`."""
+        """Headings of the cells that :meth:`of` returns."""
         return (*col.headed(col.columns("uplift_ratio")), self._peak, *self.decisive)
 
     def of(self, record: int, lane: int) -> tuple[Cell, ...]:
-        """Return short cells of a body under a record: demand, peak, result and scale factor."""
+        """Return four cells for a body under a record: uplift ratio, largest rotation, result and scale factor."""
         (demand,) = self.cells(col.columns("uplift_ratio"), [record], [lane])[0]
         return demand, self.answer(record, lane), self.verdict(record, lane), self.factor(record, lane)
 
     @property
     def decisive(self) -> tuple[Heading, Heading]:
-        """Headings of the cells of :meth:`verdict` and :meth:`factor`."""
+        """Headings of the cells that :meth:`verdict` and :meth:`factor` return."""
         probable, factor = self.answers.probable, self.answers.factor
         (last,) = col.headed(col.columns(factor))
         if probable:
@@ -102,17 +102,17 @@ class AnswerCells:
         return first, last._replace(note=factor_name(factor))
 
     def factor(self, record: int, lane: int) -> Cell:
-        """Return the scale factor as a cell, marked if it is a lower bound."""
+        """Return a cell with the scale factor at which a record overturns a body."""
         return col.unexplained(self._factors[record * len(self.answers.bodies) + lane])
 
     def answer(self, record: int, lane: int, model: str = "") -> Cell:
-        """Return the result of a model (by default of the verdict): largest rotation divided by alpha_c, or a word."""
+        """Return a cell with the largest rotation divided by alpha_c, or with the outcome, in a model."""
         own = self.of_models[model or self.answers.model]
         return col.unexplained(own[record * len(self.answers.bodies) + lane])._replace(grade="")
 
 
 def answer_table(cells: AnswerCells) -> Table:
-    """Return a table of the results for every record, body and model."""
+    """Return a table of the results of every model, with one row for each record and body."""
     answers = cells.answers
     first, last = col.columns("restitution"), col.columns("uplift_ratio", "velocity_ratio", "impulse_ratio")
     headings = (
@@ -137,7 +137,7 @@ def answer_table(cells: AnswerCells) -> Table:
 
 
 def count_table(answers: Answers) -> Table:
-    """Return a table of the number of unscaled records that overturn each body in any direction, in each model."""
+    """Return a table with the number of unscaled records that overturn each body in each model."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
     rows = []
@@ -154,7 +154,7 @@ def _count(fallen: int, total: int, silent: int) -> Cell:
 
 
 def record_table(cells: AnswerCells, record: int) -> Table:
-    """Return a table of every body under one record (a row of /summary), from the model that gives the verdict."""
+    """Return a table of all bodies under one record, given by its row in /summary."""
     lanes, c = range(len(cells.answers.bodies)), col.columns("restitution")
     own = cells.cells(c, [record] * len(lanes), lanes)
     rows = tuple((cells.body(lane), *own[lane], *cells.of(record, lane)) for lane in lanes)
@@ -163,7 +163,7 @@ def record_table(cells: AnswerCells, record: int) -> Table:
 
 
 def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: UncertaintySettings) -> list[str]:
-    """Return the notes that explain columns, marks and words of the tables."""
+    """Return the notes below the tables, which explain columns, marks and words."""
     answers = cells.answers
     notes = [say("note.figures"), *([say("note.beyond_critical")] if beyond_critical(answers) else [])]
     notes += [*_of_factors(answers, uncertainty), *col.doubt_notes(cells.names)]
@@ -171,15 +171,15 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
     notes += [say("note.upper_bound", model=say(f"models.{name}")) for name in bounds]
     margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
     marks = cells.marks | col.marks_of(col.margin_cells(margin)[0] for margin in margins)
-    told = [mark.note for mark in (col.OUTSIDE, col.AT_MOST, col.NO_ANSWER) if mark in marks]
-    notes += dict.fromkeys(told)
+    explained = [mark.note for mark in (col.OUTSIDE, col.AT_MOST, col.NO_ANSWER) if mark in marks]
+    notes += dict.fromkeys(explained)
     if answers.motions.kind == "pair":
         notes.append(say("note.pair_mean" if answers.motions.any_azimuth else "note.pair_worst"))
     return notes
 
 
 def _of_factors(answers: Answers, uncertainty: UncertaintySettings) -> list[str]:
-    """Explain the columns of the scale factors; empty if they are unknown."""
+    """Return the notes on the scale factors; empty if the results have none."""
     if not answers.has_factor:
         return []
     if answers.probable:

@@ -1,4 +1,4 @@
-"""Collects the content of the page from the results as plain data for the templates."""
+"""Collects the content of the report page as plain data for the HTML templates."""
 
 import base64
 import math
@@ -17,23 +17,23 @@ from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.results_file import WRITTEN_BY
 from rockpulse.views.report import record_tables as records
 from rockpulse.views.report.answer_tables import AnswerCells, answer_table, count_table, record_table, table_notes
-from rockpulse.views.report.beside import Paired, describe_fragility, describe_site
 from rockpulse.views.report.report_warnings import limits, warnings
+from rockpulse.views.report.site_and_fragility import MatchedFile, describe_fragility, describe_site
 from rockpulse.views.report.verdict import (
     MOST,
     acceleration_in_words,
     basis,
+    body_drawings,
     body_table,
     cards,
     counted_by,
-    drawings,
     figures_legend,
 )
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, restitution, six_digits, three_digits
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.shown_columns import columns, grade_cell, headed
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
+from rockpulse.views.shared.table_columns import columns, grade_cell, headed
 from rockpulse.views.shared.words import in_dates, say, translated
 
 REFERENCE = (
@@ -47,8 +47,10 @@ _ASSUMPTIONS = ("body", "impact", "motion", "uplift", "strength")
 _NOT_COVERED = ("sliding", "flexible", "walls", "floors", "space", "soil", "hazard")
 
 
-def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> SimpleNamespace:
-    """Collect the data of the page: ``found`` contains the verdicts on all bodies, ``counted_by`` explains them."""
+def page_content(
+    tree: xr.DataTree, site: MatchedFile | None = None, fragility: MatchedFile | None = None
+) -> SimpleNamespace:
+    """Collect the data of the page from the results and, if given, from a site file and a fragility file."""
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
     found = verdicts(answers)
@@ -57,7 +59,7 @@ def page_content(tree: xr.DataTree, site: Paired | None = None, fragility: Paire
     assessed = 0 if by_sequence else summary.sizes["record"]
     configuration = str(tree.attrs.get("configuration", ""))
     sections = stored_sections(configuration)
-    files, drawn = files_used(tree), drawings(tree)
+    files, drawn = files_used(tree), body_drawings(tree)
     calibrated = None if site is None else site.tree["site"].to_dataset()
     motions_tree = site.tree if by_sequence and site else tree  # whose files were read
     said = warnings(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
@@ -110,14 +112,14 @@ def _fact(key: str) -> Fact:
 
 
 def _model(name: str, judging: bool) -> Fact:
-    """Describe a model; `judging` is the model that gives the verdict."""
-    shown = say(f"models.{name}")
+    """Describe a model as a fact; `judging` if the verdicts follow from this model."""
+    heading = say(f"models.{name}")
     words = translated(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
-    return Fact(say("method.judging", model=shown) if judging else shown, (words,))
+    return Fact(say("method.judging", model=heading) if judging else heading, (words,))
 
 
 def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[Fact, ...]:
-    """Return the assumptions, with vertical acceleration and filters as stated in the results."""
+    """Return the assumptions of the assessment as facts."""
     facts = [_fact(f"assumption.{name}") for name in _ASSUMPTIONS]
     acted = int((summary["vertical_channel"] != "").sum())
     vertical = say("assumption.vertical.none")
@@ -126,20 +128,20 @@ def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[
     facts.append(Fact(say("assumption.vertical.head"), (vertical,)))
     filters = [f"{name} = {conditioning[name]}" for name in ("highpass_hz", "lowpass_hz") if name in conditioning]
     if filters:
-        told = say("assumption.filters.text", filters=", ".join(filters))
-        facts.append(Fact(say("assumption.filters.head"), (told,)))
+        words = say("assumption.filters.text", filters=", ".join(filters))
+        facts.append(Fact(say("assumption.filters.head"), (words,)))
     return tuple(facts)
 
 
 def parties(tree: xr.DataTree, config: Config | None = None) -> tuple[Fact, ...]:
-    """Return project, client and author, if stated, from a configuration or from the results."""
+    """Return project, client and author, if stated in the configuration or in the results."""
     chosen = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else config
     given = {name: str(chosen.report[name]) for name in ("project", "client", "author")}
-    return tuple(Fact(say(f"page.{name}"), (told,)) for name, told in given.items() if told)
+    return tuple(Fact(say(f"page.{name}"), (words,)) for name, words in given.items() if words)
 
 
 def logo(tree: xr.DataTree, config: Config | None = None) -> str:
-    """Return the PNG of the logo in base64, from a configuration or from the results; empty without a logo."""
+    """Return the logo as PNG in base64, from the configuration or from the results; empty without a logo."""
     if config is not None:
         return base64.b64encode(logo_bytes(config.report, config.folder)).decode("ascii")
     stored = str(tree.attrs.get("report_logo", ""))
@@ -153,7 +155,7 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
 
 
 def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNamespace]:
-    """Make a page for every body: verdict for each restitution, facts, and the records closest to overturning it."""
+    """Collect the data of the section on each body: verdicts, facts, and the records closest to overturning it."""
     answers = cells.answers
     pages = []
     for place, block in enumerate(answers.blocks):
@@ -172,7 +174,7 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNames
 
 
 def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
-    """Make a page for every record: facts, worst result, and every body under it."""
+    """Collect the data of the section on each record: its facts, its worst result, and all bodies."""
     answers = cells.answers
     pages = []
     for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -214,21 +216,21 @@ def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[
 
 
 def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
-    """Return the records with the smallest scale factors for a body, then the worst records without a factor."""
+    """Return a table of the records with the smallest scale factors for the body at `place`."""
     answers = cells.answers
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
     order = sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
     selected = columns(*(["restitution"] if len(own) > 1 else []), PGA)
-    shown = cells.cells(selected, *zip(*order, strict=True)) if order else []
-    rows = tuple((_by_name(cells, at[0]), *told, *cells.of(*at)) for at, told in zip(order, shown, strict=True))
+    further = cells.cells(selected, *zip(*order, strict=True)) if order else []
+    rows = tuple((_by_name(cells, at[0]), *values, *cells.of(*at)) for at, values in zip(order, further, strict=True))
     headings = (Heading(say("head.record")), *headed(selected), *cells.short)
     caption = say("caption.governing" if len(pairs) > GOVERNING else "caption.each_record")
     return Table(f"body-{place}-records", caption, headings, rows)
 
 
 def _by_name(cells: AnswerCells, record: int) -> Cell:
-    """Describe a record by earthquake, station and direction, or by its id if these are unknown."""
+    """Return a cell with earthquake, station and direction of a record, or with its id if these are unknown."""
     known, cell = Known(cells.answers.summary, record=cells.answers.records[record]), cells.record(record)
     return cell._replace(text=records.record_named(known, cell.text))
 
@@ -236,7 +238,7 @@ def _by_name(cells: AnswerCells, record: int) -> Cell:
 def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
     known, own = one.number, one.words
     names = {name: say(f"fact.{name}") for name in ("source", "sha256")}
-    told = {names["source"]: own("source"), names["sha256"]: own("source_sha256")}
+    entries = {names["source"]: own("source"), names["sha256"]: own("source_sha256")}
     if one.value("npts") >= 0:
         angle = one.value("azimuth")
         azimuth = "" if math.isnan(angle) else f" ({say('direction.azimuth', angle=six_digits(angle))})"
@@ -251,18 +253,18 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
             "arias": known("arias_intensity", "m/s"),
             "intense": say("between", low=start, high=end),
         }
-        told |= {say("fact.earthquake"): records.event_name(event, one), **dict(one.stated)}
-        told |= {say(f"fact.{name}"): value for name, value in facts.items()}
-    told[say("fact.sequence")] = _sequence(one)
+        entries |= {say("fact.earthquake"): records.event_name(event, one), **dict(one.stated)}
+        entries |= {say(f"fact.{name}"): value for name, value in facts.items()}
+    entries[say("fact.sequence")] = _sequence(one)
     lists = {name: one.lines(name) for name in ("processing", "warnings")}
     return (
-        *(Fact(name, (value,)) for name, value in told.items()),
+        *(Fact(name, (value,)) for name, value in entries.items()),
         *(Fact(say(f"fact.{name}"), every) for name, every in lists.items() if every),
     )
 
 
 def _sequence(one: Known) -> str:
-    """Describe the impulse sequence of a record in one line."""
+    """Describe the impulse sequence of a record on one line."""
     if math.isnan(one.value("main_impulse")):
         return say("fact.no_sequence")
     return say(

@@ -1,4 +1,4 @@
-"""The interactive part of the page: animations of bodies under a few records at five scale factors."""
+"""Data of the interactive part of the report: motions of bodies under a few records at five scale factors."""
 
 import base64
 import json
@@ -31,7 +31,7 @@ OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
 #: Probabilities for which scale factors are stored, and their variables.
 SHARES = {0.1: "factor_10", 0.5: "factor_50"}
 #: Smallest and largest scale factor that is shown.
-SHOWN = (0.05, 20.0)
+FACTOR_RANGE = (0.05, 20.0)
 #: Number of columns of a time window, which exceeds the resolution of a screen.
 COLUMNS = 1500
 #: Largest 16-bit integer, and the integer that means a missing value.
@@ -44,14 +44,14 @@ BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 
 @dataclass(frozen=True)
 class TimeColumns:
-    """A time window from `start` to `end` [s], divided into `count` columns of equal width."""
+    """A time window [s] that is divided into columns of equal width."""
 
     start: float
     end: float
     count: int
 
     def extremes(self, time: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Return the extremes of each column (2, count); an empty column has the value before it; NaN outside."""
+        """Return smallest and largest value in each column (2, count); NaN in columns after the end of the motion."""
         edges = np.linspace(self.start, self.end, self.count + 1)
         first = np.searchsorted(time, edges - 1e-9 * self.end)
         inside = values[: max(int(first[-1]), 1)]
@@ -62,26 +62,26 @@ class TimeColumns:
 
 
 class Explorer(NamedTuple):
-    """JSON for the script of the page (empty if no body moves), and the description of the model."""
+    """The data for the script of the page as JSON (empty if no motions are stored), and the name of the model."""
 
     data: str
     model: str
 
 
 def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] = ()) -> Explorer | None:
-    """Return the motions of the interactive part, None without histories; `stored` are the names in the file."""
-    answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
+    """Return the data of the interactive part, or None for a model or results without motions."""
+    answers, words = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
     if not ("records" in tree.children and any(name in tree["records"] for name in ("acceleration", "rotation"))):
         return Explorer("", say(f"models.{answers.model}"))
-    scenes = _Scenes(tree, answers, told)
+    scenes = _Scenes(tree, answers, words)
     lowest = np.fmin.reduce(known(answers[answers.factor]), axis=0)
-    shown = set(np.argsort(lowest, kind="stable")[:MOST_BODIES].tolist())
+    animated = set(np.argsort(lowest, kind="stable")[:MOST_BODIES].tolist())
     data = {
         "file": file,
         "model": answers.model,
-        "words": told,
+        "words": words,
         "records": [
             {"id": record, "words": record_words(Known(answers.summary, record=record))} for record in answers.records
         ],
@@ -91,7 +91,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
                 "block": stored[body.place] if stored else body.block,
                 "case": body.case + 1 if body.several else 0,
                 **_outline(block_of(answers.summary, body.block, body.case + 1)),
-                "scenes": scenes.of_body(lane, body) if lane in shown else [],
+                "scenes": scenes.of_body(lane, body) if lane in animated else [],
             }
             for lane, body in enumerate(answers.bodies)
         ],
@@ -100,22 +100,22 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
 
 
 class _Scenes:
-    """Makes the scenes of a file: the motions of a body under a record at each scale factor."""
+    """Collects scenes; a scene contains the motions of a body under one record at several scale factors."""
 
-    def __init__(self, tree: xr.DataTree, answers: Answers, told: Mapping[str, str]) -> None:
-        self._tree, self._answers, self._words = tree, answers, told
+    def __init__(self, tree: xr.DataTree, answers: Answers, words: Mapping[str, str]) -> None:
+        self._tree, self._answers, self._words = tree, answers, words
         self._plain = set(plain_bodies(answers.summary))
         self._spectra = tree["spectra"].to_dataset() if "spectra" in tree.children else None
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
-        """Return a scene for each chosen record, or the reason why it is missing."""
+        """Return a scene for each record shown for a body, or the reason why its motions are missing."""
         found = []
-        for row, why in shown_records(self._answers, lane).items():
-            told = [self._words[one] for one in why]
+        for row, why in selected_records(self._answers, lane).items():
+            reasons = [self._words[one] for one in why]
             try:
-                found.append({"record": row, "why": told, **self._scene(row, lane, body)})
+                found.append({"record": row, "why": reasons, **self._scene(row, lane, body)})
             except ResultsError as reason:
-                found.append({"record": row, "why": told, "reason": str(reason)})
+                found.append({"record": row, "why": reasons, "reason": str(reason)})
         return found
 
     def _scene(self, row: int, lane: int, body: Body) -> dict[str, Any]:
@@ -164,7 +164,7 @@ class _Scenes:
         }
 
     def _curve(self, row: int, lane: int, block: Block) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return scale factors and the probability at each, if the stored spectrum is valid for the body."""
+        """Return scale factors and probabilities of overturning; None if no stored spectrum is valid for the body."""
         read, body = self._answers.source[row, lane] == "spectrum", self._answers.bodies[lane]
         if self._spectra is None or not read or body.several or body.block not in self._plain:
             return None
@@ -187,7 +187,7 @@ def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
 
 
 def _packed_motion(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
-    """Return outcome, largest rotation and time of overturning of a motion, and its rotation in the window."""
+    """Return outcome, largest rotation and time of overturning, and the extreme rotations in each time column."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
     if ends == "rocks":
@@ -200,7 +200,7 @@ def _packed_motion(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]
 
 
 def _outline(block: Block) -> dict[str, Any]:
-    """Return the outline of a body [m], with the centre of mass at x = 0, and the angles of its corners [rad]."""
+    """Return the outline of a body [m], the height of its centre of mass, and the angles alpha of its corners [rad]."""
     body = Outline.of(block)
     return {
         "outline": [[round(x, 4), round(y, 4)] for x, y in body.corners],
@@ -211,8 +211,8 @@ def _outline(block: Block) -> dict[str, Any]:
     }
 
 
-def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
-    """Return the rows of the records shown for a body: worst (or strongest), `factor_50` nearest to 1, and median."""
+def selected_records(answers: Answers, lane: int) -> dict[int, list[str]]:
+    """Return the rows of the records shown for a body, each with the reasons why it is shown."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))
     half = answers["factor_50" if answers.probable else "safety_factor"][:, lane]
@@ -225,7 +225,7 @@ def shown_records(answers: Answers, lane: int) -> dict[int, list[str]]:
 
 
 def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
-    """Return the scale factors of a record in ascending order, with the meaning of the meaningful ones."""
+    """Return the five scale factors shown for a record, in ascending order, with their labels (empty if none)."""
     meaning = tuple(SHARES.values()) if answers.probable else ("safety_factor",)
     named = [(1.0, words["as_recorded"])]
     named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
@@ -234,7 +234,7 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
     found: dict[float, str] = {}
     for value, label in named:
         factor = float(f"{value:.3g}")
-        if SHOWN[0] <= factor <= SHOWN[1] and len(found) < STEPS and _distance(factor, found) > APART:
+        if FACTOR_RANGE[0] <= factor <= FACTOR_RANGE[1] and len(found) < STEPS and _distance(factor, found) > APART:
             found[factor] = label
     low, high = 0.5 * min(found), 2.0 * max(found)
     while len(found) < STEPS:
@@ -243,28 +243,28 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
 
 
 def _distance(factor: float, others: Mapping[float, str]) -> float:
-    """Return the distance of the logarithm of a factor from the nearest of others."""
+    """Return the smallest difference between the logarithm of a factor and those of others."""
     return min((abs(math.log(factor / one)) for one in others), default=math.inf)
 
 
 def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
-    """Return the scale factors for which probabilities of overturning are stored, with these probabilities."""
+    """Return pairs of scale factor and probability of overturning that are stored in the results."""
     if not answers.probable:
         return []
     found = [(float(answers[name][row, lane]), share) for share, name in SHARES.items()]
     found.append((1.0, float(answers["overturning_probability"][row, lane])))
     for name in answers.demands:
         found.append((float(answers.to_demand(name)[row, lane]), float(answers.at_demand(name)[row, lane])))
-    told = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
-    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
+    pairs = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
+    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(pairs)]
 
 
 def through_stored_points(
     factors: np.ndarray, probability: np.ndarray, stored: Mapping[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Shift the scale factors of a probability curve, linearly in the logarithm, so that it contains the stored ones.
+    """Scale the factors of a probability curve so that the curve passes through the stored scale factors.
 
-    Factors interpolated in a stored spectrum differ by some percent from the stored factors of the body.
+    Scale factors from a stored spectrum differ by some percent from those of the body. Scaling is linear in logarithms.
     """
     pairs = [(float(factor_at(share, factors, probability)), factor) for share, factor in stored.items()]
     logs = np.log([pair for pair in pairs if all(map(math.isfinite, pair))]).reshape(-1, 2)
@@ -278,7 +278,7 @@ def through_stored_points(
 def probability_at(
     factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
 ) -> float | None:
-    """Return the probability at a scale factor: the stored value if available, else that of the curve."""
+    """Return the probability of overturning at a scale factor: the stored one if there is one, else from the curve."""
     for at, probability in points:
         if math.isclose(at, factor, rel_tol=0.005):
             return probability
@@ -286,12 +286,12 @@ def probability_at(
 
 
 def known(factor: np.ndarray) -> np.ndarray:
-    """Return factors, with inf in place of NaN."""
+    """Return the factors with NaN replaced by inf."""
     return np.where(np.isnan(factor), np.inf, factor)
 
 
 def packed(extremes: np.ndarray) -> dict[str, float | str]:
-    """Pack extremes for JSON as base64 of int16 (all minima, then all maxima), and return the value of one unit."""
+    """Return extremes as base64 of 16-bit integers (all minima, then all maxima), and the value of one unit."""
     largest = float(np.nanmax(np.abs(extremes), initial=0.0))
     scale = largest / LARGEST or 1.0
     whole = np.where(np.isnan(extremes), NONE, np.rint(extremes / scale))

@@ -1,4 +1,4 @@
-"""Makes tables of records by earthquake and station, of input files, of skipped files with reasons, and of warnings."""
+"""Makes the tables of records, earthquakes, input files, files that were not assessed, and warnings."""
 
 import math
 from collections import Counter
@@ -29,14 +29,14 @@ _TOLD = ("failed", "skipped")
 
 
 def event_name(event: str, known: Known | None) -> str:
-    """Return the name of the earthquake to which a record is assigned, or its date for a label without a name."""
+    """Return the name of the earthquake of a record or, if it has no name, the earthquake's date."""
     if event == UNKNOWN:
         return say("unknown_event.name")
     return event if words_of(event) or known is None else earthquake_words(known) or event
 
 
 def record_label(record: str) -> str:
-    """Return the id of a record, or the label of a design sequence."""
+    """Return the id of a record; for a design sequence its name in the current language."""
     start, design, quantile = record.partition(NAME)
     if start or not design:
         return record
@@ -44,24 +44,24 @@ def record_label(record: str) -> str:
 
 
 def earthquake_words(known: Known) -> str:
-    """Return the name of an earthquake, or its date if it has no name; empty if unknown."""
+    """Return the name of an earthquake or, if it has no name, its date; empty if both are unknown."""
     return known.title or (say("earthquake_of", date=in_dates(known.date)) if known.date else "")
 
 
 def record_words(known: Known) -> str:
-    """Return earthquake, station code and direction of a record; empty if the earthquake is unknown."""
+    """Return earthquake, station code and direction of a record as text; empty if the earthquake is unknown."""
     event, station = earthquake_words(known), known.value("station") or known.place
     return ", ".join(filter(None, (event, station, known.direction))) if event else ""
 
 
 def record_named(known: Known, name: str) -> str:
-    """Describe a record by :func:`record_words` and, if the station is unknown, by its id, which may have marks."""
-    told = record_words(known)
-    return told if told and known.place else ", ".join(filter(None, (told, name)))
+    """Describe a record by earthquake, station and direction; `name` is added if the station is unknown."""
+    description = record_words(known)
+    return description if description and known.place else ", ".join(filter(None, (description, name)))
 
 
 def used_table(answers: Answers) -> Table:
-    """Return a table with a row for each station and earthquake, limited to the strongest."""
+    """Return a table of the records by station and earthquake, limited to the strongest ones."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -72,8 +72,8 @@ def used_table(answers: Answers) -> Table:
     titles = ("earthquake", "magnitude", "station", "direction", "records", PGA, "worst")
     headings = tuple(Heading(say(f"head.{title}"), "g" if title == PGA else "") for title in titles)
     rows = tuple(_used(answers, rows) for rows in order[:ROWS])
-    told = "caption.used" if len(order) <= ROWS else "caption.strongest"
-    caption = say(told, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
+    caption_key = "caption.used" if len(order) <= ROWS else "caption.strongest"
+    caption = say(caption_key, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
     return Table("used", caption, headings, rows)
 
 
@@ -81,12 +81,12 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
     every = [Known(answers.summary, record=answers.records[row]) for row in rows]
     first, strongest = every[0], max(rows, key=lambda row: float(answers["pga"][row]))
     directions = [*dict.fromkeys(filter(None, (one.direction for one in every)))]
-    shown = ", ".join(directions) if len(directions) <= DIRECTIONS else say("directions", count=len(directions))
+    which = ", ".join(directions) if len(directions) <= DIRECTIONS else say("directions", count=len(directions))
     return (
         Cell(earthquake_words(first) or answers.records[rows[0]], link=f"record-{strongest}"),
         Cell(first.magnitude, first.real("magnitude")),
         Cell(first.place or (answers.records[rows[0]] if earthquake_words(first) else "")),
-        Cell(shown),
+        Cell(which),
         number_cell(len(rows), str),
         number_cell(float(answers["pga"][strongest]) / STANDARD_GRAVITY, three_digits),
         _worst(answers, rows),
@@ -94,7 +94,7 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
 
 
 def _worst(answers: Answers, rows: list[int]) -> Cell:
-    """Return the body with the largest probability under unscaled records or, if unknown, the smallest scale factor."""
+    """Return a cell with the body that is most likely to overturn under the given records."""
     if not answers.bodies:
         return Cell("")
     table = answers["overturning_probability"][rows] if answers.probable else -answers[answers.factor][rows]
@@ -107,7 +107,7 @@ def _worst(answers: Answers, rows: list[int]) -> Cell:
 
 
 def earthquake_table(answers: Answers) -> Table:
-    """Return a table of the earthquakes with their facts from the files and their number of records."""
+    """Return a table of the earthquakes with facts from the files and the number of their records."""
     motions = answers.motions
     of_event: dict[str, list[int]] = {}
     for place, event in enumerate(motions.events):
@@ -126,15 +126,15 @@ def earthquake_table(answers: Answers) -> Table:
             )
         )
     titles, always = ("earthquake", "date", "magnitude", "distance", "motions", "which"), (0, 4, 5)
-    shown = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
-    of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
-    return Table("earthquakes", say("caption.earthquakes"), _headings(*(titles[place] for place in shown)), of_shown)
+    kept = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
+    kept_rows = tuple(tuple(row[place] for place in kept) for row in rows)
+    return Table("earthquakes", say("caption.earthquakes"), _headings(*(titles[place] for place in kept)), kept_rows)
 
 
 def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
-    """Return date, magnitude, and range of epicentral distances of records; empty if not stated."""
+    """Return three cells for the records of one earthquake: date, magnitude, and range of epicentral distances."""
     dates = sorted({date for one in known if (date := one.date)})
-    magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
+    magnitudes = list(dict.fromkeys(stated for one in known if (stated := one.magnitude)))
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
     largest = max((one.real("magnitude") for one in known if one.magnitude), default=math.nan)
     nearest, farthest = min(distances, default=math.nan), max(distances, default=math.nan)
@@ -144,21 +144,21 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
 
 
 def left_out_table(tree: xr.DataTree) -> Table:
-    """Return a table of skipped files and channels with reasons, one row per kind."""
+    """Return a table of files and channels that were not assessed: one row for each kind, with reasons."""
     found, beside = apart(failure_rows(tree))
     rows = []
     for kind, every in found.items():
         said, rest = reasons_of(every, REASONS, LONGEST) if kind in _TOLD else ([say(f"left_out.why.{kind}")], 0)
-        told = "; ".join([*said, *([say("left_out.other", count=rest)] if rest else [])])
+        reasons = "; ".join([*said, *([say("left_out.other", count=rest)] if rest else [])])
         grade = "bad" if kind == "failed" else ""
-        rows.append((Cell(say(f"left_out.{kind}"), grade=grade), number_cell(len(every), str), Cell(told)))
+        rows.append((Cell(say(f"left_out.{kind}"), grade=grade), number_cell(len(every), str), Cell(reasons)))
     if beside:
         rows.append((Cell(say("left_out.no_record")), number_cell(len(beside), str), Cell(listed(beside))))
     return Table("left-out", say("caption.left_out"), _headings("kind", "count", "reason"), tuple(rows))
 
 
 def input_table(summary: xr.Dataset) -> Table:
-    """Return a table of the input files."""
+    """Return a table of the input files of the records."""
     columns = [
         summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
         for name in ("source", "source_sha256", "format")
@@ -166,8 +166,8 @@ def input_table(summary: xr.Dataset) -> Table:
     of_file: dict[str, dict[str, None]] = {}
     for record, source in zip(summary["record"].values, columns[0], strict=True):
         known = Known(summary, record=str(record))
-        if told := ", ".join(filter(None, (earthquake_words(known), known.place))):
-            of_file.setdefault(source, {})[told] = None
+        if occasion := ", ".join(filter(None, (earthquake_words(known), known.place))):
+            of_file.setdefault(source, {})[occasion] = None
     rows = tuple(
         (*map(Cell, row), number_cell(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
         for row, count in Counter(zip(*columns, strict=True)).items()
@@ -177,7 +177,7 @@ def input_table(summary: xr.Dataset) -> Table:
 
 
 def left_out_files(tree: xr.DataTree) -> Table:
-    """Return a table of files and channels that were not assessed, grouped by reason, failed ones first."""
+    """Return a table of files and channels that were not assessed: one row for each reason, failures first."""
     rows = tuple(
         (
             Cell(say(f"left_out.{kind}"), grade="bad" if kind == "failed" else ""),
@@ -204,7 +204,7 @@ def warning_table(summary: xr.Dataset) -> Table:
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:
-    """Return the versions of the packages that computed the results."""
+    """Return the versions of the software packages with which the results were computed."""
     found = {str(name): str(value) for name, value in tree.attrs.items() if name != "schema_version"}
     end = "_version"
     return tuple(Fact(name.removesuffix(end), (version,)) for name, version in found.items() if name.endswith(end))

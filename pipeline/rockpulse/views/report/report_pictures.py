@@ -1,4 +1,4 @@
-"""The pictures of the page, each with unique ids, drawn when the template needs them."""
+"""The pictures of the report; each is drawn when a template needs it, and its SVG has unique ids."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.report.beside import Paired
-from rockpulse.views.report.drawings import strip
+from rockpulse.views.report.body_drawings import strip
+from rockpulse.views.report.site_and_fragility import MatchedFile
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import body_name, say
 
@@ -27,17 +27,17 @@ IN_A_MAP = 20
 
 @dataclass(frozen=True)
 class PageElement:
-    """An `<svg>` element with its caption; empty, with the reason, if there is no picture."""
+    """An `<svg>` element with its caption; without a picture, the element is empty and ``words`` is the reason."""
 
     svg: Markup
     words: str
 
 
 class Pictures:
-    """Draws the pictures of one report, by row of /summary and index of the body."""
+    """Draws the pictures of a report; records are given by row of /summary, bodies by index along block."""
 
     def __init__(
-        self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, found: list[BodyVerdict]
+        self, tree: xr.DataTree, site: MatchedFile | None, fragility: MatchedFile | None, found: list[BodyVerdict]
     ) -> None:
         self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
@@ -61,14 +61,14 @@ class Pictures:
         return PageElement(Markup(strip(acceleration, float(one["dt"]), phase)), say("picture.strip"))
 
     def _acceleration(self, record: int) -> np.ndarray:
-        """Return the stored samples of a record, or None."""
+        """Return the stored acceleration of a record; empty if it is not stored."""
         if self._stored is None:
             return np.zeros(0)
         last = int(self._stored["row_size"].values[: record + 1].sum())
         return np.asarray(self._stored["acceleration"].values)[last - int(self._stored["row_size"][record]) : last]
 
     def in_full(self, record: int) -> PageElement | None:
-        """Return the accelerogram with half-waves and impulses; None for a record shown as a strip."""
+        """Return the large accelerogram of a record with its half-waves and impulses, or None if it is not drawn."""
         if self._stored is None or record not in self._in_full:
             return None
         from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
@@ -77,7 +77,7 @@ class Pictures:
         return self._drawn(lambda: _bare(accelerogram(motion())[0]), f"record{record}", say("picture.in_full"))
 
     def body(self, block: int, name: str = "body") -> PageElement:
-        """Return the picture of the scale factors at which a body overturns."""
+        """Return the picture of the scale factors at which the records overturn a body."""
         from rockpulse.views.plots.critical_factors import overturning_map
 
         if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
@@ -86,7 +86,7 @@ class Pictures:
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> PageElement | None:
-        """Return the rotation of a body under its worst record in the model of the verdict; None if unknown."""
+        """Return the rotation history of a body under its worst record, or None if it is not drawn."""
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 
@@ -109,7 +109,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[PageElement]:
-        """Return the main picture: spectra with bodies, or scale factors of the worst body; for a sequence its site."""
+        """Return the main pictures: overturning spectra, and scale factors of the worst other body."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         found, plain = [], []
@@ -127,7 +127,7 @@ class Pictures:
         return found
 
     def site(self) -> PageElement:
-        """Return the picture of the records of the site and its design; only used with a site."""
+        """Return the picture of a site; a site file must have been given."""
         from rockpulse.views.plots.site import calibration
 
         tree = self._site
@@ -136,7 +136,7 @@ class Pictures:
         return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say(f"picture.site_{kind}"))
 
     def fragility(self, block: str) -> PageElement:
-        """Return the fragility curves of a body; only used with a fragility file."""
+        """Return the fragility curves of a body; a fragility file must have been given."""
         from rockpulse.views.plots.fragility_curves import fragility_panels
 
         tree = self._fragility
@@ -145,19 +145,19 @@ class Pictures:
         return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
-        """Draw a picture of rockpulse.views.plots; if this fails, return the error message instead."""
+        """Return the picture made by `draw` with ids that start with `name`; if drawing fails, the error message."""
         from rockpulse.views.plots.picture import svg
 
         try:
-            three_digits = draw().get_figure(root=True)
+            figure = draw().get_figure(root=True)
         except ResultsError as reason:
             return PageElement(Markup(""), str(reason))
-        assert three_digits is not None
-        return PageElement(Markup(svg(three_digits, name)), caption)
+        assert figure is not None
+        return PageElement(Markup(svg(figure, name)), caption)
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
-    """Return the stored spectra at the C of most bodies, interpolated linearly over their gaps in p."""
+    """Draw the stored overturning spectra with the bodies, and return the Axes."""
     from rockpulse.views.plots.spectra import spectra_of_results
 
     ax = spectra_of_results(tree, spectra)
@@ -167,9 +167,9 @@ def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
 
 
 def _bare(ax: Axes) -> Axes:
-    """Return Axes on a figure without title and small print, as the page contains these."""
-    three_digits = ax.get_figure(root=True)
-    assert three_digits is not None
-    three_digits.suptitle("")
-    three_digits.supxlabel("")
+    """Remove title and small print from the figure of Axes, as the page shows them as text."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    figure.suptitle("")
+    figure.supxlabel("")
     return ax

@@ -1,4 +1,4 @@
-"""The warnings of a report by grade: warnings that may change a verdict, limitations, and explanations."""
+"""The warnings of the report in three grades: may change a verdict, limits its use, or explains it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.shown_columns import doubt_notes, record_cells
+from rockpulse.views.shared.table_columns import doubt_notes, record_cells
 from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
@@ -34,7 +34,7 @@ GRADES = ("decides", "limits", "notes")
 
 @dataclass(frozen=True)
 class Limit:
-    """A warning on the use of the numbers: a heading and one or two sentences."""
+    """A warning in the report: its grade, a heading, and one or two sentences."""
 
     grade: Literal["decides", "limits", "notes"]
     head: str
@@ -48,7 +48,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Return the warnings on the verdicts, most serious first; /site and the key `components` may be given."""
+    """Return the warnings on the verdicts, the most serious first; `components` is that option of [records]."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -57,8 +57,8 @@ def warnings(
         said += [] if site is None else _of_design(site, found)
     said += [_confidence(found, motions, site), _at_rest(found, motions)]
     if files.line:
-        told = files.counted or say("warning.files.none")
-        said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
+        counted = files.counted or say("warning.files.none")
+        said.append(_limit("limits", "files", counted=counted, reasons=files.reasons))
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
         said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
@@ -72,7 +72,7 @@ def warnings(
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions) -> list[str]:
-    """Return at most three lines on the limits of the verdict: decisive warnings, few earthquakes, skipped files."""
+    """Return the lines below the verdicts: decisive warnings, number of earthquakes, and what is not modelled."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
@@ -90,7 +90,7 @@ def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: obj
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """Warn if the model is not the full equation of motion."""
+    """Warn if the verdicts do not follow from the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -101,7 +101,7 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if the records of too few earthquakes can be scaled to a demand."""
+    """Warn if too few earthquakes have records that can be scaled to a demand."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
@@ -113,15 +113,15 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
-    """Return the smallest number of earthquakes that a verdict is based on."""
+    """Return the smallest number of earthquakes from which a verdict follows."""
     counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
     return min(counts, default=motions.event_count)
 
 
 def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
-        told = say("warning.site_confidence.ask") if site is None else coverage(site)
-        return _limit("limits", "site_confidence", coverage=told)
+        covered = say("warning.site_confidence.ask") if site is None else coverage(site)
+        return _limit("limits", "site_confidence", coverage=covered)
     count = _fewest(found, motions)
     events = counted_words(count, "earthquake")
     few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
@@ -137,7 +137,7 @@ def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if a body that survives the design of its site may overturn within the uncertainty."""
+    """Warn if a body that the design does not overturn may overturn within the uncertainty of the design."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
@@ -151,7 +151,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Find surviving bodies that overturn within the interval of the main impulse or under a record of the site."""
+    """Return bodies that overturn within the interval of the main impulse, and bodies that site records overturn."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [one for one in standing if one.margin.smallest <= factor]
     within = [
@@ -166,7 +166,7 @@ def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[li
 
 
 def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Find such bodies for a design spectrum, with the weighted share of records that overturn each."""
+    """Return bodies that overturn within the interval of the spectrum, and bodies that site records overturn."""
     names = [str(name) for name in site["block"].values]
     of = {name: site.isel(block=place) for place, name in enumerate(names)}
     own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
@@ -178,23 +178,23 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if bodies are on a pedestal or may slide."""
+    """Warn if a body is worse with its pedestal, or may slide."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.decides.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=body_name(worst.body.name), value=value))
     for one in sliding(answers):
-        told = {
+        fields = {
             "total": counted_words(one.total, "record"),
             "most": ratio(one.most) if np.isfinite(one.most) else say("infinite"),
         }
         own = six_digits(one.friction)
-        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **told))
+        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **fields))
     return said
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """Warn if the probability excludes some records."""
+    """Warn if the result of a body is unknown under some records."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
@@ -214,7 +214,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
 
 
 def _doubtful(summary: xr.Dataset) -> Limit | None:
-    """Return records whose peak may be in a wrong unit or clipped."""
+    """Warn if records have doubtful samples."""
     named = [cell for cell in record_cells(summary) if cell.marks]
     if not named:
         return None

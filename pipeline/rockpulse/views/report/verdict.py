@@ -1,4 +1,4 @@
-"""Makes the verdict in the report: sentence and drawing of every body, table of the bodies, and explanations."""
+"""Makes the verdicts in the report: a card for each body, the table of bodies, and their explanations."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,13 +20,13 @@ from rockpulse.model_table import is_upper_bound
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.plots.selection import block_of
-from rockpulse.views.report.drawings import Support, drawing
+from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.report.record_tables import record_named
 from rockpulse.views.shared.formatting import ABSENT, ratio, share, six_digits, three_digits
 from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.shown_columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
+from rockpulse.views.shared.table_columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 
 #: Separator between the ends of an interval, which allows no line break.
@@ -36,7 +36,7 @@ FEW, MOST = 8, 6
 
 
 class Drawing(NamedTuple):
-    """An `<svg>` element of a body, and the description of its restraints."""
+    """An `<svg>` element of a body, and the names of its supports and restraints."""
 
     svg: Markup
     held: str
@@ -44,7 +44,7 @@ class Drawing(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """A body at its worst restitution: restraints, verdict and sentence; ``key`` is the id of its section."""
+    """The card of a body on the first page: drawing, restraints, verdict and sentence; ``key`` is a section id."""
 
     key: str
     name: str
@@ -55,7 +55,7 @@ class Card:
 
 
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
-    """Return the cards of the bodies with the worst verdicts, from worst to best."""
+    """Return the cards of the bodies with the worst verdicts, the worst first."""
     worst: dict[int, BodyVerdict] = {}
     for one in sorted(found, key=_by_severity):
         worst.setdefault(one.body.place, one)
@@ -66,14 +66,14 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
 
 
 def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
-    """Return the sort key: worst verdict first, then largest probability, then smallest scale factor."""
+    """Return a sort key that puts the worst verdict, largest probability and smallest scale factor first."""
     factor, value = one.margin.smallest, one.decides.value
     likely = 0.0 if math.isnan(value) else value
     return -float(one.overall), -likely, math.inf if math.isnan(factor) else factor
 
 
-def drawings(tree: xr.DataTree) -> list[Drawing]:
-    """Return the drawing of every body of the results on its pedestals."""
+def body_drawings(tree: xr.DataTree) -> list[Drawing]:
+    """Return a drawing of every body with its supports and restraints."""
     summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
     blocks = config_from_text(configuration).bodies if configuration else ()
     sizes = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
@@ -93,12 +93,12 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
         holds |= {"load": body.loads, "thrust": body.thrusts}
         held = ", ".join(say(f"drawing.{kind}") for kind, own in holds.items() if own)
         label = str(escape(say("drawing.label", name=name, held=f", {held}" if held else "")))
-        found.append(Drawing(Markup(drawing(body, support, label, lambda value: three_digits(value, "m"))), held))
+        found.append(Drawing(Markup(body_drawing(body, support, label, lambda value: three_digits(value, "m"))), held))
     return found
 
 
 def sentence(answers: Answers, one: BodyVerdict) -> str:
-    """Return the verdict on a body as a sentence: probability, demand and number of earthquakes."""
+    """Return the verdict on a body as a sentence."""
     if answers.motions.kind == "sequence":
         factor = margin_cells(one.margin)[0].marked
         margin = say("verdict.factor", factor=factor) if not math.isnan(one.margin.smallest) else ""
@@ -123,20 +123,20 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
 
 
 def basis(answers: Answers, unused: str) -> str:
-    """Describe the basis of the verdicts: model, records, unused files, and intensity of each demand."""
+    """Describe what the verdicts are based on: model, records, unused files and demands."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
     said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
-        told = in_numerals(demand.words.replace("m/s2", "m/s²"))
+        strength = in_numerals(demand.words.replace("m/s2", "m/s²"))
         if demand.words.startswith("PGA "):
-            told += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
-        told = say("demand_selection") if math.isnan(demand.value) else told
-        said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))
+            strength += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
+        strength = say("demand_selection") if math.isnan(demand.value) else strength
+        said.append(say("demand", name=name, strength=", ".join(filter(None, (strength, demand.limit_state)))))
     return " ".join(said)
 
 
 def motions_words(motions: Motions) -> str:
-    """Return the number of records and of their earthquakes as text."""
+    """Return the numbers of records and earthquakes as text."""
     if motions.kind == "sequence":
         return say("motions.sequence")
     key = f"motions.{motions.kind}{'_mean' if motions.kind == 'pair' and motions.any_azimuth else ''}"
@@ -145,7 +145,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def figures_legend(answers: Answers) -> str:
-    """Explain the numbers of the table of bodies in one line."""
+    """Explain the numbers in the table of bodies on one line."""
     if answers.motions.kind == "sequence":
         return say("legend.sequence")
     what = say("legend.probability" if answers.probable else "legend.share")
@@ -153,7 +153,7 @@ def figures_legend(answers: Answers) -> str:
 
 
 def counted_by(answers: Answers) -> str:
-    """Explain the words of the verdict."""
+    """Explain how probability or share are computed, and which values separate the verdicts."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
@@ -165,12 +165,12 @@ def counted_by(answers: Answers) -> str:
 
 
 def _levels() -> dict[str, str]:
-    """Return the probabilities that separate the verdicts."""
+    """Return the limits of probability at which the verdict changes, as text."""
     return {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
 
 
 def of_unknown_event(motions: Motions) -> str:
-    """Describe the records whose earthquake is unknown; empty if all are known."""
+    """Describe how records of unknown earthquakes are counted; empty if all earthquakes are known."""
     count = motions.events.count(UNKNOWN)
     if not count:
         return ""
@@ -179,17 +179,17 @@ def of_unknown_event(motions: Motions) -> str:
 
 
 def model_words(model: str) -> str:
-    """Return the name of a model, marked if it is an upper bound."""
+    """Return the name of a model, with a note if it is an upper bound."""
     return say("model.upper_bound" if is_upper_bound(model) else "model.name", name=say(f"models.{model}"))
 
 
 def acceleration_in_words(value: float) -> str:
-    """Format an acceleration [m/s2] in m/s² and g."""
+    """Format an acceleration [m/s2] in m/s² and in g."""
     return f"{three_digits(value, 'm/s²')} ({three_digits(value / STANDARD_GRAVITY, 'g')})"
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """Return a table of bodies: verdict, probability at each demand and unscaled, scale factor, governing record."""
+    """Return the table of verdicts: one row for each body, with probability, scale factors and governing record."""
     motions, factor = answers.motions, factor_heading(answers.factor)
     c = COLUMNS["restitution"]
     of = say("head.probability" if answers.probable else "head.share")
@@ -226,15 +226,15 @@ def _at_demand(place: int, one: BodyVerdict) -> Cell:
 
 
 def _governing(answers: Answers, one: BodyVerdict) -> Cell:
-    """Return the record with the smallest scale factor."""
+    """Return a cell with the record that overturns the body at the smallest scale factor."""
     if one.governing < 0 or math.isinf(one.margin.smallest):
         return Cell(ABSENT)
     name = record_cells(answers.summary)[one.governing]
-    told = record_named(Known(answers.summary, record=answers.records[one.governing]), name.text)
-    return unexplained(name)._replace(text=told, link=f"record-{one.governing}")
+    description = record_named(Known(answers.summary, record=answers.records[one.governing]), name.text)
+    return unexplained(name)._replace(text=description, link=f"record-{one.governing}")
 
 
 def _share_cell(value: Share, grade: str = "") -> Cell:
     low, high = ratio(value.low), ratio(value.high)
-    shown = f"{ratio(value.value)} ({low if low == high == ABSENT else f'{low}{TO}{high}'})"
-    return Cell(shown, value.value, grade=grade)
+    text = f"{ratio(value.value)} ({low if low == high == ABSENT else f'{low}{TO}{high}'})"
+    return Cell(text, value.value, grade=grade)

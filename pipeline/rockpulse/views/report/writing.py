@@ -1,4 +1,4 @@
-"""Writes the report as one HTML page without external resources, or as a PDF printed by a browser."""
+"""Writes the report as an HTML page without external resources, or as a PDF printed by a browser."""
 
 import base64
 import hashlib
@@ -24,11 +24,11 @@ from rockpulse.storage.hdf5.results_file import load_tree
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
-from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.report.report_pictures import Pictures
+from rockpulse.views.report.site_and_fragility import matched_file
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import in_dates, own_name, result_texts, say, writing
 
@@ -104,9 +104,8 @@ def report(
     Raises
     ------
     ResultsError
-        For results of another kind, a site or fragility file with another body of the same name
-        (:func:`rockpulse.views.report.beside.paired`), an existing target that may not be replaced, or a PDF without a
-        browser to print it.
+        For results of another kind, a site or fragility file that contains another body of the same name, an existing
+        target that may not be replaced, or a PDF without a browser to print it.
     OSError
         If a file cannot be read or written.
 
@@ -128,7 +127,7 @@ def report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a report, before any work; raise ResultsError if the report cannot be written there."""
+    """Return the path of a report to be written; ResultsError if it cannot or must not be written."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -158,7 +157,7 @@ def report_page(
     language: str = "en",
     config: Config | None = None,
 ) -> str:
-    """Return the page of :func:`report` as text."""
+    """Return the HTML page of the report as text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -168,7 +167,7 @@ def report_page(
         trees = loaded if language == "en" else {kind: _in_language(tree) for kind, tree in loaded.items()}
     tree, stored = trees[ASSESSMENT], [str(name) for name in loaded[ASSESSMENT]["summary"].to_dataset()["block"].values]
     kinds = [kind for kind in (SITE_KIND, FRAGILITY) if kind in trees]
-    others = {kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
+    others = {kind: matched_file(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
     beside = others.get(SITE_KIND), others.get(FRAGILITY)
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
@@ -205,7 +204,7 @@ def report_page(
 
 
 def _in_language(tree: xr.DataTree) -> xr.DataTree:
-    """Return the tree with the names of samples, and warnings and processing of records, in the current language."""
+    """Return the results with sample names, warnings and processing notes in the current language."""
 
     def renamed(node: xr.Dataset) -> xr.Dataset:
         attrs = {name: own_name(str(node.attrs[name])) for name in ("title", "site_description") if name in node.attrs}
@@ -227,7 +226,7 @@ def _in_language(tree: xr.DataTree) -> xr.DataTree:
 
 
 def with_symbols(words: str) -> str:
-    """Replace terminal spellings by Greek letters and powers."""
+    """Replace names such as alpha_c and m/s2 in a text by Greek letters and powers."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 
@@ -257,7 +256,7 @@ def _text(name: str) -> str:
 
 
 def browser() -> str:
-    """Return the browser that prints PDF; raise ResultsError with advice if there is none."""
+    """Return the path of a browser that can print a PDF; ResultsError if none is found."""
     for name in BROWSERS:
         if found := shutil.which(name):
             return found
@@ -276,7 +275,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """Return the PDF of an HTML page; raise ResultsError if no browser is found or the time limit is exceeded."""
+    """Print an HTML page with a browser and return the PDF; ResultsError if this fails."""
     program = browser()
     # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

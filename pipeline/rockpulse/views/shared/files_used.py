@@ -1,4 +1,4 @@
-"""Counts, for all views, the input files used in results, and gives the reasons why others were not used.
+"""Counts the input files that the results use, and gives the reasons why other files are not used.
 
 A file is used if one of its channels is assessed, or skipped as vertical, structural or duplicate. It is not used if it
 failed and no part of it is in the results. Skipped files (texts, pictures, spectra) are not counted.
@@ -27,7 +27,7 @@ _REASONS, _NAMED, _LONGEST = 3, 10, 120
 
 @dataclass(frozen=True)
 class FilesUsed:
-    """The number of used files, and the rows of failures."""
+    """The number of used files, and the failures of unused files and of single channels."""
 
     used: int | None  # None if records do not state their files
     unused: tuple[Failure, ...] = ()  # first row of each failed file
@@ -35,13 +35,13 @@ class FilesUsed:
 
     @property
     def counted(self) -> str:
-        """Return the numbers of used and unused files and of failed channels of used files; empty if unknown."""
+        """Return the numbers of used and unused files and of failed channels as text; empty if nothing failed."""
         failed = say("files.channels", channels=counted_words(self.channels, "channel")) if self.channels else ""
         return ", ".join(filter(None, (self._files, failed)))
 
     @property
     def channels(self) -> int:
-        """Number of failed channels of used files."""
+        """Number of channels that failed although their file is used."""
         return sum(row.stage not in _OF_OPTIONS for row in self.beside)
 
     @property
@@ -56,23 +56,23 @@ class FilesUsed:
 
     @property
     def sentence(self) -> str:
-        """Return the numbers of files and the reasons as text; empty if all files were used."""
+        """Return the numbers of used and unused files and the reasons as text; empty if all files were used."""
         return f"{self._files}: {_reasons(self.unused)}." if self.unused else ""
 
     @property
     def reasons(self) -> str:
-        """Return the reasons of failures, first for unused files, then for channels of used files."""
+        """Return the reasons of failures as text: first those of unused files, then those of single channels."""
         return "; ".join(_reasons(rows) for rows in (self.unused, self.beside) if rows)
 
     @property
     def line(self) -> str:
-        """Return all failures in one line; empty without failures."""
+        """Return one line with all failures and their reasons; empty if nothing failed."""
         channels = f"also failed: {_reasons(self.beside)}." if self.beside else ""
         return " ".join(filter(None, (self.sentence, channels if self.unused else channels.removeprefix("also "))))
 
 
 def files_used(tree: xr.DataTree) -> FilesUsed:
-    """Count the files of results, from the groups with the records and from /failures."""
+    """Count the used and unused input files of a results file."""
     group = next((name for name in _GROUPS if name in tree.children), None)
     if group is None:
         return count_files((), failure_rows(tree))
@@ -85,7 +85,7 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
 
 
 def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
-    """Count the files of a run, from the files of its records and the rows of failures."""
+    """Count used and unused files, given the names of the used files and the rows of the failures table."""
     rows = list(rows)
     failed = {row.file for row in rows if row.kind == "failed"}
     # A vertical channel does not make a file used if the horizontal ones or itself failed.
@@ -106,7 +106,7 @@ def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
 
 
 def failure_rows(tree: xr.DataTree) -> list[Failure]:
-    """Return the rows of /failures in order; empty without this group."""
+    """Return the rows of the group /failures in their order; empty if the results have no such group."""
     if "failures" not in tree.children:
         return []
     failures = tree["failures"].to_dataset()
@@ -123,7 +123,7 @@ def _named(row: Failure) -> list[str]:
 
 
 def _apart(source: str) -> list[str]:
-    """Split the file names of a record; return a single name if only some parts have a folder or a suffix."""
+    """Split the joined file names of a record, unless only some of the parts look like file names."""
     names = source.split(BETWEEN)
     inside = {any(sign in name for sign in "/\\!") for name in names}
     ending = {"." in last_part(name) for name in names}
@@ -131,7 +131,7 @@ def _apart(source: str) -> list[str]:
 
 
 def _files_of(source: str, checksums: str) -> list[str]:
-    """Return the files of a record, as many as it has SHA-256, as a file name may contain the separator."""
+    """Return the file names of a record, split only if there are as many names as checksums."""
     names = source.split(BETWEEN)
     return names if len(names) == len(checksums.split(BETWEEN)) else [source]
 
@@ -142,13 +142,13 @@ def _reasons(rows: Iterable[Failure]) -> str:
 
 
 def reasons_of(rows: Iterable[Failure], most: int = _REASONS, longest: int = _LONGEST) -> tuple[list[str], int]:
-    """Return the most frequent reasons, each with several files, and the number of rows with other reasons."""
+    """Return the most frequent reasons with their file names, and the number of rows that have other reasons."""
     groups = sorted(alike(rows), key=len, reverse=True)
     return [_reason(group, longest) for group in groups[:most]], sum(map(len, groups[most:]))
 
 
 def _reason(group: list[Failure], longest: int) -> str:
-    """Return the first part of a reason, without the advice, which the list of failures contains."""
+    """Return the reason of a group of failures without the advice that follows it, and the names of the files."""
     words = " ".join(group[0].bare.split()).partition("; ")[0]
     if len(words) > longest:
         words = f"{words[:longest].rpartition(' ')[0]} ..."

@@ -14,7 +14,7 @@ WIDTH = 110
 
 
 def ratio(value: float) -> str:
-    """Format a ratio near 1 with two or three digits."""
+    """Format a ratio near 1 with two or three digits; a dash if it is NaN."""
     if math.isnan(value):
         return ABSENT
     if value == 0.0 or math.isinf(value):
@@ -25,48 +25,48 @@ def ratio(value: float) -> str:
 
 
 def lower_bound(value: float) -> str:
-    """Format a lower bound of a ratio with a mark, rounded down to the digits of :func:`ratio`."""
+    """Format a lower bound with the sign ">", rounded down to the number of digits of :func:`ratio`."""
     places = 3 if value < 0.1 else 2 if value < 10.0 else 1
     down = math.floor(value * 10**places) / 10**places
     return numerals(f">{down:.{places}f}") if down > 0.0 else ">0"
 
 
 def restitution(value: float) -> str:
-    """Format a restitution with three decimals, as its difference from 1 determines the duration of rocking."""
+    """Format a coefficient of restitution with three decimals."""
     return numerals(f"{value:.3f}")
 
 
 def three_digits(value: float, unit: str = "") -> str:
-    """Format a number with three digits and its unit."""
+    """Format a number with three significant digits and its unit; a dash if it is NaN."""
     if math.isnan(value):
         return ABSENT
     return f"{numerals(f'{value:.3g}')} {unit}".rstrip()
 
 
 def six_digits(value: float) -> str:
-    """Format a number with at most six digits."""
+    """Format a number with at most six significant digits."""
     return numerals(f"{value:g}")
 
 
 def fixed(value: float, places: int = 2) -> str:
-    """Format a number with `places` decimals; a dash if unknown."""
+    """Format a number with `places` decimals; a dash if it is NaN."""
     return ABSENT if math.isnan(value) else numerals(f"{value:.{places}f}")
 
 
 def between(low: float, high: float, show: Callable[[float], str] = three_digits) -> str:
-    """Format an interval; a dash if both ends are unknown."""
+    """Format an interval; a dash if both ends are NaN."""
     if math.isnan(low) and math.isnan(high):
         return ABSENT
     return say("between", low=show(low), high=say("no_limit") if math.isinf(high) else show(high))
 
 
 def share(value: float) -> str:
-    """Format a share in whole percent; a dash if unknown."""
+    """Format a share between 0 and 1 in whole percent; a dash if it is NaN."""
     return ABSENT if math.isnan(value) else f"{100.0 * value:.0f} %"
 
 
 def several(count: int, noun: str) -> str:
-    """Format a number with its noun, which is given in the singular."""
+    """Return a count with its English noun, such as "3 bodies"; `noun` is given in the singular."""
     if count == 1:
         return f"1 {noun}"
     head, of, tail = noun.partition(" of ")
@@ -75,7 +75,7 @@ def several(count: int, noun: str) -> str:
 
 
 def shortened(words: str, width: int) -> str:
-    """Shorten text to a width by cutting its middle, so that both ends remain visible."""
+    """Shorten text to a width by cutting out its middle, so that both ends remain visible."""
     words = " ".join(words.splitlines())
     if len(words) <= width:
         return words
@@ -84,7 +84,7 @@ def shortened(words: str, width: int) -> str:
 
 
 def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
-    """Wrap running text, and keep its line breaks."""
+    """Wrap text to the width of the terminal and keep its line breaks; `first` is the indent of the first line."""
     options: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
     begin, *further = words.split("\n")
     first_line = textwrap.fill(begin, WIDTH, initial_indent=indent if first is None else first, **options)

@@ -10,34 +10,34 @@ from rockpulse.assessment.answers import Answers, Motions, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_with_pedestal
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.formatting import ratio, several
-from rockpulse.views.shared.shown_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.table import CellMark
+from rockpulse.views.shared.table_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.words import say
 
 
 def factor_heading(factor: str) -> str:
-    """Return the heading for the variable of a scale factor."""
+    """Return the column heading of a variable such as "factor_10"."""
     return say(f"column.{factor}.head")
 
 
 def factor_name(factor: str) -> str:
-    """Return the name, within a sentence, for the variable of a scale factor."""
+    """Return the name that a variable such as "factor_10" has within a sentence."""
     return say(f"factor.{factor}")
 
 
 def stored_uncertainty(answers: Answers) -> str:
-    """Describe the uncertainty of the probability of overturning, as stored in the results."""
+    """Return the stored description of the uncertainty that the probability of overturning includes."""
     return str(answers.summary["overturning_probability"].attrs.get("comment", "nonlinear model"))
 
 
 def uncertain(answers: Answers) -> str:
-    """Return the stored uncertainty as the beginning of a sentence."""
+    """Return the stored description of the uncertainty with a capital letter, as the beginning of a sentence."""
     stored = stored_uncertainty(answers)
     return stored[:1].upper() + stored[1:]
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """Explain the columns of :func:`factor_columns`; in a sweep they contain the smallest values over direction."""
+    """Explain the columns of the scale factors; `swept` if each factor is the smallest over all directions."""
     if not answers.has_factor:
         return []
     factor = answers[answers.factor]
@@ -50,7 +50,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     notes = [f"SF: smallest scale factor on {of} at which the body overturns by the {answers.model} model.{none}"]
     if missed := missed_step(answers):
         notes[0] += (
-            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: two digits of it are "
+            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: its second digit is "
             f"not reliable ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
@@ -67,7 +67,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
 
 
 def none_found(answers: Answers) -> str:
-    """Return a sentence on results without a scale factor; empty if all have one."""
+    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are none."""
     factor = answers[answers.factor]
     if not np.isinf(factor).any():
         return ""
@@ -75,12 +75,12 @@ def none_found(answers: Answers) -> str:
 
 
 def missed_step(answers: Answers) -> float:
-    """Return the relative width of intervals of scale factors that the search may miss; 0 for closed forms."""
+    """Return the relative width below which the search can miss an interval of scale factors; 0 for closed forms."""
     return max(float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0, 0.0)
 
 
 def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[CellMark]) -> list[str]:
-    """Return the notes on a table of the results of all models with `marks`."""
+    """Return all notes below a table with the results of every model; `marks` are the marks in its cells."""
     notes = [
         "Figures below the models: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of "
         "an impact. Uplift ratio: PGA over the PGA that lifts the body. I/I_1c: main impulse over the single impulse "
@@ -104,7 +104,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Cel
 
 
 def beyond_critical(answers: Answers) -> bool:
-    """Return whether any rotation beyond the critical angle did not end in overturning."""
+    """Return whether a body rotated beyond its critical angle without overturning."""
     return any(
         bool(((one["outcome"] == Outcome.ROCKS) & (one["peak_rotation_ratio"] > 1.0)).any())
         for one in answers.of_models.values()
@@ -112,7 +112,7 @@ def beyond_critical(answers: Answers) -> bool:
 
 
 def counted_motions(motions: Motions) -> str:
-    """Return the number of records as text: "7 records of 2 earthquakes"."""
+    """Return the number of records and earthquakes as text, such as "7 records of 2 earthquakes"."""
     if motions.kind == "sequence":
         return say("motions.sequence")
     each = f", each in {motions.index.shape[1]} directions" if motions.kind == "pair" else ""
@@ -129,8 +129,8 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
         for alone, worst in worse_with_pedestal(answers, found)
     ]
     notes += [
-        f"{one.body.name}: {one.above} of {several(one.total, 'record')} require more friction than {one.friction:g} "
-        f"(up to {ratio(one.most)}): it would slide; sliding is not modelled."
+        f"{one.body.name}: slides under {one.above} of {several(one.total, 'record')}: the required friction "
+        f"coefficient, up to {ratio(one.most)}, is larger than {one.friction:g}; sliding is not modelled."
         for one in sliding(answers)
     ]
     return notes

@@ -1,4 +1,4 @@
-"""Facts on a record or body as text; missing facts are a dash, or empty if most records lack them."""
+"""Facts about a record or a body as text; a missing fact is a dash, or empty if most records do not have it."""
 
 import json
 import math
@@ -21,35 +21,35 @@ _MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)
 
 
 class RecordFacts:
-    """The facts on one record, from a function that returns a stored variable by name, or None if it is missing."""
+    """The facts about one record; `value` returns a stored variable by its name, or None if it is missing."""
 
     def __init__(self, value: Callable[[str], Any]) -> None:
         self.value = value
 
     def text(self, name: str) -> str:
-        """Return a variable as text; empty if unknown."""
+        """Return a stored variable as text; empty if it is missing."""
         return str(self.value(name) or "").strip()
 
     def real(self, name: str) -> float:
-        """Return a variable as a number; NaN if unknown."""
+        """Return a stored variable as a number; NaN if it is missing."""
         found = self.value(name)
         return math.nan if found is None else float(found)
 
     @property
     def described(self) -> str:
-        """Return earthquake, station and direction as text; empty if unknown."""
+        """Return earthquake, station and direction of the record as text; empty if all of them are unknown."""
         station = f"{say('head.station')} {self.place}" if self.place else ""
         return ", ".join(filter(None, (self._earthquake, station, self.direction)))
 
     @property
     def _named(self) -> str:
-        """Return the name of the earthquake; empty if the title is only a date or a number."""
+        """Return the name of the earthquake; empty if its title is only a date or a number."""
         titles = (self.text("event_title"), self.text("event"))
         return next((title for title in titles if title != UNKNOWN and words_of(title)), "")
 
     @property
     def _earthquake(self) -> str:
-        """Return title, date and magnitude; stored facts replace a title that is only a date or a number."""
+        """Return name, date and magnitude of the earthquake as text."""
         title, date, magnitude = self._named, in_dates(self.date), self.magnitude
         if title:
             more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
@@ -60,7 +60,7 @@ class RecordFacts:
 
     @property
     def title(self) -> str:
-        """Return the name of the earthquake, with its date unless the name contains it; empty without a name."""
+        """Return the name of the earthquake with its date; empty if the name is unknown."""
         title = self._named
         if not title or not self.date or _DATED.search(title):
             return title
@@ -68,12 +68,12 @@ class RecordFacts:
 
     @property
     def date(self) -> str:
-        """Return the date of the earthquake, or of the record [UTC, ISO 8601]; empty if unknown."""
+        """Return the date of the earthquake or, if unknown, of the record [UTC, ISO 8601]; empty if unknown."""
         return (self.text("origin_time") or self.text("start_time"))[:10]
 
     @property
     def magnitude(self) -> str:
-        """Return the magnitude of the earthquake with its scale, as stated in the file; empty if not stated."""
+        """Return the magnitude of the earthquake with its scale, as stated in the file; empty if it is not stated."""
         magnitude = self.real("magnitude")
         if math.isnan(magnitude):
             return ""
@@ -81,7 +81,7 @@ class RecordFacts:
 
     @property
     def place(self) -> str:
-        """Return code and name of the station, or the one that is known."""
+        """Return code and name of the station; only one of them if the other is unknown."""
         code, name = self.text("station"), self.text("station_name").replace("_", " ")
         if not code.strip("0") or code.casefold() == name.casefold():
             code, name = name, ""
@@ -89,7 +89,7 @@ class RecordFacts:
 
     @property
     def direction(self) -> str:
-        """Return the direction in words, or its azimuth, or the component as named in the file."""
+        """Return the direction of the record in words or as an azimuth, or the component named in the file."""
         azimuth = self.real("azimuth")
         if math.isnan(azimuth):
             return self.text("component")
@@ -98,7 +98,7 @@ class RecordFacts:
 
 
 class Known(RecordFacts):
-    """Reads variables of one record or body of the node /summary as text: ``Known(summary, record="a")``."""
+    """The facts about one record or body in the group /summary: ``Known(summary, record="a")``."""
 
     def __init__(self, summary: xr.Dataset, **labels: str) -> None:
         ((self._dim, label),) = labels.items()
@@ -106,49 +106,49 @@ class Known(RecordFacts):
         super().__init__(self._value)
 
     def _value(self, name: str) -> Any:
-        """Return the value of a variable that depends only on the record or only on the body; None if it is missing."""
+        """Return the value of a variable for this record or body; None if the variable is missing."""
         if name not in self._summary:
             return None
         return self._summary[name].variable[{self._dim: self._row}].values.item()
 
     def number(self, name: str, unit: str = "") -> str:
-        """Return a variable as a number with its unit."""
+        """Return a stored variable as a number with its unit; a dash if it is missing."""
         found = self.value(name)
         return ABSENT if found is None else three_digits(float(found), unit)
 
     def words(self, name: str) -> str:
-        """Return a variable as text."""
+        """Return a stored variable as text; a dash if it is missing."""
         return str(self.value(name) or ABSENT)
 
     def lines(self, name: str) -> tuple[str, ...]:
-        """Return the non-empty lines of a variable."""
+        """Return the lines of a stored text, without empty lines."""
         return tuple(line for line in str(self.value(name) or "").split("\n") if line)
 
     @property
     def main_count(self) -> str:
-        """Return the number of main impulses in the sequence of a record."""
+        """Return the number of main impulses of the record as text, or "no limit"."""
         count = self.value("main_count")
         return say("fact.main_count") if count == -1 else str(count)
 
     @property
     def peak_velocity(self) -> str:
-        """Return the PGV of a record in m/s, marked if the baseline of the record drifts."""
-        shown = self.number("pgv", "m/s")
-        return say("fact.drift", pgv=shown) if self.value("pgv_drift") else shown
+        """Return the PGV of the record in m/s, with a note if the baseline drifts."""
+        pgv = self.number("pgv", "m/s")
+        return say("fact.drift", pgv=pgv) if self.value("pgv_drift") else pgv
 
     @property
     def radius(self) -> str:
-        """Return the radius R of a body in m, with a note for bodies that are not rectangles."""
-        shown, width = self.number("radius", "m"), self.value("width")
-        if shown == ABSENT or width is None or not math.isnan(width):
-            return shown
+        """Return the radius R of the body in m, with a note if the body is not a rectangle."""
+        text, width = self.number("radius", "m"), self.value("width")
+        if text == ABSENT or width is None or not math.isnan(width):
+            return text
         radius, p, gravity = (self.value(name) for name in ("radius", "p", "gravity"))
         rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
-        return say(f"fact.radius_of_{'rectangle' if rectangle else 'body'}", radius=shown)
+        return say(f"fact.radius_of_{'rectangle' if rectangle else 'body'}", radius=text)
 
     @property
     def support(self) -> str:
-        """Describe wall, restraints, floor and pedestal of a body; empty for a free body."""
+        """Describe wall, restraints, floor, pedestal and friction of the body; empty for a free body."""
         found = []
         if self.value("one_sided"):
             facing = float(self.value("facing"))
@@ -172,9 +172,9 @@ class Known(RecordFacts):
         return "; ".join(found)
 
     def impact_friction(self, c: float) -> float:
-        """Return the ratio of horizontal to vertical impulse at an impact, h (1 - C)/(b_1 + C b_2); 0 without friction.
+        """Return the ratio of horizontal to vertical impulse at an impact, h (1 - C)/(b_1 + C b_2).
 
-        The same as :func:`rocking.impact_friction`, without an import of the solvers; not for a body next to a wall.
+        It is 0 without friction or next to a wall. The formula of :func:`rocking.impact_friction`, without its import.
         """
         friction = self.value("friction")
         if friction is None or math.isnan(float(friction)) or self.value("one_sided"):
@@ -185,20 +185,20 @@ class Known(RecordFacts):
 
     @property
     def component(self) -> str:
-        """Return the component as named in the file, or a note that the record was rotated."""
+        """Return the component named in the file, or the angle if the record was rotated."""
         stated, azimuth = self.words("component"), self.real("azimuth")
         turned = not math.isnan(azimuth) and stated == rotated_component(azimuth)
         return say("direction.rotated", angle=six_digits(azimuth)) if turned else stated
 
     @property
     def stated(self) -> list[tuple[str, str]]:
-        """Return names and values of the facts on earthquake and site that the file of a record states."""
+        """Return names and values of the facts about earthquake and site that the file of the record states."""
         depth = self.real("hypocentre_depth")
         hypocentre = (
             self._coordinates("hypocentre"),
             "" if math.isnan(depth) else say("stated.depth", depth=three_digits(depth / 1000.0, "km")),
         )
-        told = {
+        facts = {
             "agency": self.text("event_id"),
             "origin": in_dates(self.text("origin_time")),
             "magnitude": self.magnitude,
@@ -208,10 +208,10 @@ class Known(RecordFacts):
             "vs30": self.number("vs30", "m/s"),
             "site_class": self.text("site_class"),
         }
-        return [(say(f"stated.{name}"), words) for name, words in told.items() if words not in ("", ABSENT)]
+        return [(say(f"stated.{name}"), words) for name, words in facts.items() if words not in ("", ABSENT)]
 
     def _coordinates(self, of: str) -> str:
-        """Return latitude and longitude of the station or the hypocentre; empty if unknown."""
+        """Return latitude and longitude of the station or the hypocentre as text; empty if unknown."""
         north, east = (self.real(f"{of}_{side}") for side in ("latitude", "longitude"))
         if math.isnan(north) or math.isnan(east):
             return ""
@@ -222,5 +222,5 @@ class Known(RecordFacts):
 
     @property
     def strength(self) -> list[str]:
-        """Return PGA and PGV of a record as text."""
+        """Return PGA and PGV of the record as two texts."""
         return [f"PGA {three_digits(self.value('pga') / STANDARD_GRAVITY, 'g')}", f"PGV {self.peak_velocity}"]

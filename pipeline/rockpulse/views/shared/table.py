@@ -1,4 +1,4 @@
-"""Tables as data, and their layout for the terminal; the templates of the report contain that for HTML."""
+"""Tables as data, and their layout on the terminal; the HTML layout is in the templates of the report."""
 
 import math
 from collections.abc import Callable
@@ -15,25 +15,25 @@ UNWRAPPED, HEADING_WIDTH = 8, 12
 
 
 class CellMark(NamedTuple):
-    """A mark after or before the text of a cell, with the key of its note and, for a mark in words, of the words."""
+    """A mark before or after the text of a cell; ``key`` selects its texts, ``sign`` is the mark itself."""
 
     key: str = ""
     sign: str = ""
     before: bool = False
 
     @property
-    def shown(self) -> str:
-        """Return the mark as text."""
+    def text(self) -> str:
+        """Return the sign of the mark, or its text in the current language."""
         return self.sign or say(f"mark.{self.key}.sign")
 
     @property
     def note(self) -> str:
-        """Return the meaning of the mark; empty if it is explained elsewhere."""
+        """Return the note that explains the mark; empty if the mark has no note."""
         return say(f"mark.{self.key}.note") if self.key else ""
 
 
 class Cell(NamedTuple):
-    """A cell of a table: text, sort value, and marks."""
+    """A cell of a table: its text, the value by which it is sorted, and its marks."""
 
     text: str  # text without marks
     value: float | None = None  # sort value, NaN last
@@ -44,12 +44,12 @@ class Cell(NamedTuple):
     @property
     def before(self) -> str:
         """Return the marks before the text."""
-        return "".join(mark.shown for mark in self.marks if mark.before)
+        return "".join(mark.text for mark in self.marks if mark.before)
 
     @property
     def after(self) -> str:
         """Return the marks after the text."""
-        return "".join(mark.shown for mark in self.marks if not mark.before)
+        return "".join(mark.text for mark in self.marks if not mark.before)
 
     @property
     def marked(self) -> str:
@@ -58,7 +58,7 @@ class Cell(NamedTuple):
 
 
 class Heading(NamedTuple):
-    """The heading of a column, with small print for the report and the largest width of its cells on the terminal."""
+    """The heading of a column, its small print in the report, and the largest width of its cells on the terminal."""
 
     title: str
     unit: str = ""
@@ -67,13 +67,13 @@ class Heading(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Title and unit."""
+        """Title of the column with its unit in brackets."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, rows and notes; ``key`` is the id in the report; more than ``searched`` rows get a search field."""
+    """A table; ``key`` is its id in the report, which adds a search field above ``searched`` rows."""
 
     key: str
     caption: str
@@ -89,25 +89,25 @@ class Table:
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """Return the mask of the columns that are sorted by the values of their cells."""
+        """Return for each column whether it is sorted by the numbers in its cells."""
         return tuple(any(row[place].value is not None for row in self.rows) for place in range(len(self.headings)))
 
     @cached_property
     def flush_right(self) -> tuple[bool, ...]:
-        """Return the mask of the columns of numbers in the report; columns with grades are text."""
+        """Return for each column whether the report aligns it to the right, as a column of numbers."""
         graded = (any(row[place].grade for row in self.rows) for place in range(len(self.headings)))
         return tuple(numeric and not words for numeric, words in zip(self.numeric, graded, strict=True))
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Return the footnotes of the table, then the meanings of its marks in the order of appearance."""
+        """Return the footnotes, then the notes that explain the marks, in the order in which the marks appear."""
         notes = dict.fromkeys(mark.note for row in self.rows for cell in row for mark in cell.marks if mark.note)
         return *self.footnotes, *notes
 
 
 @dataclass(frozen=True)
 class Fact:
-    """A fact: its name and one or more lines of text."""
+    """The name of a fact, and the lines of text that state it."""
 
     name: str
     lines: tuple[str, ...]
@@ -116,13 +116,13 @@ class Fact:
 def number_cell(
     value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()
 ) -> Cell:
-    """Make the cell of a number, with marks only if the number is known."""
+    """Return the cell of a number; marks are omitted if the number is unknown."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)
 
 
 def lines(table: Table, indent: str = "") -> list[str]:
-    """Return headings, if long in several lines, and rows in aligned columns: numbers flush right, words flush left."""
+    """Return the lines of a table in aligned columns: wrapped headings, then the rows."""
     columns, headings = [], []
     for place, heading in enumerate(table.headings):
         numeric = table.numeric[place]
@@ -140,7 +140,7 @@ def lines(table: Table, indent: str = "") -> list[str]:
 
 
 def _wrapped(label: str, width: int) -> list[str]:
-    """Wrap a heading above cells of a width in as few lines as possible, and then as narrow as possible."""
+    """Wrap a heading to few and narrow lines; `width` is that of the cells below it."""
     if len(label) <= max(width, UNWRAPPED):
         return [label.replace("\N{NO-BREAK SPACE}", " ")]
     wide = max(width, HEADING_WIDTH)
@@ -154,11 +154,11 @@ def _filled(label: str, width: int) -> list[str]:
 
 
 def table_text(table: Table) -> str:
-    """Return the table for the terminal: optional caption, indented rows, notes."""
+    """Return the table as text for the terminal: caption, rows and notes."""
     caption = [paragraph(table.caption)] if table.caption else []
     return "\n".join([*caption, *lines(table, "  "), *(paragraph(note, "  ") for note in table.notes)])
 
 
 def _plain(cell: Cell, width: int | None) -> str:
-    shown = cell.text if width is None else shortened(cell.text, width)
-    return shown.upper() if cell.grade == "bad" else shown
+    text = cell.text if width is None else shortened(cell.text, width)
+    return text.upper() if cell.grade == "bad" else text

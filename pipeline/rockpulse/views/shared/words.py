@@ -1,4 +1,4 @@
-"""The texts of the current language by key (English, or the language set by :func:`writing`), and its numbers."""
+"""The texts of the views in English or in the language set by :func:`writing`, and numbers in its form."""
 
 import re
 import tomllib
@@ -30,7 +30,7 @@ _RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
 
 @contextmanager
 def writing(code: str) -> Iterator[None]:
-    """Set the current language by its code in a ``with`` block; ConfigError if it is not available."""
+    """Set the language in a ``with`` block, by its code; ConfigError if the language is not available."""
     table(code)
     before = _LANGUAGE.set(code)
     try:
@@ -46,10 +46,10 @@ def language() -> str:
 
 @cache
 def table(code: str) -> Mapping[str, str]:
-    """Return the texts of a language by keys, with nested keys joined by points."""
+    """Return the texts of a language by their keys; a key in a section is "section.key"."""
     if code not in LANGUAGES:
-        told = f"there are {', '.join(LANGUAGES)}"
-        raise ConfigError(f"language: no words for {code!r}{hint(code, LANGUAGES, told)}")
+        available = f"expected one of {', '.join(LANGUAGES)}"
+        raise ConfigError(f"language: unknown code {code!r}{hint(code, LANGUAGES, available)}")
     return dict(_flat(tomllib.loads(_FOLDER.joinpath(f"{code}.toml").read_text(encoding="utf-8"))))
 
 
@@ -62,63 +62,63 @@ def _flat(nested: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, st
 
 
 def raw_text(key: str) -> str:
-    """Return the text of a key in the current language, without filling in its fields."""
+    """Return the text of a key in the current language; the fields in braces are not filled in."""
     return table(language())[key]
 
 
 def say(key: str, /, **fields: object) -> str:
-    """Return the text of a key in the current language with its fields filled in."""
+    """Return the text of a key in the current language; the fields in braces are filled in."""
     return raw_text(key).format(**fields)
 
 
 def section(name: str) -> dict[str, str]:
-    """Return the texts of a section, without filling in their fields."""
+    """Return the texts of a section by their keys; the fields in braces are not filled in."""
     texts = table(language()).items()
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
 
 def translated(key: str, english: str) -> str:
-    """Return the translation of an English text that is defined outside the views, from its key."""
+    """Return the text of a key in the current language; `english` if the language is English or has no such key."""
     return english if language() == "en" else table(language()).get(key, english)
 
 
 def counted_words(count: int, noun: str) -> str:
-    """Return a number with its noun, in singular or plural, from a key of [count] in the texts."""
+    """Return a count with its noun in the current language; `noun` is a key of the section [count]."""
     return say(f"count.{noun}.{'one' if count == 1 else 'more'}", count=count)
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return the first names, and the number of the others."""
-    told = ", ".join(names[:most])
-    return told if len(names) <= most else say("and_more", names=told, count=len(names) - most)
+    """Return the first names in a list; the number of the others replaces their names."""
+    first = ", ".join(names[:most])
+    return first if len(names) <= most else say("and_more", names=first, count=len(names) - most)
 
 
-def numerals(shown: str) -> str:
-    """Convert a number from English form to the form of the current language."""
-    return shown if language() == "en" else shown.replace(".", say("decimal"))
+def numerals(number: str) -> str:
+    """Replace the decimal point of a formatted number by the decimal sign of the current language."""
+    return number if language() == "en" else number.replace(".", say("decimal"))
 
 
 def in_numerals(text: str) -> str:
-    """Convert all numbers of a text to the form of the current language."""
+    """Replace the decimal points of all numbers in a text by the decimal sign of the current language."""
     return text if language() == "en" else _POINT.sub(rf"\1{say('decimal')}\2", text)
 
 
 def in_dates(text: str) -> str:
-    """Convert the dates of a text, stored in ISO 8601, to the form of the current language."""
+    """Replace the ISO 8601 dates in a text by dates in the form of the current language."""
 
-    def shown(found: re.Match[str]) -> str:
+    def formatted(found: re.Match[str]) -> str:
         return say("date", year=found[1], month=found[2], day=found[3]) + found[4].replace("T", " ")
 
-    return text if language() == "en" else _DATE.sub(shown, text.removesuffix("+00:00"))
+    return text if language() == "en" else _DATE.sub(formatted, text.removesuffix("+00:00"))
 
 
 def body_name(name: str) -> str:
-    """Return the name of a body with its restitution, if any, in the form of the current language."""
+    """Return the name of a body; a restitution at its end gets the decimal sign of the current language."""
     return _RESTITUTION.sub(lambda found: numerals(found[0]), name)
 
 
 def own_name(name: str) -> str:
-    """Return the name of a body (alone or with its pedestal) or site of the samples in the current language."""
+    """Return the name of a body or site of the sample files in the current language; other names are unchanged."""
     body, pedestal, number = name.partition(" with pedestal")
     return translated(f"names.{body}", body) + (
         translated("names.with pedestal", pedestal) + number if pedestal else ""
@@ -126,20 +126,20 @@ def own_name(name: str) -> str:
 
 
 class _Numerals(Formatter):
-    """Formatter that fills in fields; numbers and warnings are written in the current language."""
+    """A formatter of texts that writes numbers and warnings in the current language."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """Return the value of a field; a warning is translated."""
+        """Return the value of a field; a warning or an English text is translated."""
         return _translated(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
-        """Format a value as text."""
+        """Return the value of a field as text; a number gets the decimal sign of the current language."""
         if isinstance(value, str):
             return value
-        shown = super().format_field(value, format_spec)
+        text = super().format_field(value, format_spec)
         if isinstance(value, int | float):
-            return numerals(shown if language() == "en" else shown.replace("%", " %"))
-        return shown
+            return numerals(text if language() == "en" else text.replace("%", " %"))
+        return text
 
 
 def _translated(value: Any) -> Any:
@@ -151,26 +151,26 @@ def _translated(value: Any) -> Any:
 
 
 def warning_words(warning: WarningText) -> str:
-    """Return a warning in the current language."""
+    """Return the text of a warning in the current language."""
     words = translated(f"warnings.{warning.code.partition('/')[0]}", "")
     return _Numerals().vformat(words, (), warning.values) if words else str(warning)
 
 
 def warnings_of(stored: str) -> list[str]:
-    """Return stored warnings (codes and values) in the current language."""
+    """Return the texts of stored warnings in the current language."""
     return [warning_words(one) for one in restored(stored)]
 
 
 def result_text(text: str, code: str = "") -> str:
-    """Return an English text of the results in the current language, by the code of a warning or by [phrases]."""
+    """Translate an English text of the results into the current language; `code` is its warning code, if any."""
     if language() == "en":
         return text
     first, _, inner = code.partition("/")
     words = table(language()).get(f"warnings.{first}")
-    for template, told in ({TEMPLATES[first]: words} if words else section("phrases")).items():
+    for template, translation in ({TEMPLATES[first]: words} if words else section("phrases")).items():
         if found := _pattern(template).fullmatch(text):
             parts = {name: _part(name, part, inner) for name, part in found.groupdict().items()}
-            return _Numerals().vformat(told, (), parts)
+            return _Numerals().vformat(translation, (), parts)
     return text
 
 
@@ -182,7 +182,7 @@ def _part(name: str, part: str, code: str) -> str:
 
 @cache
 def _pattern(template: str) -> re.Pattern[str]:
-    """Return the pattern of the texts made from a template; a field with a format is a number."""
+    """Return a pattern that matches every text made from a template, with its fields as named groups."""
     fields = Formatter().parse(template)
     return re.compile(
         "".join(
@@ -193,6 +193,6 @@ def _pattern(template: str) -> re.Pattern[str]:
 
 
 def result_texts(texts: str, codes: str = "") -> str:
-    """Return English texts of the results, one per line, in the current language; `codes` are those of warnings."""
+    """Translate the lines of an English text of the results; `codes` are the warning codes of the lines."""
     lines, of_lines = texts.split("\n"), codes.split(" ")
     return "\n".join(map(result_text, lines, of_lines if len(of_lines) == len(lines) else [""] * len(lines)))

@@ -1,4 +1,4 @@
-"""Code checks as text and as a table."""
+"""The results of code checks as text for the terminal."""
 
 import math
 from dataclasses import replace
@@ -6,8 +6,8 @@ from dataclasses import replace
 import xarray as xr
 
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, three_digits
-from rockpulse.views.shared.shown_columns import tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
+from rockpulse.views.shared.table_columns import tabulated, titled
 
 #: Printed names of the codes.
 CODE_WORDS = {
@@ -46,7 +46,7 @@ _OF_RESULTS = (
 
 
 def check_overview(check: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.check` as text."""
+    """Return the result of :func:`rockpulse.check` as text: a table for all bodies, and notes."""
     beside = "probability" in check
     names, codes = (check[dim].values.tolist() for dim in ("block", "code"))
     rows = check.stack(row=("block", "code"))
@@ -62,15 +62,13 @@ def check_overview(check: xr.Dataset) -> str:
     )
     notes = [
         "alpha_0: load multiplier that activates the mechanism; a_0*: its spectral acceleration, with FC, and the "
-        "demand "
-        "[m/s2]; d_u: ultimate displacement and the demand [m] at the period T [s]; a ratio of 1 or more passes."
+        "demand [m/s2]; d_u: ultimate displacement and the demand [m] at the period T [s]; a ratio of 1 or more passes."
     ]
     if beside:
         notes.append(
-            "P: probability of overturning of the verdict, under the records as recorded or, with a [[demand]], "
-            "scaled to "
-            "it, which need not be that of [check]; median scale factor: median over the records of the multiplier at "
-            "P = 50 %."
+            "P: probability of overturning as in the verdict: under the records as recorded or, with a [[demand]], "
+            "scaled to it; that demand may differ from the one of [check]. Median scale factor: median over the "
+            "records of the multiplier at P = 50 %."
         )
         notes += [f"{name}: {words}." for name, words in zip(names, check["beside"].values, strict=True) if words]
     for place, name in enumerate(names):

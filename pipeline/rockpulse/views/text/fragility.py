@@ -1,4 +1,4 @@
-"""A fragility file as text: medians, dispersions and confidence bands of every body, and the most efficient measure."""
+"""The content of a fragility file as text: medians, dispersions, confidence bands and efficiency of measures."""
 
 import math
 
@@ -10,8 +10,8 @@ from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, six_digits
-from rockpulse.views.shared.shown_columns import count_of, shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell, table_text
+from rockpulse.views.shared.table_columns import count_of, formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, numerals, say, translated, warnings_of
 from rockpulse.views.text.left_out import unused
 
@@ -24,7 +24,7 @@ LEVEL = 0.05
 
 
 def fragility_overview(tree: xr.DataTree) -> str:
-    """Return the tree of :func:`rockpulse.fragility` as text of one or two screens."""
+    """Return the result of :func:`rockpulse.fragility` as text of one or two screens."""
     curves, efficiency = tree["fragility"].to_dataset(), tree["efficiency"].to_dataset()
     bodies = several(curves.sizes["block"], "body")
     parts = [
@@ -38,14 +38,14 @@ def fragility_overview(tree: xr.DataTree) -> str:
     return "\n\n".join(filter(None, parts))
 
 
-def shown_measure(curves: xr.Dataset) -> str:
-    """Return the intensity measure to be shown, from the node /fragility."""
+def displayed_measure(curves: xr.Dataset) -> str:
+    """Return the intensity measure for which tables show the curves: the reference measure, else the first one."""
     measures = [str(name) for name in curves["measure"].values]
     return REFERENCE if REFERENCE in measures else measures[0]
 
 
 def records_words(tree: xr.DataTree) -> str:
-    """Return the numbers of records and earthquakes of the curves as text."""
+    """Return the numbers of records and earthquakes from which the curves were fitted, as text."""
     event = tree["capacities"].to_dataset()["event"].values
     records, earthquakes = counted_words(event.size, "record"), counted_words(np.unique(event).size, "earthquake")
     known = say("records_of", records=records, earthquakes=earthquakes)
@@ -53,19 +53,19 @@ def records_words(tree: xr.DataTree) -> str:
 
 
 def state_words(name: str) -> str:
-    """Return the name of a limit state, or its rotation: "uplift", "θ_max/α_c ≥ 0.4"."""
+    """Return the name of a limit state as text, such as "uplift" or "θ_max/α_c ≥ 0.4"."""
     return say(f"limit_state.{name}") if name.isalpha() else f"θ_max/α_c ≥ {numerals(name)}"
 
 
 def statement(one: xr.Dataset) -> str:
-    """Return the statement on the curve of a body and limit state in one measure; it may be empty."""
+    """Return the warnings on the curve of one body and limit state in one measure; empty if there are none."""
     return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 
 def median_table(tree: xr.DataTree) -> Table:
-    """Return a table of median and dispersion of every body and limit state in the measure shown."""
+    """Return a table with median and dispersion of every body and limit state in one intensity measure."""
     curves = tree["fragility"].to_dataset()
-    own = curves.sel(measure=shown_measure(curves))
+    own = curves.sel(measure=displayed_measure(curves))
     level = f"{six_digits(100.0 * float(tree.attrs['confidence']))} %"
 
     def beyond(median: float, extrapolated: int) -> Cell:
@@ -78,12 +78,12 @@ def median_table(tree: xr.DataTree) -> Table:
         titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=30),
         titled(say("fragility.limit_state"), lambda state: Cell(state_words(state)), "limit_state"),
         titled(say("site.head.median"), beyond, "median", "extrapolated"),
-        titled(say("site.head.low"), shown(ratio), "median_low", note=level),
+        titled(say("site.head.low"), formatted(ratio), "median_low", note=level),
         titled(say("site.head.high"), upper, "median_high", note=level),
-        titled("beta", shown(ratio), "beta", note=say("fragility.of_capacity")),
+        titled("beta", formatted(ratio), "beta", note=say("fragility.of_capacity")),
         titled(say("fragility.reached"), count_of, "reached", "observations", note=say("fragility.of_observations")),
-        titled(say("head.records"), shown(str), "records"),
-        titled(say("fragility.earthquakes"), shown(str), "events"),
+        titled(say("head.records"), formatted(str), "records"),
+        titled(say("fragility.earthquakes"), formatted(str), "events"),
     )
     words, units = (str(own[f"measure_{of}"].item()) for of in ("long_name", "units"))
     words = translated(f"measures.{own['measure'].item()}", words)
@@ -96,7 +96,7 @@ def median_table(tree: xr.DataTree) -> Table:
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Return a table of the dispersions over all bodies, with the smallest for each limit state marked."""
+    """Return a table with the dispersion for every measure; the smallest one of each limit state is marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:
@@ -122,19 +122,19 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """Return a table of the number of cases in which the capacity depends on other properties; it may be empty."""
+    """Return a table with the number of tests in which the capacity depends on another property of the records."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))
     if tests == 0:
         return []
-    shown = np.flatnonzero(tested.any(axis=(0, 2)) | [name not in STATED for name in p_value["quality"].values])
+    kept = np.flatnonzero(tested.any(axis=(0, 2)) | [name not in STATED for name in p_value["quality"].values])
     rows = []
-    for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, shown], strict=True):
+    for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, kept], strict=True):
         if np.any(np.isfinite(own)):
             counts = [(int(np.sum(found < LEVEL)), int(np.sum(np.isfinite(found)))) for found in own]
             rows.append((Cell(translated(f"measures.{name}", name)), *(count_of(*pair) for pair in counts)))
-    qualities = p_value["quality"].values[shown].tolist()
+    qualities = p_value["quality"].values[kept].tolist()
     headings = (Heading(""), *(Heading(say(f"quality.{name}")) for name in qualities))
     note = say("fragility.tests", tests=tests, few=f"{LEVEL * tests:.0f}")
     caption = say("fragility.sufficiency", level=six_digits(LEVEL))
@@ -142,7 +142,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
-    """Return a sentence for every property that some files state: number of records, and whether it suffices."""
+    """State for each property that only some files give how many records have it."""
     total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
@@ -155,7 +155,7 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """Return one statement for each status of curve, band and median, with the number of similar statements."""
+    """Return the warnings on all curves as text; similar warnings are counted and shown once."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):

@@ -1,4 +1,4 @@
-"""Files and channels that were not assessed, and the warnings on records, as text."""
+"""Files and channels that were not assessed, and warnings on records and bodies, as text."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -8,13 +8,13 @@ import xarray as xr
 
 from rockpulse.errors import NO_RECORD, Failure, alike, last_part, reasons_in_words, some
 from rockpulse.views.shared.files_used import failure_rows
-from rockpulse.views.shared.formatting import WIDTH, paragraph
+from rockpulse.views.shared.formatting import WIDTH, paragraph, several
 from rockpulse.warning_text import PLAIN
 
 #: Largest number of rows of a kind other than "failed" in the overview, and in a brief one; equal reasons are one row.
 LISTED, FEW = 12, 3
 #: Kinds whose rows are grouped by reason; for other kinds the reasons name other records.
-_SHOWN_ONCE = frozenset({"failed", "skipped"})
+_GROUPED = frozenset({"failed", "skipped"})
 #: Number of words at the start of a warning without a code that identify its kind (numbers are not counted).
 _TELLING_WORDS = 4
 _KINDS = {
@@ -28,16 +28,16 @@ _KINDS = {
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """List by kind the files and channels that were not assessed, and warnings; a `brief` list has a few of each."""
+    """List the files and channels that were not assessed, by kind, and the warnings; shorter if `brief`."""
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
     found, beside = apart(failure_rows(tree))
     lines = []
     for kind, rows in found.items():
         entries = _entries(kind, rows)
-        title = (
-            f"vertical channels, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
-        )
+        title = _KINDS.get(kind, kind)
+        if kind == "vertical" and acted:
+            title = f"vertical channels, acting on {several(acted, 'record')}"
         few, failed = (FEW, LISTED) if brief else (LISTED, len(entries))
         lines += [f"{title}: {len(rows)}", *_cut(entries, failed if kind == "failed" else few)]
     lines += _beside(beside)
@@ -46,7 +46,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     most = LISTED if brief else len(warned)
     lines += [paragraph(line, "      ", "") for line in warned[:most]]
     if len(warned) > most:
-        lines.append(f"and {len(warned) - most} more bodies with warnings")
+        lines.append(f"and {several(len(warned) - most, 'more body')} with warnings")
     if kinds := _kinds_of_warning(summary):
         count = sum(map(bool, summary["warnings"].values))
         lines.append(f"records with warnings: {count} (all warnings of one: rockpulse inspect RESULTS --record ID)")
@@ -54,7 +54,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
 
 
 def skipped_summary(tree: xr.DataTree) -> str:
-    """Return the number of rows of each kind, the reasons of failures, and a line for several kinds of warnings."""
+    """Summarise the files and channels that were not assessed, and the warnings, in a few lines."""
     found, beside = apart(failure_rows(tree))
     summary = tree["summary"].to_dataset()
     counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
@@ -72,7 +72,7 @@ def skipped_summary(tree: xr.DataTree) -> str:
 
 
 def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
-    """Return the first groups of rows, and the number of rows in the others."""
+    """Return a line for each of the first groups, and a line with the number of rows in the other groups."""
     lines = [paragraph(reasons_in_words(group), "      ", "  ") for group in entries[:most]]
     if more := sum(map(len, entries[most:])):
         lines.append(f"  and {more} more (rockpulse inspect RESULTS --failures)")
@@ -80,12 +80,12 @@ def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
 
 
 def unused(sentence: str) -> str:
-    """Return a warning on unused files (`rockpulse.views.shared.files_used`); empty if all files were used."""
+    """Return a sentence on unused files as a warning line; empty if the sentence is empty."""
     return paragraph(sentence, "  ", "! ") if sentence else ""
 
 
 def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", listed: int = LISTED) -> str:
-    """List by kind the files and channels that were not used, except vertical ones; `more_in` names the full list."""
+    """List the files and channels that were not used, by kind; `more_in` says where the full list is."""
     lines = []
     found, beside = apart(rows)
     for kind, own in found.items():
@@ -99,7 +99,7 @@ def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", 
 
 
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
-    """List all that was not assessed (of the given kinds, or all) with kind, stage, file and reason; may be empty."""
+    """List everything that was not assessed with kind, step, file and reason; `kinds` limits the list."""
     found = {kind: own for kind, own in by_kind(failure_rows(tree)).items() if kinds is None or kind in kinds}
     return "\n".join(line for kind, own in found.items() for line in _with_kind(kind, [[row] for row in own]))
 
@@ -109,12 +109,12 @@ def _with_kind(kind: str, entries: Sequence[Sequence[Failure]]) -> list[str]:
 
 
 def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:
-    """Group the rows of a kind by reason, if the kind is one that is grouped."""
-    return alike(rows) if kind in _SHOWN_ONCE else [[row] for row in rows]
+    """Return the rows of a kind in groups with the same reason, or each row as its own group."""
+    return alike(rows) if kind in _GROUPED else [[row] for row in rows]
 
 
 def apart(rows: Iterable[Failure]) -> tuple[dict[str, list[Failure]], list[str]]:
-    """Separate the rows of files that might be records, by kind, from the names of files that are not records."""
+    """Return the rows by kind, and separately the names of files that are not records."""
     found = by_kind(rows)
     beside = {row for row in found.get("skipped", ()) if row.reason == f"{row.file}: {NO_RECORD}"}
     rest = ((kind, [row for row in own if row not in beside]) for kind, own in found.items())
@@ -127,7 +127,7 @@ def _beside(names: Sequence[str]) -> list[str]:
 
 
 def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
-    """Group rows of /failures by kind, failed ones first."""
+    """Return the rows by kind, with the kind "failed" first."""
     found: dict[str, list[Failure]] = {kind: [] for kind in _KINDS}
     for row in rows:
         found.setdefault(row.kind, []).append(row)
@@ -135,7 +135,7 @@ def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
 
 
 def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return for each kind of warning one record, its warning, and the number of others; most frequent kind first."""
+    """Return a record, its warning and the count of similar ones for each kind of warning, most frequent first."""
     found: dict[str, list[tuple[str, str]]] = {}
     names = ("record", "warnings", "warning_codes")
     for record, text, codes in zip(*(summary[name].values for name in names), strict=True):
@@ -149,7 +149,7 @@ def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
 
 
 def _kind(warning: str, code: str) -> str:
-    """Return the kind of a warning: its code or, without a code, its first words."""
+    """Return the kind of a warning: its code or, if it has no code, its first words."""
     if not code.endswith(PLAIN):
         return code
     return " ".join(re.sub(r"[-+]?\d[\d.e+-]*", "#", warning).split()[:_TELLING_WORDS])

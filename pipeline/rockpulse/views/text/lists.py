@@ -1,4 +1,4 @@
-"""Lists for the terminal: the selected cases, records or bodies of an assessment, in the order of the selection."""
+"""Lists of selected results, records or bodies for the terminal, in the order of the selection."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,7 +12,7 @@ from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.storage.export.row_selection import RowSelection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import paragraph, several, shortened
 from rockpulse.views.shared.notes import factor_heading, factor_name
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
@@ -35,7 +35,7 @@ BLOCK = ("block", "width", "height", "alpha_c", "p", "critical_impulse", "restit
 
 
 class _Points:
-    """Values of variables at the selected positions of /summary; those not given are read when they are needed."""
+    """The values of variables at selected positions of /summary; each is read when it is first needed."""
 
     def __init__(self, summary: xr.Dataset, places: dict[str, np.ndarray], **beside: Sequence[Any]) -> None:
         self._summary, self._places, self._found = summary, places, dict(beside)
@@ -50,22 +50,22 @@ class _Points:
 
 
 def sorted_by_factor(answers: Answers, selection: RowSelection) -> RowSelection:
-    """Sort a selection by the scale factor, or by the rotation if no factor is known."""
+    """Sort a selection by scale factor or, if the results have none, by rotation."""
     if answers.has_factor:
         return replace(selection, sort=answers.factor, descending=False)
     return replace(selection, sort="peak_rotation_ratio", descending=True)
 
 
 def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected results, one per line, by default for the most complete model."""
+    """List the selected results, one for each line; the default model is the most complete one."""
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
     places, found = rows(summary, dims, selection, [(("block", "case"), _distinct(summary))] if "case" in dims else [])
     count = places["record"].size
-    told = "; ".join(replace(selection, sort=None, limit=None).words)
-    shown = "" if count == found else f"; {count} shown (--limit N for more)"
-    heading = paragraph(f"{several(found, 'case')} with {told}{_order(selection)}{shown}")
+    conditions = "; ".join(replace(selection, sort=None, limit=None).words)
+    limited = "" if count == found else f"; {count} shown (--limit N for more)"
+    heading = paragraph(f"{several(found, 'case')} with {conditions}{_order(selection)}{limited}")
     if not count:
         return heading
     points = _Points(summary, places)
@@ -94,7 +94,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
 
 
 def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected records; a condition on results must be true for at least one body."""
+    """List the selected records; a condition on results must hold for at least one body."""
     answers, selection = _selected(summary, selection)
     summary = answers.summary
     names = [name for name in RECORD if name not in STATED or (name in summary and summary[name].notnull().any())]
@@ -102,12 +102,12 @@ def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
 
 
 def block_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected bodies; a condition on results must be true for at least one record."""
+    """List the selected bodies; a condition on results must hold for at least one record."""
     return _of_motions(*_selected(summary, selection), "block", BLOCK)
 
 
 def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequence[str]) -> str:
-    """List records or bodies with their columns, the number of overturning cases, and the smallest scale factor."""
+    """List records or bodies with the number of overturnings and the smallest scale factor of each."""
     summary, of_records = answers.summary, dim == "record"
     places, found = rows(summary, [dim], selection)
     at = places[dim].tolist()
@@ -142,14 +142,14 @@ def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequ
         *(mark.note for mark in (col.DRIFT, col.NONE_UP_TO) if mark in marks),
         *(col.doubt_notes(row[0] for row in table) if of_records else ()),
     ]
-    shown = f"{len(table)} of " if len(table) < found else ""
+    limited = f"{len(table)} of " if len(table) < found else ""
     return _listed(
-        f"{shown}{several(found, 'body' if dim == 'block' else dim)}{_order(selection)}", headings, table, notes
+        f"{limited}{several(found, 'body' if dim == 'block' else dim)}{_order(selection)}", headings, table, notes
     )
 
 
 def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, RowSelection]:
-    """Return the results of the most complete model of a selection, and the selection limited to this model."""
+    """Return the results of the most complete selected model, and the selection limited to this model."""
     part = summary[["model"]]
     if patterns := selection.names.get("model", ()):
         places, _ = rows(part, ["model"], RowSelection({"model": patterns}))
@@ -159,28 +159,28 @@ def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, Ro
 
 
 def _distinct(summary: xr.Dataset) -> np.ndarray:
-    """Return the mask (block, case) of the distinct restitutions of each body."""
-    shown = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
+    """Return a mask (block, case) that is True once for each different restitution of a body."""
+    distinct = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
     for body in bodies_of(summary):
-        shown[body.place, body.case] = True
-    return shown
+        distinct[body.place, body.case] = True
+    return distinct
 
 
 def _of_interest(
-    summary: xr.Dataset, selection: RowSelection, shown: Sequence[col.Column], dim: str = ""
+    summary: xr.Dataset, selection: RowSelection, selected: Sequence[col.Column], dim: str = ""
 ) -> tuple[col.Column, ...]:
-    """Return a column for each variable of a selection without one, if it depends only on `dim`."""
-    told = {name for column in shown for name in column.of} | {"factor_resolved"}
+    """Return extra columns for the variables in the conditions of a selection that have no column yet."""
+    present = {name for column in selected for name in column.of} | {"factor_resolved"}
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
     return tuple(
         col.Column(name, (name,), _plain(summary[name].variable), title=name)
         for name in dict.fromkeys(names)
-        if name not in told and (not dim or summary[name].dims == (dim,))
+        if name not in present and (not dim or summary[name].dims == (dim,))
     )
 
 
 def _plain(variable: xr.Variable) -> Any:
-    """Return the function that makes the cells of a variable without a declared column."""
+    """Return the function that makes a cell from a value of a variable that has no predefined column."""
     if words := flag_words(variable):
         return lambda code: Cell(words[code])
     return number_cell if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), col.NAME_WIDTH))

@@ -1,4 +1,4 @@
-"""Margins as text: capacities divided by the demands of the site, and results over direction for pairs of channels."""
+"""Capacity divided by demand, and results over the directions of pairs of channels, as text."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -9,23 +9,23 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, shortened, three_digits
 from rockpulse.views.shared.notes import cautions, factor_heading, factor_name, factor_notes
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Return smallest and median capacity/demand of every body, or of `blocks`; empty without demands."""
+    """Return smallest and median capacity/demand of the bodies as text; `blocks` selects bodies by index."""
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
     of_demands = [answers.margins(demand=name) for name in answers.demands]
-    shown = [k for k, body in enumerate(answers.bodies) if blocks is None or body.place in blocks]
-    every = [margins[k] for k in shown for margins in of_demands]
+    listed = [k for k, body in enumerate(answers.bodies) if blocks is None or body.place in blocks]
+    every = [margins[k] for k in listed for margins in of_demands]
     rows = [
         (answers.bodies[k].block, answers.bodies[k].restitution, [_both(margins[k]) for margins in of_demands])
-        for k in shown
+        for k in listed
     ]
     each = "the pairs" if motions.kind == "pair" else "the records"
     of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
@@ -50,7 +50,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
-    """Return lines with the capacity/demand of every body, named by record or body according to `of`."""
+    """Return capacity/demand of every record and body as lines that start with the name of the one or the other."""
     if not answers.demands:
         return []
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
@@ -71,7 +71,7 @@ def _capacity(answers: Answers) -> str:
 
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
-    """Return a table with a column for every demand."""
+    """Return the lines of a table with one column for each demand."""
     titles = [
         Heading(f"{name} ({demand.words})".replace(" ", "\N{NO-BREAK SPACE}"))
         for name, demand in answers.demands.items()
@@ -82,14 +82,14 @@ def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], widt
 
 
 def _both(margin: Margin) -> Cell:
-    """Return a cell with the smallest and the median value."""
+    """Return a cell with the smallest and the median capacity/demand."""
     if math.isnan(margin.smallest):
         return Cell(ABSENT, math.nan)
     return Cell(", ".join(cell.marked for cell in col.margin_cells(margin)), margin.smallest)
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
-    """Return rotations and smallest scale factor over direction in the main model, and overturnings in every model."""
+    """Return rotation, scale factor and number of overturnings over the directions of every pair as text."""
     answers = swept_answers(summary, directions)
     count, pairs = directions.sizes["direction"], range(directions.sizes["pair"])
     of_factors = factor_notes(answers, swept=True)
@@ -119,10 +119,10 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     every = lines(Table("", "", tuple(headings), tuple(rows)))
     head, laid = every[: -len(rows)], every[-len(rows) :]
     over = f"directions of {count} that overturn".rjust(max(map(len, head)))  # above the columns of the models
-    told, size = [], len(answers.bodies)
+    text_lines, size = [], len(answers.bodies)
     for pair, name in enumerate(names):
         title = "  ".join([name.marked, *_pair_strength(directions.isel(pair=pair))])
-        told += ["", title, over, *head, *laid[pair * size : (pair + 1) * size]]
+        text_lines += ["", title, over, *head, *laid[pair * size : (pair + 1) * size]]
     smallest_of = f" Then the smallest {factor_name(answers.factor)} and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
@@ -134,11 +134,11 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         "Each direction is a record: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
         *cautions(answers.models),
     ]
-    return "\n".join([*told[1:], "", *(paragraph(note, "  ") for note in notes)])
+    return "\n".join([*text_lines[1:], "", *(paragraph(note, "  ") for note in notes)])
 
 
 def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) -> tuple[Cell, Cell]:
-    """Return the smallest scale factor of a body over the directions of a pair, and its azimuth."""
+    """Return two cells: the smallest scale factor over the directions of a pair, and the azimuth of this direction."""
     factor, row_of_factor = (table[pair, lane] for table in answers.least_over_direction)
     index, row = directions["record_index"].values[pair], int(row_of_factor)
     azimuth = float(directions["direction_azimuth"].values[index == row][0]) if row >= 0 else math.nan
@@ -148,7 +148,7 @@ def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) ->
 
 
 def _name(answers: Answers, pair: xr.Dataset) -> Cell:
-    """Return the name of a pair, marked if its rotated records are doubtful."""
+    """Return a cell with the name of a pair, and its marks of doubt."""
     index = pair["record_index"].values
     codes = " ".join(map(str, answers["warning_codes"][index[index >= 0]]))
     return Cell(str(pair["pair"].item()), marks=col.doubt(pair["pga_largest"].item(), codes))

@@ -1,4 +1,4 @@
-"""An assessment as text: one screen with the verdicts on the bodies, all results, or those of one record or body."""
+"""An assessment as text: one screen with the verdicts, all results, or the results of one record or body."""
 
 import math
 
@@ -14,8 +14,8 @@ from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, fixed, paragraph, restitution, several, three_digits
 from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.shown_columns import doubt, doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
+from rockpulse.views.shared.table_columns import doubt, doubt_notes, record_cells
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, skipped_summary, unused
 from rockpulse.views.text.lists import case_list, sorted_by_factor
@@ -32,7 +32,7 @@ CASES = 20
 
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
-    """Return one screen: verdicts, worst records, skipped files; with `whole` all results, or counts and the worst."""
+    """Return the verdicts, worst records and skipped files on one screen, or all results if `whole`."""
     files, answers = files_used(tree).line, answers_of(tree)
     parts = [headline(tree), unused(files)]
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
@@ -54,7 +54,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
 
 
 def headline(tree: xr.DataTree) -> str:
-    """Return the heading of results: title, description, numbers of records, bodies and models."""
+    """Return title, description and the numbers of records, bodies and models of the results."""
     node = tree["directions" if "directions" in tree.children else "summary"]
     dims = ("pair", "direction", "block") if "directions" in tree.children else ("record", "block")
     counts = ", ".join(several(node.sizes[dim], "body" if dim == "block" else dim) for dim in dims)
@@ -74,12 +74,12 @@ HINTS = """More: rockpulse inspect RESULTS
 
 
 def is_large(answers: Answers) -> bool:
-    """Return whether an assessment has too many results for a complete table."""
+    """Return whether an assessment has too many results to list all of them."""
     return len(answers.records) * len(answers.bodies) > WHOLE
 
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
-    """Return intensity of the records, verdicts of each model, worst bodies, and worst cases or pairs of a sweep."""
+    """Return a summary of an assessment that has too many results to list all of them."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=WORST))))
@@ -93,7 +93,7 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
 
 
 def _record_strength(answers: Answers) -> str:
-    """Return a table of the intensity of the records."""
+    """Return a table of the intensity measures of the records: smallest, median and largest values."""
     rows = []
     for title, name, (_, unit, scale) in (
         *((row.title, row.name, row.column) for row in STORED),
@@ -118,7 +118,7 @@ def _record_strength(answers: Answers) -> str:
 
 
 def _verdicts(answers: Answers) -> str:
-    """Return a table of the number of results of each kind in every model."""
+    """Return a table with the number of results of each kind in every model."""
     total = len(answers.records) * len(answers.bodies)
     rows = []
     for model, one in answers.of_models.items():
@@ -137,7 +137,7 @@ def _verdicts(answers: Answers) -> str:
 
 
 def _pairs(answers: Answers, directions: xr.Dataset) -> str:
-    """Return a table of the worst pairs of channels of a sweep."""
+    """Return a table of the pairs of channels that are closest to overturning a body."""
     key = answers.least_over_direction[0]
     if not answers.has_factor:
         key = -lanes(directions, "largest_rotation_ratio", answers.bodies, answers.model)
@@ -154,14 +154,14 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
-    """Return all facts and results of one record; ResultsError for an unknown id."""
+    """Return all facts and results of one record as text; ResultsError if the id is unknown."""
     answers = _only(summary, "record", record)
     one = Known(answers.summary, record=record)
     number, words, pga = one.number, one.words, one.value("pga")
     marks = doubt(pga, one.value("warning_codes"))
     strength = Cell(f"{three_digits(pga, 'm/s2')} ({three_digits(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
     rows = [
-        *(("description", told) for told in (one.described,) if told),
+        *(("description", description) for description in (one.described,) if description),
         ("source", words("source")),
         ("sha256 of the source", words("source_sha256")),
         ("station, component", f"{words('station')}, {words('component')} (azimuth {number('azimuth', 'degrees')})"),
@@ -187,7 +187,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
 
 
 def block_details(summary: xr.Dataset, block: str) -> str:
-    """Return all facts and results of one body; ResultsError for an unknown name."""
+    """Return all facts and results of one body as text; ResultsError if the name is unknown."""
     answers = _only(summary, "block", block)
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]
@@ -209,13 +209,13 @@ def block_details(summary: xr.Dataset, block: str) -> str:
 
 
 def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) -> str:
-    """Return the facts, then the results, with lines named by record or body according to `of`."""
+    """Return title and facts, then the results, whose lines start with the name of the record or of the body."""
     width = max(len(name) for name, _ in rows)
     head = [title, *(paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows), ""]
     if is_large(answers):
         words = (outcome.name.lower().replace("_", " ") for outcome in Outcome)
-        told = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
-        heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {told}."
+        counted = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
+        heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {counted}."
         worst = case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=CASES)))
         return "\n".join([*head, heading, "", worst])
     factors = verdicts.probability_table(answers) + verdicts.factor_table(answers)
@@ -223,7 +223,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:
-    """Return the results of one record or body, read into memory."""
+    """Return the results of one record or of one body."""
     known = [str(item) for item in summary[dimension].values]
     if label not in known:
         raise unknown(label, known, dimension)

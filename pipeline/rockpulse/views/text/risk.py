@@ -1,4 +1,4 @@
-"""Shows annual frequencies of a limit state as text and as tables, with warnings."""
+"""Annual frequencies of a limit state as text and as tables, with warnings."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -11,11 +11,11 @@ from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStat
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.formatting import ABSENT, paragraph, several, share, three_digits
-from rockpulse.views.shared.shown_columns import Column, tabulated, titled
 from rockpulse.views.shared.table import Cell, lines
+from rockpulse.views.shared.table_columns import Column, tabulated, titled
 
 #: Number of bodies of an inventory that are shown.
-SHOWN = 10
+MOST_BODIES = 10
 #: The shown levels are those between these quantiles of a frequency.
 ENDS = (0.05, 0.95)
 #: Kinds of levels or scale factors outside the range of the records.
@@ -48,14 +48,14 @@ def _text(title: str, show: Callable[[float], str], name: str) -> Column:
 
 
 def _interval(title: str, show: Callable[[float], str], name: str) -> Column:
-    def told(low: float, high: float) -> Cell:
+    def interval_cell(low: float, high: float) -> Cell:
         return Cell(ABSENT if math.isnan(low) else f"{show(low)} to {show(high)}")
 
-    return titled(title, told, f"{name}_low", f"{name}_high")
+    return titled(title, interval_cell, f"{name}_low", f"{name}_high")
 
 
 def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: str) -> tuple[Column, ...]:
-    """Return the columns of all tables of frequencies; `doubt` determines which frequencies are marked."""
+    """Return the columns that all tables of frequencies share; `doubt` decides which frequencies get a mark."""
     years = f"in {float(risk.attrs['years']):g} years"
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
@@ -67,7 +67,7 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
 
 
 def risk_overview(risk: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.risk` as text."""
+    """Return the result of :func:`rockpulse.risk` as text."""
     years, measure = float(risk.attrs["years"]), risk.attrs["measure"]
     selected = (
         *_of_frequency(risk, "block", bool, "warning"),
@@ -76,21 +76,21 @@ def risk_overview(risk: xr.Dataset) -> str:
         titled(f"{measure} [{risk.attrs['unit']}]", Cell, "levels"),
     )
     levels = [_levels(risk.isel(block=place)) for place in range(risk.sizes["block"])]
-    told = [
+    notes = [
         "per year: annual frequency lambda, the fragility integrated over the hazard curve; intervals: over the "
         f"earthquakes of the fragility, with the hazard as given; survival: probability of surviving {years:g} years; "
         f"{measure}: levels that contribute 90 % of lambda.",
         *_assumed(risk),
     ]
     named = zip(risk["block"].values, risk["statement"].values, strict=True)
-    told += [f"{name}: {statement}." for name, statement in named if statement]
-    told += [f"! {words}." for words in risk_warnings(risk)]
+    notes += [f"{name}: {statement}." for name, statement in named if statement]
+    notes += [f"! {words}." for words in risk_warnings(risk)]
     title = f"Frequency of {risk.attrs['limit_state']}, {several(len(levels), 'body')}; hazard: {risk.attrs['hazard']}"
-    return _table_text(title, selected, risk.assign(levels=("block", levels)), told)
+    return _table_text(title, selected, risk.assign(levels=("block", levels)), notes)
 
 
 def _levels(one: xr.Dataset) -> str:
-    """Return the levels, in the unit of the hazard, that contribute most of the frequency of a body."""
+    """Return the range of hazard levels that contributes 90 % of the frequency of a body, as text."""
     share = one["share"].values
     if np.isnan(share).any():
         return ABSENT
@@ -101,18 +101,18 @@ def _levels(one: xr.Dataset) -> str:
 
 
 def _unit(risk: xr.Dataset) -> float:
-    """Return the factor from the unit of the hazard to SI."""
+    """Return the value in SI units of one unit of the hazard curve."""
     return float(risk.attrs["unit_in_si"])
 
 
 def risk_warnings(risk: xr.Dataset) -> list[str]:
-    """Return a sentence for each body if levels beyond the records contribute more than a tenth of its frequency."""
+    """Return the warnings on the frequencies, each with the name of its body."""
     named = zip(risk["block"].values, risk["warning"].values, strict=True)
     return [f"{name}: {words}" for name, words in named if words]
 
 
 def inventory_overview(risk: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.inventory_frequency` as text: largest frequencies, and totals."""
+    """Return the result of :func:`rockpulse.inventory_frequency` as text: the most frequent overturnings, and sums."""
     years, measure = float(risk.attrs["years"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
@@ -122,8 +122,8 @@ def inventory_overview(risk: xr.Dataset) -> str:
         _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median"),
         _text("dispersion", three_digits, "dispersion"),
     )
-    order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]
-    told = [
+    order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(MOST_BODIES, int(known.sum()))]
+    notes = [
         f"the {order.size} bodies that overturn most often; overturnings of all bodies: "
         f"{_rate(float(np.sum(frequency[known])))} per year, {_rate(float(np.nansum(risk['probability'].values)))} "
         f"expected in {years:g} years.",
@@ -133,23 +133,23 @@ def inventory_overview(risk: xr.Dataset) -> str:
     ]
     if int(risk.attrs["events"]) < LEAST_EVENTS:
         missing = np.isnan(risk["frequency_low"].values[known]).all()
-        told.append(
+        notes.append(
             f"{'no interval' if missing else 'the intervals may be too narrow'}: "
             f"{several(int(risk.attrs['events']), 'earthquake')}, {4 if missing else LEAST_EVENTS} are needed."
         )
     if not known.all():
         lost = risk["body"].values[~known].tolist()
-        told.append(
+        notes.append(
             f"no frequency for {several(len(lost), 'body')}, which the spectra of the results do not cover: "
             f"{', '.join(map(str, lost[:5]))}{' ...' if len(lost) > 5 else ''}."
         )
-    told += [f"! {words}." for words in inventory_warnings(risk)]
+    notes += [f"! {words}." for words in inventory_warnings(risk)]
     title = f"Frequency of overturning, {several(frequency.size, 'body')}; hazard: {risk.attrs['hazard']}"
-    return _table_text(title, selected, risk.isel(body=order), told)
+    return _table_text(title, selected, risk.isel(body=order), notes)
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
-    """Return a sentence for each kind of levels beyond the data that contributes more than a tenth of a frequency."""
+    """Warn if much of the frequency of any body comes from levels beyond the hazard curve or the records."""
     where = {}
     for side, end in (("below", "low"), ("above", "high")):
         level = float(risk.attrs[f"covered_{end}"]) / _unit(risk)
@@ -157,18 +157,18 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
         where[side] = f"levels {side} {ends if math.isfinite(level) else 'the end of the hazard curve of its site'}"
     factors = f"{risk.attrs['factor_low']:g} to {risk.attrs['factor_high']:g}"
     where["far"] = f"records with scale factors outside {factors}, which represent no recorded motion"
-    told = []
+    warnings = []
     for name, words in where.items():
         if count := int(np.sum(risk[name].values > OUTSIDE)):
-            told.append(
+            warnings.append(
                 f"of {count} of {several(risk.sizes['body'], 'body')} more than a tenth of the frequency, up to "
                 f"{share(float(np.nanmax(risk[name].values)))}, comes from {words}"
             )
-    return told
+    return warnings
 
 
 def standing_overview(standing: xr.Dataset) -> str:
-    """Return the dataset of :func:`rockpulse.standing_test` as text; of an inventory the least likely survivors."""
+    """Return the result of :func:`rockpulse.standing_test` as text, limited to the least likely survivors."""
     (dim,) = standing["chance"].dims
     age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
     chance = standing["chance"].values
@@ -179,7 +179,7 @@ def standing_overview(standing: xr.Dataset) -> str:
         _text("factor on the hazard", three_digits, "factor"),
         titled(" ", lambda code: Cell("contradicts this hazard" if code == 1 else "consistent"), "contradicted"),
     )
-    order = np.argsort(chance, kind="stable")[: min(SHOWN, int(np.isfinite(chance).sum()))]
+    order = np.argsort(chance, kind="stable")[: min(MOST_BODIES, int(np.isfinite(chance).sum()))]
     largest = _rate(float(np.max(standing["largest"].values, initial=0.0)))
     note = (
         f"survival: exp(-lambda {age:g}), its probability; factor on the hazard: multiplier of the annual rates at "
@@ -200,13 +200,13 @@ def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes:
 
 
 def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
-    """Return a table with a row for each body, without the contributions of levels."""
+    """Return a table with one row for each body, without the contributions of single hazard levels."""
     names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
     return _table(risk[names], "block", names, standing)
 
 
 def levels_table(risk: xr.Dataset) -> pd.DataFrame:
-    """Return a row for each body and range of levels (unit of the hazard) with its share of the frequency."""
+    """Return a table of the contribution of every range of hazard levels to the frequency of each body."""
     table = risk[["bin_low", "bin_high", "share"]].to_dataframe().reset_index()
     table[["bin_low", "bin_high"]] /= _unit(risk)
     table = table.assign(measure=risk.attrs["measure"], unit=risk.attrs["unit"])
@@ -214,7 +214,7 @@ def levels_table(risk: xr.Dataset) -> pd.DataFrame:
 
 
 def inventory_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
-    """Return a table with a row for each body of an inventory, and the median in the unit of the hazard."""
+    """Return a table with one row for each body of an inventory."""
     table = _table(risk[[*INVENTORY]], "body", [*INVENTORY], standing)
     return table.assign(median=table["median"] / _unit(risk), unit=risk.attrs["unit"])
 

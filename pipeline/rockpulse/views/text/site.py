@@ -1,4 +1,4 @@
-"""A site file as text: for sequences parameters, design and coverage, for a spectrum the design of every body."""
+"""The content of a site file as text: parameters, design and coverage of sequences, or the design spectrum."""
 
 import math
 from collections.abc import Callable
@@ -20,20 +20,20 @@ from rockpulse.views.shared.formatting import (
     six_digits,
     three_digits,
 )
-from rockpulse.views.shared.shown_columns import Column, shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
+from rockpulse.views.shared.table_columns import Column, formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Largest number of listed bodies and earthquakes.
 LISTED = 12
 #: Restitution for which the table of the spectrum is shown, and step of its rows along p.
-SHOWN_RESTITUTION, STEP = 0.9, 3
+TABLE_RESTITUTION, STEP = 0.9, 3
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
 def site_overview(tree: xr.DataTree) -> str:
-    """Return the tree of :func:`rockpulse.calibrate` as text for the terminal."""
+    """Return the result of :func:`rockpulse.calibrate` as text for the terminal."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         own = [explained(table) for table in site_tables(site) or _spectrum_tables(tree["spectra"].to_dataset(), site)]
@@ -53,19 +53,19 @@ def site_overview(tree: xr.DataTree) -> str:
 
 
 def site_warnings(site: xr.Dataset) -> list[str]:
-    """Return warnings on the calibration, most serious first."""
+    """Return the warnings on the calibration, the most serious first."""
     return warnings_of(site["site_warning_values"].item())
 
 
 def site_tables(site: xr.Dataset) -> list[Table]:
-    """Return the tables of a design: parameters and bodies or, for a spectrum, all tables that are not empty."""
+    """Return the tables of the design; for a design spectrum without those that are empty."""
     if site.attrs["method"] == "spectrum":
         return [table for table in (_design_table(site), _sequence_table(site)) if table.rows]
     return [_parameter_table(site), _block_table(site)]
 
 
 def about_records(site: xr.Dataset) -> list[str]:
-    """Describe the records and their earthquakes, and the method of their sequences."""
+    """Describe records and earthquakes of the site, and the method of the calibration."""
     method, weights, scaled = (str(site.attrs[name]) for name in ("method", "weights", "scaled_to"))
     each = zip(site["site_event"].values.tolist(), site["event_records"].values.tolist(), strict=True)
     on_records = say(
@@ -85,12 +85,12 @@ def about_records(site: xr.Dataset) -> list[str]:
 
 
 def _option(word: str) -> str:
-    """Return a word of the configuration in the current language."""
+    """Return the value of a configuration option in the current language."""
     return translated(f"options.{word}", word)
 
 
 def _parameter_table(site: xr.Dataset) -> Table:
-    """Return a table of the parameters of the sequences of all records: lognormal fits, with known intervals."""
+    """Return a table of the sequence parameters: lognormal fits over the records, and design values."""
     medians = {"median": "median", "median_low": "median_lower", "median_high": "median_upper"}
     spread = {"dispersion": "dispersion", "low": "dispersion_lower", "high": "dispersion_upper"}
     of_logarithm, of_records = say("site.of_logarithm"), say("site.of_records")
@@ -110,7 +110,7 @@ def _parameter(name: str, words: str, unit: str) -> Cell:
 
 
 def design(site: xr.Dataset) -> str:
-    """Return the design sequence as a sentence."""
+    """Describe the design sequence in one sentence."""
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
     count, duration = value["main_count"], value["duration"]
     interval = _range(site.sel(parameter="main"), "design", lambda limit: three_digits(limit, "m/s"))
@@ -129,7 +129,7 @@ def design(site: xr.Dataset) -> str:
 
 
 def coverage(site: xr.Dataset) -> str:
-    """Describe the share of rotations under left-out earthquakes that the design covers, or its quantile."""
+    """Describe the share of recorded rotations that the design covers; for a spectrum its quantile."""
     if site.attrs["method"] == "spectrum":
         of = {"records": counted_words(int(site["record_count"]), "record")}
         of |= {"earthquakes": counted_words(int(site["event_count"]), "earthquake")}
@@ -139,22 +139,22 @@ def coverage(site: xr.Dataset) -> str:
     covered = _number(site, "coverage")
     if math.isnan(covered):
         why = say(f"site.not_covered.{'one_event' if site.sizes['site_event'] == 1 else 'not_judged'}")
-        told = [say("site.coverage_unknown", why=why, share=inside, nominal=nominal)]
+        sentences = [say("site.coverage_unknown", why=why, share=inside, nominal=nominal)]
     else:
         interval, level = _range(site, "coverage", share), say("site.one_event")
         if interval != ABSENT:
             level = say("site.with_confidence", confidence=_percent(site, "confidence"), interval=interval)
-        told = [say("site.coverage", share=share(covered), level=level, nominal=nominal, inside=inside)]
+        sentences = [say("site.coverage", share=share(covered), level=level, nominal=nominal, inside=inside)]
     if not math.isnan(every := _number(site, "coverage_all")):
-        told.append(say("site.coverage_all", share=share(every)))
+        sentences.append(say("site.coverage_all", share=share(every)))
     if judged := int(site["judged_pairs"]):
         events = counted_words(int(site["judged_events"]), "event")
-        told.append(say("site.judged", pairs=counted_words(judged, "answer"), events=events))
-    return " ".join(told)
+        sentences.append(say("site.judged", pairs=counted_words(judged, "answer"), events=events))
+    return " ".join(sentences)
 
 
 def _block_table(site: xr.Dataset) -> Table:
-    """Return a table of the bodies under the design sequence."""
+    """Return a table of the rotations of the bodies under the design sequence."""
 
     def under(peak: float) -> Cell:
         return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number_cell(peak, ratio)
@@ -163,13 +163,13 @@ def _block_table(site: xr.Dataset) -> Table:
         titled(say("site.head.block"), lambda name: Cell(body_name(name)), "block", width=34),
         _restitution(),
         titled(say("site.head.under"), under, "design_rotation_ratio", note="theta_max/alpha_c"),
-        titled(say("site.coverage_head"), shown(share), "block_coverage", note=say("site.left_out")),
+        titled(say("site.coverage_head"), formatted(share), "block_coverage", note=say("site.left_out")),
     )
     return tabulated("site-blocks", say("site.caption.blocks"), selected, site)
 
 
 def _restitution() -> Column:
-    return titled("C", shown(restitution), "restitution", note=say("head.restitution"))
+    return titled("C", formatted(restitution), "restitution", note=say("head.restitution"))
 
 
 def _interval(title: str, name: str) -> Column:
@@ -177,7 +177,7 @@ def _interval(title: str, name: str) -> Column:
 
 
 def _design_table(site: xr.Dataset) -> Table:
-    """Return a table of the design of every body, as effective impulse and as scale factor."""
+    """Return a table with effective impulse and scale factor of the design for every body."""
     quantile, confidence = (f"{six_digits(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
 
     def over(factor: float) -> Cell:
@@ -193,7 +193,7 @@ def _design_table(site: xr.Dataset) -> Table:
         _interval(say("site.head.interval", confidence=confidence), "effective_impulse"),
         titled(say("site.head.overturns_at"), number_cell, "speed", unit="m/s", note="g tan(alpha_c)/p"),
         titled(say("site.factor"), over, "design_factor", note=say("site.note.on_design")),
-        titled(say("site.head.overturned_by"), shown(share), "overturned_share", note=say("site.note.weight")),
+        titled(say("site.head.overturned_by"), formatted(share), "overturned_share", note=say("site.note.weight")),
     )
     own = site.assign(speed=site["design_factor"] * site["effective_impulse"])
     own = own.isel(block=np.flatnonzero(site["effective_impulse"].notnull()))
@@ -201,7 +201,7 @@ def _design_table(site: xr.Dataset) -> Table:
 
 
 def _sequence_table(site: xr.Dataset) -> Table:
-    """Return a table of a sequence equivalent to the design for every body."""
+    """Return a table of impulse sequences that are equivalent to the design spectrum, one for each body."""
     interval_of = "site.head.interval_of"
     selected = (
         titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=34),
@@ -217,10 +217,10 @@ def _sequence_table(site: xr.Dataset) -> Table:
 
 
 def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
-    """Return tables of the quantiles of the spectrum over p at one restitution; empty for too few earthquakes."""
+    """Return a table of spectrum quantiles over p; empty if there are too few earthquakes."""
     if spectra["spectrum_design"].isnull().any():
         return []
-    at = spectra.sel(restitution=SHOWN_RESTITUTION, method="nearest")
+    at = spectra.sel(restitution=TABLE_RESTITUTION, method="nearest")
     quantile, confidence = (f"{100.0 * float(site[name]):g} %" for name in ("quantile", "confidence"))
     columns = {"spectrum_50": "median", "spectrum_84": "84 %", "spectrum_design": quantile}
     titles = {title: key for key, title in columns.items()}  # the design replaces the same quantile
@@ -239,7 +239,7 @@ def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
 
 
 def explained(table: Table) -> str:
-    """Return the table for the terminal, with the small print of its headings as notes."""
+    """Return the table as text for the terminal, with the small print of the headings as notes below it."""
     titles: dict[str, list[str]] = {}
     for heading in table.headings:
         if heading.note:
@@ -271,13 +271,13 @@ def _correlation(site: xr.Dataset) -> Table:
 
 
 def _coverage(site: xr.Dataset, blocks: Table) -> str:
-    """Describe the coverage over all bodies, then of each body or, for many bodies, the extremes."""
-    told = [
+    """Describe the coverage of all bodies together, then of each body or, if they are many, the extreme values."""
+    sentences = [
         coverage(site),
-        f"{share(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "
-        f"block), {share(_number(site, 'standing_share'))} of these on blocks that the design leaves standing.",
+        f"{share(_number(site, 'lifted_share'))} of the pairs of record and block are used (the record lifts the "
+        f"block), {share(_number(site, 'standing_share'))} of these for blocks that the design does not overturn.",
     ]
-    parts = [paragraph(line, "  ", "") for line in told]
+    parts = [paragraph(line, "  ", "") for line in sentences]
     shares = site["block_coverage"]
     if site.sizes["block"] <= LISTED:
         parts.append(explained(blocks))

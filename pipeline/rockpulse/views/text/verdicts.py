@@ -1,4 +1,4 @@
-"""The results of all models as text: a line for every record and body, and the overturned bodies."""
+"""The results of all models as text: a line for every record and body, verdicts, and worst records."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -13,7 +13,7 @@ from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTUR
 from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, shortened, three_digits
 from rockpulse.views.shared.notes import (
     body_notes,
@@ -35,7 +35,7 @@ NAMED = 3
 
 
 def verdict_table(summary: xr.Dataset) -> str:
-    """Return the results of every model, one line per body under a heading per record, with footnotes."""
+    """Return the results of every model as text: a line for each body below the heading of each record."""
     answers = Answers(summary)
     of_models = col.answer_columns(answers)
     marks = col.marks_of(cell for column in of_models.values() for cell in column)
@@ -46,7 +46,7 @@ def verdict_table(summary: xr.Dataset) -> str:
 
 
 def probability_table(answers: Answers) -> str:
-    """Return probabilities of overturning and their scale factors in the layout of the results; empty if unknown."""
+    """Return probabilities and scale factors of overturning as text; empty if the results have none."""
     if not answers.probable:
         return ""
     selected = col.columns(*PROBABILITY)
@@ -62,7 +62,7 @@ def probability_table(answers: Answers) -> str:
 
 
 def factor_table(answers: Answers) -> str:
-    """Return the smallest scale factors in each searched model, in the layout of the results; empty if unknown."""
+    """Return the smallest scale factors in every searched model as text; empty if no model was searched."""
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
@@ -87,7 +87,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return the rows of a table by body under a heading for every record, each with its demand, and the notes."""
+    """Return a table as text: below the heading of each record, its body rows; `table` has their further cells."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -102,19 +102,19 @@ def _below_records(
         impulse = record.value("main_impulse")
         strength = [*record.strength, *([] if math.isnan(impulse) else [f"I {three_digits(impulse, 'm/s')}"])]
         found += ["", "  ".join([cell.marked, *strength]), *head, *laid[place * size : (place + 1) * size]]
-    shown = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
-    return "\n".join(shown)
+    text_lines = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
+    return "\n".join(text_lines)
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """Return the records that overturn each body, unscaled or reduced, and counts for every model; `files` first."""
+    """Return the records that overturn each body, and their number in every model; `files` is shown above."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already includes chance survival.
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
-    told = [
+    text_lines = [
         f"Records that overturn each body ({answers.model} model):",
         *([paragraph(files, "    ", "  ! ")] if files else []),
     ]
@@ -123,18 +123,18 @@ def overturned(answers: Answers, files: str = "") -> str:
         weaker = [f"{names[row]} ({three_digits(factor[row, place])})" for row in np.flatnonzero(lucky[:, place])]
         nothing = "none as recorded, but see below" if weaker else "none"
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
-        told.append(paragraph(named or nothing, "      ", f"  {block}: "))
+        text_lines.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
         rows.append((Cell(block), *(col.count_of(own[place], len(names)) for own in counts)))
     headings = (Heading("number of records", width=col.NAME_WIDTH), *map(Heading, answers.models))
-    told += ["", *lines(Table("", "", headings, tuple(rows)), "  ")]
+    text_lines += ["", *lines(Table("", "", headings, tuple(rows)), "  ")]
     if by_weaker:
-        told += ["", "Records that overturn the body only if scaled down (SF in brackets):", *by_weaker]
-    return "\n".join(told)
+        text_lines += ["", "Records that overturn the body only if scaled down (SF in brackets):", *by_weaker]
+    return "\n".join(text_lines)
 
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
-    """Return the verdict on every body over all records, limited to the `most` bodies likeliest to overturn."""
+    """Return a table of the verdicts as text, limited to the `most` bodies that are most likely to overturn."""
     found, summary = verdicts(answers), answers.summary
     places = np.argsort([-one.decides.value for one in found], kind="stable")[:most]
     lanes = (np.sort(places) if most is None else places).tolist()
@@ -159,7 +159,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     selected = (
         col.titled("", Cell, "name", width=col.NAME_WIDTH),
         col.titled(col.COLUMNS["verdict"].heading.title, lambda one: Cell(col.grade_cell(one).text), "found"),
-        *(col.titled(title, col.shown(ratio), title) for title in likely),
+        *(col.titled(title, col.formatted(ratio), title) for title in likely),
         *col.columns("probability_upper", "uplift", middle, "top", "rotation"),
         *col.columns("worst", worst=f"worst {answers.motions.kind}"),
     )
@@ -178,18 +178,18 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
 
 
 def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
-    """Describe the records of the verdicts: unscaled, or scaled to the demands of the site."""
+    """Describe the records from which the verdicts follow, unscaled or scaled to the demands."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
-    told = []
+    demands = []
     for place, (name, demand) in enumerate(answers.demands.items()):
         every = [one.demands[place] for one in found]
         lost, left = max(one.left_out for one in every), min(one.earthquakes for one in every)
         without = f", {lost} left out: scale factor outside {FARTHEST[0]:g} to {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
-        told.append(f"{name} ({demand.words}{without}{short})")
-    return f"{counted_motions(motions)} scaled to the demand {' and '.join(told)}"
+        demands.append(f"{name} ({demand.words}{without}{short})")
+    return f"{counted_motions(motions)} scaled to the demand {' and '.join(demands)}"
 
 
 #: Meaning of each verdict in terms of the probability, or of the share of records, from which it follows.
@@ -203,7 +203,7 @@ _MEANING = {
 
 
 def _legend(answers: Answers, found: Sequence[BodyVerdict], absent: str) -> list[str]:
-    """Explain the verdicts that occur and the columns; `absent` is the reason for unknown largest rotations."""
+    """Explain the verdicts and columns of the table; `absent` says why a largest rotation is missing."""
     if answers.motions.kind == "sequence":
         return []
     few = answers.motions.event_count
@@ -221,7 +221,7 @@ def _legend(answers: Answers, found: Sequence[BodyVerdict], absent: str) -> list
 
 
 def _middle_factors(answers: Answers) -> list[Cell]:
-    """Return for every body the median over records of the scale factor at P = 50 % or, if unknown, of overturning."""
+    """Return for every body a cell with the median over the records of the scale factor at P = 50 %."""
     if not answers.probable:
         return [col.margin_cells(margin)[1] for margin in answers.margins()]
     least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
@@ -232,7 +232,7 @@ def _middle_factors(answers: Answers) -> list[Cell]:
 
 
 def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every body the largest displacement of its top [cm] and the largest rotation [degrees] survived."""
+    """Return displacement of the top [cm] and rotation [degrees] of every body, the largest without overturning."""
     stays = np.isin(answers["outcome"], (Outcome.AT_REST, Outcome.ROCKS))
     peak = np.fmax.reduce(np.where(stays, answers["peak_rotation_ratio"], np.nan), axis=0, initial=np.nan)
     places = [body.place for body in answers.bodies]
@@ -241,7 +241,7 @@ def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
 
 
 def worst_motions(answers: Answers, most: int) -> str:
-    """Return the unscaled records most likely to overturn a body, with body, probability and scale factor."""
+    """Return the unscaled records that are most likely to overturn a body, as a table in text form."""
     motions, factor = answers.motions, np.fmin.reduce(answers.motions.over(answers[answers.factor], np.nan), axis=1)
     if not motions.names:
         return ""
@@ -284,19 +284,19 @@ def worst_motions(answers: Answers, most: int) -> str:
 
 
 def governing(answers: Answers) -> str:
-    """Describe the records with the smallest scale factors, or that overturn, and their bodies; empty if unknown."""
+    """Describe the records that govern the verdicts, and name their bodies; empty if there are none."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:
             ruled.setdefault(one.governing, {})[one.body.block] = None
-    told = []
+    text_lines = []
     for row, blocks in sorted(ruled.items(), key=lambda item: -len(item[1]))[:NAMED]:
         record = answers.records[row]
         if known := Known(answers.summary, record=record).described:
-            told.append(paragraph(f"{record}: {known} (for {some(list(blocks), NAMED)})", "      ", "  "))
-    if not told:
+            text_lines.append(paragraph(f"{record}: {known} (for {some(list(blocks), NAMED)})", "      ", "  "))
+    if not text_lines:
         return ""
     if len(ruled) > NAMED:
-        told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
+        text_lines.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
     what = f"with the smallest {factor_name(answers.factor)}" if answers.has_factor else "that overturns"
-    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *told])
+    return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *text_lines])

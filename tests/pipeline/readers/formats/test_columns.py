@@ -218,3 +218,24 @@ def test_a_title_above_time_and_acceleration_is_no_heading(write, title):
     (record,) = read(write(f"{title}\n{rows}"), units="g")
     assert (record.npts, record.dt) == (len(VALUES), 0.01)
     assert record.acceleration == pytest.approx(VALUES * STANDARD_GRAVITY, abs=1e-5)
+
+
+def rows(*columns, layout="{:9.4f}"):
+    return "".join("".join(map(layout.format, row)) + "\n" for row in zip(*columns, strict=True))
+
+
+@pytest.mark.parametrize("offset", [0.0, -300.0])
+def test_decimals_that_touch_at_a_sign_are_read_apart(write, offset):
+    strong = 100.0 * VALUES + offset
+    records = read(write(rows(TIMES, strong, -strong, strong)), units="cm/s2")
+    assert len(records) == 3
+    assert records[0].acceleration == pytest.approx(strong / 100.0, abs=1e-6)
+    assert records[1].acceleration == pytest.approx(-strong / 100.0, abs=1e-6)
+
+
+def test_decimals_that_touch_without_a_sign_are_refused(write):
+    apart, touching = rows(TIMES, VALUES, VALUES), "100.0000103.2500\n" * 9
+    with pytest.raises(RecordFormatError, match="txt:1: expected blanks between numbers, found numbers that touch in"):
+        read(write(touching + apart), units="cm/s2", dt=0.01)
+    with pytest.raises(RecordFormatError, match=r"txt:201: expected 3 finite numbers, found '100\.0000103\.2500'"):
+        read(write(apart + touching), units="cm/s2", dt=0.01)

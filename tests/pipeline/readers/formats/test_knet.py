@@ -110,7 +110,7 @@ def test_a_line_that_stands_twice_is_told(write):
     rows = knet(COUNTS).split(b"\n")
     (record,) = read(write(b"\n".join([*rows[:30], *rows[29:]])))
     assert record.npts == 508
-    assert any("the file has 508; all are kept: does a line stand in it twice?" in note for note in record.warnings)
+    assert any("the file has 508; all are kept: is a line duplicated?" in note for note in record.warnings)
 
 
 def test_a_scale_factor_of_many_digits_costs_no_time(write):

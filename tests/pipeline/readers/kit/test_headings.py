@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import re
 import time
 
 import numpy as np
@@ -163,14 +164,15 @@ def test_the_unit_of_a_heading_is_believed_and_held_against_the_caller(write, he
 )
 def test_the_unit_of_the_prose_has_to_agree_and_answers_only_with_the_word_for_it(write, header):
     path = write(series(header))
-    with pytest.raises(
-        UnitError, match=r"record.txt:1: the header says '.*', the option units says g; .* FILE --units g "
-    ):
+    found = r"record.txt:1: the header says '.*', the option units says g; correct the wrong one"
+    with pytest.raises(UnitError, match=found) as caught:
         read(path, units="g")
+    (hint,) = re.findall(r"(?s)if the header is right, give --units (\S+), or .*units = \"\1\"", str(caught.value))
+    assert read(path, units=hint)[0].source_unit == hint
     if "uni" in header.lower():  # the word "unit" makes it a statement
         assert read(path)[0].source_unit in ("gal", "cm/s2")
     else:
-        with pytest.raises(UnitError, match="do not state their unit; line 1 of its header speaks of"):
+        with pytest.raises(UnitError, match="do not state their unit; line 1 of its header mentions"):
             read(path)
     assert read(path, units="gal")[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
 

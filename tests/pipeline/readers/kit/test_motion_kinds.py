@@ -78,15 +78,17 @@ def test_a_folder_of_three_kinds_gives_its_accelerations_only(tmp_path):
     assert skipped == {(".vel", "skipped", True), (".disp", "skipped", False)}
 
 
-def test_the_integrals_of_a_file_without_words_are_skipped(tmp_path):
+@pytest.mark.parametrize("heading", ["", "acc (m/s2)\n"])
+def test_the_integrals_of_a_file_are_skipped_whatever_their_heading(tmp_path, heading):
     rng = np.random.default_rng(3)
     motion = np.convolve(rng.normal(size=2000), np.hanning(21), "same")
     velocity = np.cumsum(motion) * STEP
     for name, values in zip(("x1", "x2", "x3"), (np.cumsum(velocity) * STEP, velocity, motion), strict=True):
-        (tmp_path / f"{name}.txt").write_text("".join(f"{value:.9e}\n" for value in values), encoding="ascii")
+        (tmp_path / f"{name}.txt").write_text(heading + "".join(f"{value:.9e}\n" for value in values), encoding="ascii")
     other = np.convolve(rng.normal(size=2000), np.hanning(21), "same")
-    (tmp_path / "x4.txt").write_text("".join(f"{value:.9e}\n" for value in other), encoding="ascii")
+    (tmp_path / "x4.txt").write_text(heading + "".join(f"{value:.9e}\n" for value in other), encoding="ascii")
     records, failures = read_all(tmp_path, units="m/s2", dt=STEP)
+    assert len(repr(records[0])) < 100
     assert [Path(one.source).stem for one in records] == ["x3", "x4"]
     assert [(Path(row.file).stem, row.kind) for row in failures] == [("x1", "skipped"), ("x2", "skipped")]
     assert "its derivative is x3.txt" in failures[1].reason
@@ -100,7 +102,7 @@ def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
     path.write_text("t [s],acc [g]\n" + rows(pulse()).replace(" ", ","), encoding="ascii")
     assert any("says velocity" in note for note in read(path)[0].warnings)
     path.write_text("Acceleration record of a station\n" + rows(pulse()), encoding="ascii")
-    with pytest.raises(RecordFormatError, match="speaks of acceleration under a name that says velocity"):
+    with pytest.raises(RecordFormatError, match="mentions acceleration under a name that says velocity"):
         read(path, units="g")
 
 
@@ -263,3 +265,10 @@ def test_an_absolute_acceleration_with_a_sign_is_a_motion(tmp_path):
     text = "".join(f"{0.01 * at:.2f},{value:.5f}\n" for at, value in enumerate(pulse()))
     (tmp_path / "a.csv").write_text(f"t (s),Absolute acceleration (g)\n{text}", encoding="ascii")
     assert len(read(tmp_path / "a.csv")) == 1
+
+
+def test_of_two_sines_none_is_the_integral_of_the_other(tmp_path):
+    phase = 2.0 * np.pi * 1.5 * STEP * np.arange(2000)
+    for name, values in (("x1", np.sin(phase)), ("x2", np.cos(phase))):
+        (tmp_path / f"{name}.txt").write_text(rows(values), encoding="ascii")
+    assert len(read_all(tmp_path, units="m/s2")[0]) == 2

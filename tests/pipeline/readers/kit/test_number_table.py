@@ -62,7 +62,7 @@ def test_fewer_numbers_before_the_words_than_the_header_states(write):
             read(path)
         (record,) = read(path, units="g")
         notes = " ".join(record.warnings)
-        assert all(words in notes for words in ("the numbers stop at", "speaks of 300", "as one series"))
+        assert all(words in notes for words in ("the numbers stop at", "mentions 300", "as one series"))
 
 
 @pytest.mark.parametrize("number", ["0.02e-320", "0.02E+999"])
@@ -321,7 +321,7 @@ def test_channels_side_by_side_are_no_series_in_rows(write, width, short):
 def test_a_short_last_row_of_narrow_rows_that_run_on_is_the_end_of_a_series(write):
     (record,) = read(write(wrapped(VALUES, 3)), units="m/s2", dt=0.01)
     assert record.acceleration == pytest.approx(VALUES, abs=0.51e-6)
-    with pytest.raises(RecordFormatError, match=r"rows of 4\. Rows of up to 4 numbers .* may be those of a station"):
+    with pytest.raises(RecordFormatError, match=r"rows of 4\. Rows of up to 4 numbers .* may be channels of a station"):
         read(write(wrapped(VALUES, 4)), units="m/s2", dt=0.01)
 
 

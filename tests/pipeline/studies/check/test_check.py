@@ -42,7 +42,7 @@ def test_a_body_that_a_check_cannot_take_is_told_and_the_others_stand():
 def test_what_cannot_be_checked_at_all_is_an_error():
     with pytest.raises(ConfigError, match="no body to check"):
         check(config=rp.Config(check=config().check))
-    with pytest.raises(ConfigError, match="expected the demand of the code"):
+    with pytest.raises(ConfigError, match="no design spectrum is given"):
         check(config=rp.Config(bodies=config().bodies))
     with pytest.raises(ConfigError, match="expected some of circolare_2009"):
         check(config=config(), code=["asce"])

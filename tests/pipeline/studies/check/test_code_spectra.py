@@ -97,7 +97,7 @@ def test_wrong_tables_are_reported(tmp_path, text, told):
 def test_no_file_and_no_demand_are_reported(tmp_path):
     with pytest.raises(ConfigError, match="no such file"):
         spectrum_of(CheckSettings(spectrum="table", file="none.csv"), tmp_path)
-    with pytest.raises(ConfigError, match="expected the demand of the code"):
+    with pytest.raises(ConfigError, match="no design spectrum is given"):
         spectrum_of(CheckSettings())
 
 

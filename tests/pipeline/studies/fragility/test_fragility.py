@@ -295,7 +295,7 @@ def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, stri
 def test_weak_records_and_bad_ones_are_left_out_and_reported(records):
     silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
     weak = pulse(9, "weak", size=0.2)
-    weakest = replace(options(pga_min=1.0, limit_states=["uplift"]), records=rp.RecordSettings(confirm=("*",)))
+    weakest = options(pga_min=1.0, limit_states=["uplift"])
     found = rp.fragility([*records, weak, silent], weakest, BLOCKS)
     assert found["capacities"].sizes["record"] == 6
     failures = found["failures"].to_dataset().to_dataframe()

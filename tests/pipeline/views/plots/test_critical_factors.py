@@ -128,7 +128,7 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
 @pytest.mark.parametrize("draw", [overturning_map, critical_scale])
 def test_what_was_not_searched_is_refused(assessed, changed, draw):
     unknown = np.full(assessed["summary"]["safety_factor"].shape, np.nan)
-    with pytest.raises(ResultsError, match=r"no factors in these results: .*\[search\] models"):
+    with pytest.raises(ResultsError, match=r"no scale factors in these results; .*\[search\] models"):
         draw(changed(safety_factor=unknown), block="wall")
 
 

@@ -69,8 +69,8 @@ def test_without_probabilities_it_is_the_verdict_of_the_model():
     assert in_legend(ax) == ["overturns", "does not overturn", "not known"]
     assert not ax.texts
     assert len(ax.figure.axes) == 1
-    assert "No probability is known: shown is whether the body overturns" in small_print(ax)
-    with pytest.raises(ResultsError, match="is not known in these results"):
+    assert "No probability is known; the map shows whether the body overturns" in small_print(ax)
+    with pytest.raises(ResultsError, match="do not state whether the records, as recorded, overturn a body"):
         probability_map(tree_of(summary_of([np.nan], outcomes=[Outcome.UNRESOLVED])))
 
 

@@ -59,7 +59,7 @@ def test_where_no_body_lies_the_curve_is_straight_and_a_record_without_one_is_le
     ax = overturning_spectra(some, restitution=0.85, bodies={"wall": (1.0, 0.2)})
     assert lines(ax)["median"] == pytest.approx([0.2, 0.4])
     assert ax.get_xlim() == pytest.approx((1.0, 4.0))
-    assert "Straight where there is no body" in small_print(ax)
+    assert "The curve is straight where there is no body" in small_print(ax)
     some["spectrum"].values[:, 2] = np.nan
     # Nothing is drawn beyond.
     assert overturning_spectra(some, restitution=0.85).get_xlim() == pytest.approx((1.0, 1.6))
@@ -75,7 +75,7 @@ def test_records_far_below_every_body_are_counted_and_not_shown():
     many, body = spectra(1.0, 2.0, 1e-3), {"wall": (2.0, 0.1)}
     ax = overturning_spectra(many, restitution=0.85, bodies=body)
     assert ax.get_ylim()[0] == pytest.approx(0.1 * 9.80665 * math.tan(0.1) / 2.0)
-    assert "Below the picture, far from every body: 1 of 3 curves." in small_print(ax)
+    assert "Far below all bodies and not drawn: 1 of 3 curves." in small_print(ax)
     alone = overturning_spectra(many, restitution=0.85)
     assert alone.get_ylim()[0] < 2e-4
     assert "Below the picture" not in small_print(alone)

@@ -12,7 +12,7 @@ import rockpulse as rp
 from rockpulse.assessment.answers import Answers
 from rockpulse.models import Block, recorded_response
 from rockpulse.views.report import explorer as part
-from rockpulse.views.report.explorer import TimeColumns, explorer, factor_steps, packed, shown_records
+from rockpulse.views.report.explorer import TimeColumns, explorer, factor_steps, packed, selected_records
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.words import section
 
@@ -117,10 +117,10 @@ def test_factors_too_near_to_each_other_are_one_and_the_demand_is_its_own():
 def test_three_records_are_chosen_and_each_says_why():
     summary = probable([0.9, 0.4, 0.2, 0.0, 0.0], factor_10=[0.4, 0.8, 1.1, 2.0, np.inf])
     answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.arange(5.0)[:, None])))
-    assert shown_records(answers, 0) == {0: ["worst"], 1: ["nearest"], 2: ["median"]}
+    assert selected_records(answers, 0) == {0: ["worst"], 1: ["nearest"], 2: ["median"]}
     summary = probable([0.0, 0.0, 0.0], factor_10=[np.inf] * 3)
     answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.array([[0.3], [0.9], [0.6]]))))
-    assert shown_records(answers, 0) == {1: ["worst"], 2: ["median"]}
+    assert selected_records(answers, 0) == {1: ["worst"], 2: ["median"]}
 
 
 def test_a_curve_is_laid_through_what_is_stored_which_is_the_probability_where_it_is_known():

@@ -17,13 +17,13 @@ from rockpulse.errors import ConfigError
 from rockpulse.model_table import MODELS
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
-from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import REFERENCE, page_content
 from rockpulse.views.report.report_pictures import Pictures
+from rockpulse.views.report.site_and_fragility import matched_file
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import between, ratio
-from rockpulse.views.shared.shown_columns import columns, filled
+from rockpulse.views.shared.table_columns import columns, filled
 from rockpulse.views.shared.words import LANGUAGES, in_numerals, result_texts, say, table, warning_words, writing
 from rockpulse.warning_text import TEMPLATES, WARNINGS, WarningText, with_codes
 
@@ -111,7 +111,7 @@ def test_stored_texts_are_translated_with_their_numbers():
         first, second = result_texts(warnings, codes).splitlines()
         steps = result_texts("\n".join(condition(record, highpass_hz=0.1, resample_s=0.005).processing)).splitlines()
         assert result_texts("a note of the user, 0.5 m") == "a note of the user, 0.5 m"
-    assert "-0,96 m/s, con una parte lenta di 0,31 m/s" in first
+    assert "-0,96 m/s, con una componente lenta (deriva) di 0,31 m/s" in first
     assert second == "HNE: tutti i campioni sono uguali: canale non funzionante"
     begins = "linea di base, linea di base, rastremazione, filtro, ricampionamento"
     assert ", ".join(step.partition(":")[0] for step in steps) == begins
@@ -181,7 +181,7 @@ def test_no_english_word_is_left_on_a_page(request, language, case, site, fragil
 
 @pytest.mark.sweep
 def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, fragility):
-    beside = paired(results, fragility, "fragility", "it")
+    beside = matched_file(results, fragility, "fragility", "it")
     with writing("it"):
         pictures = Pictures(results, None, beside, page_content(results).found)
         drawn = [str(one.svg) for one in (pictures.body(0), pictures.strip(0), pictures.fragility("stele"))]
@@ -191,5 +191,5 @@ def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, 
 
 
 def test_a_language_without_words_is_named():
-    with pytest.raises(ConfigError, match="no words for 'fr'"), writing("fr"):
+    with pytest.raises(ConfigError, match="unknown code 'fr'"), writing("fr"):
         pass

@@ -22,7 +22,7 @@ def labels(picture):
 def test_a_motion_is_that_of_the_model_of_the_verdict_where_it_has_one(results):
     found = motion(results)
     assert labels(found) == ["nonlinear"]
-    assert found.words.endswith("the record of its smallest scale factor; nonlinear model.")
+    assert found.words.endswith("which overturns it at the smallest scale factor; nonlinear model.")
     assert ">at rest<" not in found.svg
     by_rule = results.copy(deep=True)
     names = [str(name).replace("nonlinear", "balanced") for name in results["summary"]["model"].values]

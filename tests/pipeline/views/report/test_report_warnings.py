@@ -83,7 +83,7 @@ def test_what_is_not_known_of_some_motions_is_said_loudly():
     assert "why" not in said.text
     assert head not in heads(probable([0.1, 0.0, 0.9]), "record")
     unresolved = summary_of([np.nan, 2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS, Outcome.ROCKS])
-    assert "The table of answers says why" in heads(unresolved, "record")[head].text
+    assert "The table of all answers gives the reasons" in heads(unresolved, "record")[head].text
 
 
 def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
@@ -99,7 +99,7 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
 def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing_count():
     said = heads(probable([0.0, 0.0]), "record")["the verdict rests on 2 earthquakes"]
     assert said.grade == "limits"
-    assert "2 earthquakes are too few to estimate a probability of 0.05" in said.text
+    assert "A probability of 0.05 cannot be estimated from 2 earthquakes" in said.text
     assert "by up to 78 % of the motions" in said.text  # 1 - 0.05^(1/2)
     said = heads(probable([0.0] * 12), "record")["the verdict rests on 12 earthquakes"]
     assert "cannot tell" not in said.text

@@ -19,16 +19,16 @@ from rockpulse.views.report.verdict import (
     TO,
     Drawing,
     basis,
+    body_drawings,
     body_table,
     cards,
     counted_by,
-    drawings,
     motions_words,
     of_unknown_event,
     sentence,
 )
 from rockpulse.views.report.writing import report_page
-from rockpulse.views.shared.shown_columns import grade_cell
+from rockpulse.views.shared.table_columns import grade_cell
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_under_a_design_sequence_there_is_no_probability():
         "Neither the design sequence nor a weaker one overturns it; smallest scale factor on its main"
     )
     assert told.endswith("impulse at which it overturns: 1.60.")
-    assert "That is not called safe" in counted_by(answers(summary, of))
+    assert "This does not prove safety" in counted_by(answers(summary, of))
     titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
     assert not {"P", "share", "interval"} & set(titles)
     assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.OVERTURNS
@@ -144,7 +144,7 @@ def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lif
     assert (shown["P as recorded"], shown["smallest scale factor at P = 10 %"]) == (f"0 (0{TO}0.26)", ">10")
     summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
     told = sentence(answers(summary), verdict(summary))
-    assert told == "Lifted by none of 2 records of 2 earthquakes; no conclusion can be drawn for stronger ones."
+    assert told == "Not lifted by any of 2 records of 2 earthquakes; no conclusion can be drawn for stronger records."
     assert grade_cell(verdict(summary)).text == "at rest"
 
 
@@ -176,7 +176,7 @@ def test_the_motions_are_counted_by_their_kind():
     assert worst == "3 pairs of channels of 2 earthquakes, each in the worst of 2 directions"
     assert mean == "3 pairs of channels of 2 earthquakes, each averaged over 2 directions"
     sequence = motions_words(motions(1, kind="sequence"))
-    assert sequence == "one design sequence, which stands for the records of its site calibration"
+    assert sequence == "one design sequence, which represents the records of its site calibration"
 
 
 def test_what_the_verdicts_rest_on_and_what_their_words_mean_is_said():
@@ -209,7 +209,7 @@ def test_a_body_is_drawn_with_its_first_pedestal_and_with_both():
     tree.attrs["configuration"] = f'[[block]]\nname = "{wall}"\nwidth = 0.5\nheight = 2.0\nmass = 500.0\n{pedestals}'
     names = np.array(["", wall, wall], dtype=object)
     tree["summary"] = xr.DataTree(summary.assign(pedestal_of=SUMMARY["pedestal_of"].variable(names)))
-    assert [one.svg.count('class="pedestal"') for one in drawings(tree)] == [2, 1, 0]
+    assert [one.svg.count('class="pedestal"') for one in body_drawings(tree)] == [2, 1, 0]
 
 
 def test_a_pedestal_of_a_body_that_is_not_there_is_an_error_in_words():

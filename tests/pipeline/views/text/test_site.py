@@ -64,13 +64,13 @@ def test_what_is_not_known_of_the_coverage_is_said_in_words(tree):
     one = site.assign(**{name: site[name].copy(data=value) for name, value in gone.items()}, judged_pairs=0)
     tree["site"] = one
     text = " ".join(site_overview(tree).split())
-    assert "Coverage of other earthquakes: not known, because no event could be judged" in text
+    assert "Coverage of other earthquakes: not known, because no earthquake could be left out" in text
     assert "covers -" not in text
     assert "Judged" not in text
     tree["site"] = one.isel(site_event=[0])
-    assert "not known, because there is only one event, which cannot be" in " ".join(site_overview(tree).split())
+    assert "not known, because there is only one earthquake, which cannot be" in " ".join(site_overview(tree).split())
     tree["site"] = site.assign(**{name: site[name].copy(data=np.nan) for name in ("coverage_lower", "coverage_upper")})
-    assert "(one event: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
+    assert "(one earthquake: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
 
 
 @pytest.mark.parametrize("scaled", ["pga 4 m/s2", "pgv 0.5 m/s", "impulse 0.5 m/s"])

@@ -1,4 +1,4 @@
-"""Draws in SVG, without matplotlib, a body to scale with its restraints, and an accelerogram as a strip."""
+"""Draws a body with its restraints, and a small accelerogram, as SVG without matplotlib."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -25,15 +25,15 @@ LEFT, BOTTOM, TOP = 52, 20, 8
 
 @dataclass(frozen=True)
 class Support:
-    """Floor of a building, and pedestals [m] from top to bottom, of which the first `joined` rock with the body."""
+    """The floor and the pedestals [m], from top to bottom, below a body; the first `joined` ones rock with it."""
 
     floor: bool = False
     pedestals: Sequence[tuple[float, float]] = ()
     joined: int = 0
 
 
-def drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
-    """Return an `<svg>` element of a body with a label, without markup in strings; `length` formats a length [m]."""
+def body_drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
+    """Return an `<svg>` element of a body with its restraints and sizes; `length` formats a length [m]."""
     below, top = sum(height for _, height in support.pedestals), body.top
     width = max(body.width, *(one for one, _ in support.pedestals), 0.25 * (top + below))
     scale = (SIDE - 2 * MARGIN) / max(width, top + below)
@@ -71,21 +71,21 @@ def drawing(body: Outline, support: Support, label: str, length: Callable[[float
     under = y(top) - 6 if support.pedestals else ground + 15
     parts.append(f'<text x="{x(middle)}" y="{under}" text-anchor="middle">{length(body.width)}</text>')
     side = max([x(body.right), *(x(middle + one / 2) for one, _ in support.pedestals)]) + 5
-    told = length(top) if math.isfinite(body.height) else f"↕ {length(body.centre)}"
-    parts.append(f'<text x="{side}" y="{y(0.5 * top)}">{told}</text>')
+    height_label = length(top) if math.isfinite(body.height) else f"↕ {length(body.centre)}"
+    parts.append(f'<text x="{side}" y="{y(0.5 * top)}">{height_label}</text>')
     lines = "\n".join(parts)
     size = f"0 0 {SIDE:.0f} {SIDE:.0f}"
     return f'<svg viewBox="{size}" class="drawing" role="img" aria-label="{label}">\n{lines}\n</svg>'
 
 
 def _tie(tie: TieLine, x: Any, y: Any) -> str:
-    """Return the line of a tie from its attachment through the body to its anchor on the other side."""
+    """Return the line of a tie, from its attachment on the body to its anchor."""
     start, end, level = x(tie.attached), x(tie.edge) + tie.outward * 20, y(tie.height)
     return f'<path class="tie" d="M{start} {level}H{end}m0 -4v8M{start} {level - 4}v8"/>'
 
 
 def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
-    """Return an arrow that points to the second point."""
+    """Return an arrow from the first to the second point."""
     length = math.hypot(x1 - x0, y1 - y0)
     along, across = ((x1 - x0) / length * 5, (y1 - y0) / length * 5), ((y0 - y1) / length * 3, (x1 - x0) / length * 3)
     ends = [(x1 - along[0] + sign * across[0], y1 - along[1] + sign * across[1]) for sign in (1, -1)]
@@ -94,7 +94,7 @@ def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
 
 
 def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
-    """Return an `<svg>` of the accelerogram [m/s2] with its intense phase (start and end [s], or NaN) shaded."""
+    """Return an `<svg>` element of an accelerogram [m/s2]; the intense phase from start to end [s] is shaded."""
     peak = float(np.max(np.abs(acceleration)))
     end = dt * (acceleration.size - 1)
     span, high = WIDTH - LEFT, HEIGHT - BOTTOM - TOP

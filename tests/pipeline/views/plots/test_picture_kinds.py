@@ -13,7 +13,7 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
 from rockpulse.views.plots.drawing import DRAWERS, draw
 from rockpulse.views.plots.ground_motion import stored_record
-from rockpulse.views.plots.kinds import KINDS, OPTIONS, kind_list
+from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS, kind_list
 from rockpulse.views.plots.selection import one_name
 from rockpulse.views.shared.words import writing
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from rocking.body.outline import Outline, TieLine
-from rockpulse.views.report.drawings import HEIGHT, LEFT, SIDE, WIDTH, Support, drawing, strip
+from rockpulse.views.report.body_drawings import HEIGHT, LEFT, SIDE, WIDTH, Support, body_drawing, strip
 from rockpulse.views.shared.formatting import three_digits
 
 WALL = Outline(left=0.4, right=0.4, centre=4.5, height=9.0)
 
 
 def drawn(body, **support):
-    return drawing(body, Support(**support), "a body", lambda value: three_digits(value, "m"))
+    return body_drawing(body, Support(**support), "a body", lambda value: three_digits(value, "m"))
 
 
 def boxes(svg, kind):

@@ -17,8 +17,8 @@ from rockpulse.models import Block
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.calibration import design_of
-from rockpulse.views.report.beside import Paired, describe_fragility, paired
 from rockpulse.views.report.content import page_content
+from rockpulse.views.report.site_and_fragility import MatchedFile, describe_fragility, matched_file
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.formatting import shortened
 from rockpulse.views.shared.table import table_text
@@ -46,12 +46,12 @@ def changed(tree, group, **values):
 
 def curves_of(results, fragility):
     """What the section on fragility says."""
-    return page_content(results, fragility=paired(results, fragility, "fragility", "it")).fragility
+    return page_content(results, fragility=matched_file(results, fragility, "fragility", "it")).fragility
 
 
 def site_of(results, site):
     """What the section on the site says."""
-    return page_content(results, paired(results, site, SITE_KIND, "it")).site
+    return page_content(results, matched_file(results, site, SITE_KIND, "it")).site
 
 
 @pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])
@@ -64,7 +64,9 @@ def test_a_curve_of_another_body_of_the_same_name_is_refused(results, fragility,
     for tree in (summary, other["fragility"].sel(block="stele")):
         assert f"{float(tree[number]):.7g}" in str(caught.value)
     assert "run 'rockpulse fragility' again" in str(caught.value)
-    assert paired(results, changed(fragility, "fragility", **{number: 1.0 + 1e-9}), "fragility", "it").missing == ()
+    assert (
+        matched_file(results, changed(fragility, "fragility", **{number: 1.0 + 1e-9}), "fragility", "it").missing == ()
+    )
 
 
 @pytest.mark.sweep
@@ -93,15 +95,15 @@ def test_restitutions_are_matched_by_their_numbers(bursts):
     """A body of one restitution keeps its name beside one of two."""
     two = {"wall": Block(0.25, 2.2, restitution=np.array([0.8, 0.9])), "column": Block(1.0, 7.0, restitution=0.97)}
     curves = rp.fragility(bursts, CURVES, two)
-    found = paired(rp.assess(bursts[:1], CURVES, two), curves, "fragility", "it")
+    found = matched_file(rp.assess(bursts[:1], CURVES, two), curves, "fragility", "it")
     assert found.tree["fragility"]["block"].values.tolist() == ["wall C 0.8", "wall C 0.9", "column"]
     one = rp.assess(bursts[:1], CURVES, {"wall": Block(0.25, 2.2, restitution=0.9)})
-    found = paired(one, curves, "fragility", "it")
+    found = matched_file(one, curves, "fragility", "it")
     assert found.tree["capacities"]["block"].values.tolist() == ["wall C 0.9"]
     assert found.foreign == ("wall C 0.8", "column")
     other = changed(one, "summary", alpha_c=1.04)
     with pytest.raises(ResultsError, match="another body of the name"):
-        paired(other, curves, "fragility", "it")
+        matched_file(other, curves, "fragility", "it")
 
 
 @pytest.mark.sweep
@@ -110,9 +112,9 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     assert curves_of(results, fragility).warnings == ()
     part = rp.assess(bursts[:1], CURVES, bodies)
     assert curves_of(part, rp.fragility(bursts[1:], CURVES, bodies)).warnings[0].startswith(words)
-    assert paired(results, fragility, "fragility", "it").same == 4
+    assert matched_file(results, fragility, "fragility", "it").same == 4
     stronger = changed(results, "summary", pga=1.1)
-    found = paired(stronger, fragility, "fragility", "it")
+    found = matched_file(stronger, fragility, "fragility", "it")
     assert (found.same, found.changed) == (3, ("burst0",))
     told = "Records of the same name with a different PGA: burst0."
     assert found.other_motions("fragility", 4) == [told]
@@ -130,16 +132,16 @@ def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, 
 def test_other_settings_another_gravity_and_another_equation_are_reported(results, bursts, bodies, fragility):
     fragility = rp.fragility(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).warnings == (
-        "The motions were made with other settings: [conditioning] order = 4, here 2.",
+        "The motions were processed with other settings: [conditioning] order = 4, here 2.",
     )
     here, there = results.copy(), fragility.copy()
     here.attrs["configuration"], there.attrs["configuration"] = (
         f'[[block]]\nname = "stele"\ngravity = {gravity}' for gravity in (9.80665, 9.81)
     )
-    assert paired(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
+    assert matched_file(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
     linear = replace(CURVES, fragility=replace(CURVES.fragility, equation="linear"))
     assert curves_of(results, rp.fragility(bursts, linear, bodies)).warnings == (
-        "The curves are by the linear equation of motion, the verdict is by the nonlinear model.",
+        "The curves are computed with the linear equation of motion, the verdict with the nonlinear model.",
     )
 
 
@@ -159,7 +161,7 @@ def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site
     rp.save(site, tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")
     words = " ".join(site_of(rp.assess_sequence(design, bodies=bodies), site).statements)
-    assert "The verdict of this report is that of its design sequence." in words
+    assert "The verdict in this report is based on the design sequence of this calibration." in words
     assert "among the" not in words
     for other in (replace(design, main=1.01 * design.main), replace(design, spacing="middle")):
         with pytest.raises(ResultsError, match="is not the design of this site: I "):
@@ -173,7 +175,7 @@ def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refuse
     part = site_of(assessed, usual_site())
     assert any("quantile of the overturning spectra of 10 records of 10 earthquakes" in one for one in part.statements)
     assert [table.key for table in part.tables] == ["site-design", "site-sequence"]
-    warnings = page_content(assessed, paired(assessed, usual_site(), SITE_KIND, "it")).warnings
+    warnings = page_content(assessed, matched_file(assessed, usual_site(), SITE_KIND, "it")).warnings
     assert not [one for one in warnings if one.head.startswith("records of the site")]  # none overturns the pier
     with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
         site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), bodies=bodies), usual_site())
@@ -234,7 +236,7 @@ def test_a_band_is_shown_with_both_ends_and_a_rotation_is_named_in_both_tables(f
     assert [(one.title, one.note) for one in table.headings[3:5]] == [("low", "90 %"), ("high", "90 %")]
     curves = curves.assign_coords(limit_state=["0.4", "overturning"])
     curves["statement_values"][:] = as_stored([WarningText("no_maximum")])
-    of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())
+    of = MatchedFile(with_curves(fragility, curves), (), (), 0, 0, (), ())
     medians, said, depends = describe_fragility(of, 0, "nonlinear").tables
     assert {row[1].text for row in medians.rows} == {"θ_max/α_c ≥ 0.4", "overturning"}
     assert {row[1].text for row in said.rows} == {"θ_max/α_c ≥ 0.4, overturning"}
@@ -245,5 +247,5 @@ def test_the_files_that_curves_do_not_rest_on_are_said_before_them(fragility, cu
     tree = with_curves(fragility, curves)
     tree["failures"] = xr.DataTree(failure_table([Failure("a.asc", "read", "a.asc: no reader", "failed")]))
     files = tree["capacities"].sizes["record"]
-    first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").warnings
+    first, *_ = describe_fragility(MatchedFile(tree, (), (), 0, 0, (), ()), 0, "nonlinear").warnings
     assert first == f"{files} of {files + 1} files used (1 rejected): no reader (a.asc)."

@@ -12,7 +12,7 @@ from rocking.response import Outcome
 from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.source import SourceFile
 from rockpulse.storage.export.row_selection import SHOWN
-from rockpulse.views.shared import shown_columns as col
+from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.table import Cell, CellMark
 from rockpulse.warning_text import with_codes
 
@@ -24,7 +24,7 @@ def shown(of, *names):
 
 def test_no_column_is_declared_twice():
     """Nor is one made beside the table: a function or a variable of it makes every Column."""
-    source = Path(rockpulse.__file__).parent / "views" / "shared" / "shown_columns.py"
+    source = Path(rockpulse.__file__).parent / "views" / "shared" / "table_columns.py"
     declared = re.findall(r'\bColumn\(\s*"(\w+)"', source.read_text(encoding="utf-8"))
     assert len(declared) == len(set(declared)) > 20
     assert set(declared) <= set(col.COLUMNS)

@@ -1,4 +1,4 @@
-"""The columns of all tables, each with its heading (section [column] of the texts), variables and cells."""
+"""The columns of all tables: each has a heading (section [column] of the word files), variables and cells."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -33,14 +33,14 @@ _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED
 
 
 class Rows(Protocol):
-    """The rows of a table: a mapping from the name of a variable to its values, one per row."""
+    """The values of a table: a mapping from the name of each variable to its values, one for every row."""
 
     def __getitem__(self, name: str, /) -> Sequence[Any]: ...
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: its variables, and the function that makes a cell from their values."""
+    """A column of a table: the names of its variables, and the function that makes a cell from their values."""
 
     name: str
     of: tuple[str, ...]
@@ -52,7 +52,7 @@ class Column:
 
     @property
     def heading(self) -> Heading:
-        """Heading of the column, with its small print."""
+        """Heading of the column, with its unit and small print."""
         title = (
             say(f"column.{self.name}.head")
             if self.title is None
@@ -63,14 +63,14 @@ class Column:
 
 
 def titled(title: str, cell: Callable[..., Cell], *of: str, **options: Any) -> Column:
-    """Make a column with a title of its own, for a single table."""
+    """Make a column for a single table, with the given title."""
     return Column(title, of, cell, title=title, **options)
 
 
 def tabulated(
     key: str, caption: str, selected: Sequence[Column], dataset: xr.Dataset, notes: tuple[str, ...] = ()
 ) -> Table:
-    """Make a table of columns with one row per element along the dimension of a dataset."""
+    """Make a table from the variables of a one-dimensional dataset, with one row for every element."""
     rows = {name: dataset[name].values.tolist() for column in selected for name in column.of}
     return Table(key, caption, headed(selected), tuple(filled(selected, rows)), notes)
 
@@ -80,7 +80,7 @@ _NOTED = frozenset({"restitution", "overturning_probability"})
 
 
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
-    """Return the marks of a record from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
+    """Return the marks of doubt of a record, from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or has_warning(codes, "header_peak")
     found = (peak, has_warning(codes, "clipped", "full_scale"), has_warning(codes, *DEFECTS))
@@ -88,17 +88,17 @@ def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:
-    """Return the id of a record with its marks."""
+    """Return a cell with the id of a record and its marks of doubt."""
     return Cell(str(name), marks=doubt(pga, str(codes)))
 
 
 def record_cells(summary: xr.Dataset) -> list[Cell]:
-    """Return the id of every record of /summary, or of a part of it, with its marks."""
+    """Return a cell with id and marks for every record of the group /summary."""
     return [record_cell(*one) for one in zip(*(summary[name].values.tolist() for name in _RECORD), strict=True)]
 
 
 def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
-    """Return the result of a model as a cell: largest rotation divided by alpha_c, or a word, with marks."""
+    """Return a cell with the largest rotation divided by alpha_c, or with the outcome as a word."""
     marks = (OUTSIDE,) if applicable == 0 else ()
     if outcome in _SORTED:
         kind = Outcome(outcome)
@@ -108,7 +108,7 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
-    """Return a scale factor (or "none up to `limit`") as a cell, marked for a lower bound or several intervals."""
+    """Return the cell of a scale factor; an infinite factor is shown as larger than `limit`."""
     marks = ([NO_ANSWER] if bound else []) + ([CellMark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
         return Cell(ABSENT, factor)
@@ -116,12 +116,12 @@ def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, int
         return Cell(ratio(factor), factor, tuple(marks))
     if math.isnan(limit):
         return Cell(say("answer.none"), factor, tuple(marks))
-    shown, point, decimals = lower_bound(limit)[1:].partition(say("decimal"))
-    return Cell((shown + point + decimals.rstrip("0")).rstrip(point or " "), factor, (NONE_UP_TO, *marks))
+    whole, point, decimals = lower_bound(limit)[1:].partition(say("decimal"))
+    return Cell((whole + point + decimals.rstrip("0")).rstrip(point or " "), factor, (NONE_UP_TO, *marks))
 
 
 def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
-    """Return the cells of the smallest and the median margin."""
+    """Return two cells: the smallest and the median scale factor of a body over the records."""
     values = zip((margin.smallest, margin.median), margin.bounds, strict=True)
     smallest, median = (factor_cell(value, margin.limit, bound) for value, bound in values)
     if margin.open and math.isfinite(margin.smallest):
@@ -130,7 +130,7 @@ def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
 
 
 def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
-    """Return the smallest scale factor and its record; unknown if none was found and some are unknown."""
+    """Return two cells: the smallest scale factor and the name of its record, cut to a width."""
     if math.isinf(margin.smallest) and (margin.unknown or margin.partial):
         return [factor_cell(math.nan), Cell("")]
     named = shortened(names[margin.place], width) if math.isfinite(margin.smallest) else ""
@@ -138,17 +138,17 @@ def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
 
 
 def unexplained(cell: Cell) -> Cell:
-    """Return the cell with marks whose explanation is not below its table."""
-    return cell._replace(marks=tuple(CellMark("", mark.shown, mark.before) for mark in cell.marks))
+    """Return the cell with marks that add no note below the table."""
+    return cell._replace(marks=tuple(CellMark("", mark.text, mark.before) for mark in cell.marks))
 
 
 def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
-    """Return all marks of cells."""
+    """Return the set of all marks in cells."""
     return {mark for cell in cells for mark in cell.marks}
 
 
 def doubt_notes(cells: Iterable[Cell]) -> list[str]:
-    """Return the meanings of the marks of doubt in cells."""
+    """Return the notes that explain the marks of doubt in cells."""
     found = marks_of(cells)
     return [mark.note for mark in DOUBTS if mark in found]
 
@@ -164,16 +164,16 @@ GRADES = {
 
 
 def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
-    """Return the verdict on a body, after the text `before`, as a cell that is sortable from best to worst."""
+    """Return a cell with the verdict on a body, sortable from best to worst; `before` precedes the verdict."""
     few = one.deciding is not None and one.deciding.few
     # No record overturns it, but half of such earthquakes might: not graded as good.
     unsure = one.overall == Grade.ROCKS and one.decides.high >= OVERTURNS
-    told = say(f"grade.{'no_verdict' if few else one.overall.name.lower()}")
-    return Cell(before + told, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
+    verdict = say(f"grade.{'no_verdict' if few else one.overall.name.lower()}")
+    return Cell(before + verdict, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
 
 
-def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
-    """Return a function that makes the cell of a number divided by a scale."""
+def formatted(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
+    """Return a function that makes a cell from a number: it divides by `scale` and formats with `show`."""
     return lambda value: number_cell(value if scale == 1.0 else value / scale, show)
 
 
@@ -190,7 +190,7 @@ def _capacity(capacity: float, limit: float, pga: float) -> Cell:
 
 
 def count_of(count: int, total: int) -> Cell:
-    """Return the cell of a number out of a total."""
+    """Return a cell with a count out of a total, such as "3 of 7"."""
     return Cell(say("count_of", count=count, total=total), count)
 
 
@@ -204,7 +204,7 @@ def _restitutions(values: Sequence[float]) -> Cell:
 
 
 def _of_measure(row: Measure) -> Column:
-    """Make the column of an intensity measure of each record, or of each record and body."""
+    """Make the column of an intensity measure."""
     title, unit, scale = row.column
     of = (row.name, f"{row.name}_drift") if row.drifts else (row.name,)
 
@@ -225,11 +225,11 @@ COLUMNS = {
         Column("record", _RECORD, lambda *one: record_cell(shortened(one[0], ID_WIDTH), *one[1:])),
         Column("block", ("block",), Cell, width=NAME_WIDTH),
         Column("model", ("model",), lambda name: Cell(say(f"models.{name}"))),
-        Column("restitution", ("restitution",), shown(restitution)),
+        Column("restitution", ("restitution",), formatted(restitution)),
         *map(_of_measure, STORED_OF_BODIES),
-        Column("impulse_ratio", ("impulse_ratio",), shown(ratio)),
+        Column("impulse_ratio", ("impulse_ratio",), formatted(ratio)),
         Column("answer", ("outcome", "peak_rotation_ratio", "applicable"), answer_cell),
-        Column("overturning_probability", ("overturning_probability",), shown(ratio)),
+        Column("overturning_probability", ("overturning_probability",), formatted(ratio)),
         Column("probability_interval", _PROBABILITY, _probability),
         Column("factor_10", ("factor_10", "factor_10_low"), factor_cell),
         Column("factor_50", ("factor_50", "factor_50_low"), factor_cell),
@@ -240,27 +240,27 @@ COLUMNS = {
         Column("capacity_pga", ("capacity_pga", "safe_up_to", PGA), _capacity, "g"),
         # a record
         *map(_of_measure, STORED),
-        Column("main_impulse", ("main_impulse",), shown(ratio), "m/s"),
+        Column("main_impulse", ("main_impulse",), formatted(ratio), "m/s"),
         Column("magnitude", ("magnitude",), number_cell),
         Column("epicentral_distance", ("epicentral_distance",), lambda distance: number_cell(distance / 1000.0), "km"),
         Column("warnings", ("warning_codes",), _counted),
         Column("overturns", ("fallen", "total"), count_of),
         # a block
-        Column("width", ("width",), shown(ratio), "m"),
-        Column("height", ("height",), shown(ratio), "m"),
-        Column("alpha_c", ("alpha_c",), shown(ratio), "rad"),
-        Column("p", ("p",), shown(ratio), "1/s"),
-        Column("critical_impulse", ("critical_impulse",), shown(ratio), "m/s"),
+        Column("width", ("width",), formatted(ratio), "m"),
+        Column("height", ("height",), formatted(ratio), "m"),
+        Column("alpha_c", ("alpha_c",), formatted(ratio), "rad"),
+        Column("p", ("p",), formatted(ratio), "1/s"),
+        Column("critical_impulse", ("critical_impulse",), formatted(ratio), "m/s"),
         Column("restitutions", ("restitutions",), _restitutions),
         Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all records, and the worst body of a record
         Column("verdict", ("found",), grade_cell),
-        Column("probability_upper", ("high",), shown(ratio)),
-        Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
+        Column("probability_upper", ("high",), formatted(ratio)),
+        Column("uplift", ("uplift",), formatted(ratio, STANDARD_GRAVITY), "g"),
         Column("median_factor_50", ("median",), unexplained),
         Column("median_safety_factor", ("median",), unexplained),
-        Column("top", ("top",), shown(ratio), "cm"),
-        Column("rotation", ("rotation",), shown(ratio), "deg"),
+        Column("top", ("top",), formatted(ratio), "cm"),
+        Column("rotation", ("rotation",), formatted(ratio), "deg"),
         Column("worst", ("worst",), Cell),
         Column("worst_for", ("worst_for",), Cell),
     )
@@ -268,7 +268,7 @@ COLUMNS = {
 
 
 def columns(*names: str, **titles: str) -> tuple[Column, ...]:
-    """Select columns by name; some get another title."""
+    """Return columns by their names; `titles` replaces the titles of some of them."""
     return tuple(replace(COLUMNS[name], title=titles.get(name) or COLUMNS[name].title) for name in names)
 
 
@@ -278,13 +278,13 @@ def headed(selected: Iterable[Column]) -> tuple[Heading, ...]:
 
 
 def filled(selected: Iterable[Column], rows: Rows) -> list[tuple[Cell, ...]]:
-    """Return the cells of columns, row by row."""
+    """Return the cells of the columns for all rows, one tuple for each row."""
     made = [[column.cell(*one) for one in zip(*(rows[name] for name in column.of), strict=True)] for column in selected]
     return list(zip(*made, strict=True))
 
 
 class AnswerRows:
-    """The results of a model as rows of a table; each row is a body under a record, given by indices."""
+    """The results of one model as rows of a table; each row has the index of a record and of a body."""
 
     def __init__(self, answers: Answers, records: np.ndarray, lanes: np.ndarray) -> None:
         self.answers, self.records, self.lanes = answers, records, lanes
@@ -309,13 +309,13 @@ class AnswerRows:
 
 
 def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
-    """Return the columns of the results of every model, for all rows."""
+    """Return the cells of the results by model, in the order of :meth:`AnswerRows.every`."""
     own, models = [COLUMNS["answer"]], answers.of_models.items()
     return {name: [row[0] for row in filled(own, AnswerRows.every(one))] for name, one in models}
 
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
-    """Return the columns of the probability and the scale factors of overturning; empty if unknown."""
+    """Return the columns of probability and scale factor of overturning; empty if the results have none."""
     if not answers.has_factor:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

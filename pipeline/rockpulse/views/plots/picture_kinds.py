@@ -1,4 +1,4 @@
-"""The kinds of pictures, each with its content, source file and options."""
+"""The kinds of pictures: what each shows, the command that makes its file, and its options."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from rockpulse.storage.variables.site import SITE_KIND
 
 @dataclass(frozen=True)
 class PictureKind:
-    """One kind of picture: content, source file and options."""
+    """One kind of picture: its options, what it shows, and the file from which it is drawn."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
     summary: str  # content of the picture
@@ -47,13 +47,13 @@ KINDS = {
     ),
     "overturning-map": PictureKind(
         ("record", "block", "model"),
-        "factors on the input that overturn, of all blocks under a record or all records on a block",
+        "scale factors at which bodies overturn: all bodies under a record, or all records for a body",
     ),
     "probability": PictureKind(
         ("demand",), "probability that each record, unscaled or scaled to a demand, overturns each body"
     ),
     "critical-scale": PictureKind(
-        ("block", "model", "case"), "smallest factor on every record that overturns a block, by each model"
+        ("block", "model", "case"), "smallest scale factor on every record at which a body overturns, in each model"
     ),
     "fragility": PictureKind(
         ("block", "measure", "limit_state"),
@@ -77,14 +77,14 @@ OPTIONS = {
 
 
 def kind_list() -> str:
-    """Return the list of kinds as text: for each its content, the command that makes the file, and the options."""
+    """Return the list of all kinds of pictures as text."""
     from rockpulse.views.shared.formatting import paragraph
 
     lines = []
     for name, row in KINDS.items():
         options = ", ".join(OPTIONS[option] for option in row.options) or "none"
-        told = (row.summary, f"from: {row.command}; options: {options}")
-        lines += [name, *(paragraph(words, "    ", "    ") for words in told)]
+        texts = (row.summary, f"from: {row.command}; options: {options}")
+        lines += [name, *(paragraph(words, "    ", "    ") for words in texts)]
     words = (
         "--record and --block may be omitted if the file has only one. A pattern (*, ?) may replace a name if it "
         "matches exactly one."

@@ -1,4 +1,4 @@
-"""Makes the sections of a report on a site or fragility curves, after a check that these match the results."""
+"""Makes the report sections on a site file and a fragility file, after a check that they match the results."""
 
 import re
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import share
-from rockpulse.views.shared.shown_columns import shown, tabulated, titled
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
+from rockpulse.views.shared.table_columns import formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated
 from rockpulse.views.text import fragility as curves_text
 from rockpulse.views.text.site import about_records, coverage, design, site_tables, site_warnings
@@ -41,8 +41,8 @@ NAMED = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Paired:
-    """A second file shown with the results (only the bodies of both), and how it differs from them."""
+class MatchedFile:
+    """A site file or fragility file that is shown in the report, limited to bodies of the results; how it differs."""
 
     tree: xr.DataTree
     missing: tuple[str, ...]  # bodies only in the results
@@ -53,21 +53,21 @@ class Paired:
     settings: tuple[str, ...]  # different settings of the motions: "[conditioning] order = 2, here 4"
 
     def other_motions(self, subject: str, assessed: int) -> list[str]:
-        """Describe the records that only one of the files contains; empty for a design sequence."""
+        """Return warnings that the file was made from other records; empty if a design sequence was assessed."""
         if not assessed:
             return []
-        told = {
+        conditions = {
             f"{subject}.other_motions": not self.same,
-            "beside.unchecked": self.unchecked,
-            "beside.changed": self.changed,
-            "beside.settings": self.settings,
+            "matched_file.unchecked": self.unchecked,
+            "matched_file.changed": self.changed,
+            "matched_file.settings": self.settings,
         }
         fields = {"records": listed(self.changed), "settings": "; ".join(self.settings)}
-        return [say(key, **fields) for key, there in told.items() if there]
+        return [say(key, **fields) for key, there in conditions.items() if there]
 
 
-def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
-    """Compare a second file with the results; ResultsError if bodies of the same name or the designs differ."""
+def matched_file(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> MatchedFile:
+    """Compare a site or fragility file with the results; ResultsError if bodies of one name or the designs differ."""
     summary = results["summary"].to_dataset()
     site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
     kept, missing, foreign = _bodies(summary, site, kind, name)
@@ -90,13 +90,13 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
     changed = tuple(record for record, peak in common.items() if not _close((assessed[record],), (peak,)))
     unchecked = sum(np.isnan(peak) for peak in common.values())
     settings = _other_settings(results, other)
-    return Paired(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
+    return MatchedFile(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
 
 
 def _bodies(
     summary: xr.Dataset, other: xr.Dataset, kind: str, name: str
 ) -> tuple[list[int], tuple[str, ...], tuple[str, ...]]:
-    """Return indices along `block` of the common bodies, and the names of bodies in only one of the files."""
+    """Return the block indices of common bodies, the bodies only in the results, and the bodies only in the file."""
     bodies = bodies_of(summary)
     found: dict[Body, int] = {}
     foreign = []
@@ -125,7 +125,7 @@ def _bodies(
 
 
 def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Return the records of a fragility file and their PGA; NaN if PGA is not among the measures."""
+    """Return the record ids of a fragility file and their PGA, which is NaN if the file does not contain it."""
     ids = capacities["record"].values
     if PGA not in capacities["measure"].values or not capacities.sizes["block"]:
         return ids, np.full(ids.size, np.nan)
@@ -133,7 +133,7 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Check that the assessed sequence is the design of a site, in which NaN means "no limit" (here inf or -1)."""
+    """Raise ResultsError if the assessed sequence is not the design sequence of the site."""
     if site.attrs["method"] == "spectrum":
         return _check_factors(summary, site, name)
     value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
@@ -152,7 +152,7 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
 
 
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Check that the scale factors of the bodies equal those of the design spectrum of a site."""
+    """Raise ResultsError if the scale factors of the bodies are not those of the design spectrum of the site."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
     model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
     factors = summary["safety_factor"].isel(record=0).sel(model=model)
@@ -181,7 +181,7 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
 
 
 def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Return whether numbers are equal within the tolerance; NaN equals every number."""
+    """Return whether all numbers agree within the tolerance; pairs with a NaN are not compared."""
     known = ~np.isnan(np.add(one, other))
     return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
 
@@ -200,8 +200,8 @@ def _set(value: Any) -> str:
 
 
 @dataclass(frozen=True)
-class BesideSection:
-    """A section of the report: warnings, sentences and tables, the bodies with curves, and whether one has a band."""
+class ReportSection:
+    """A section of the report: warnings, sentences, tables, the bodies whose curves are drawn, and `banded`."""
 
     warnings: tuple[str, ...]
     statements: tuple[str, ...]
@@ -210,8 +210,8 @@ class BesideSection:
     banded: bool = True
 
 
-def describe_site(of: Paired, assessed: int) -> BesideSection:
-    """Make the section on the site; `assessed` is false if its design was assessed instead of records."""
+def describe_site(of: MatchedFile, assessed: int) -> ReportSection:
+    """Return the report section on the site; `assessed` is the number of assessed records, 0 for a design sequence."""
     site = of.tree["site"].to_dataset()
     said, tables = [coverage(site)], site_tables(site)
     if site.attrs["method"] != "spectrum":
@@ -221,11 +221,11 @@ def describe_site(of: Paired, assessed: int) -> BesideSection:
         bodies, names = counted_words(site.sizes["block"], "body"), listed(of.foreign)
         common.append(say("site.foreign", bodies=bodies, count=len(of.foreign), names=names))
     warnings = (*_not_used(of), *of.other_motions("site", assessed), *site_warnings(site))
-    return BesideSection(warnings, (*about_records(site), *common, *said), tuple(tables))
+    return ReportSection(warnings, (*about_records(site), *common, *said), tuple(tables))
 
 
-def _not_used(of: Paired) -> list[str]:
-    """Describe the files that were not used for the site or the curves; empty if all were used."""
+def _not_used(of: MatchedFile) -> list[str]:
+    """Describe the files that the site or the curves do not use; empty if all files were used."""
     files = files_used(of.tree)
     return [f"{files.counted or say('warning.files.none')}: {files.reasons}."] if files.line else []
 
@@ -233,8 +233,8 @@ def _not_used(of: Paired) -> list[str]:
 def _events(site: xr.Dataset) -> Table:
     selected = (
         titled(say("head.earthquake"), Cell, "site_event"),
-        titled(say("head.records"), shown(str), "event_records"),
-        titled(say("site.coverage_head"), shown(share), "event_coverage", note=say("site.without_it")),
+        titled(say("head.records"), formatted(str), "event_records"),
+        titled(say("site.coverage_head"), formatted(share), "event_coverage", note=say("site.without_it")),
     )
     return tabulated("site-events", say("site.earthquakes"), selected, site)
 
@@ -251,17 +251,17 @@ def _every_record(site: xr.Dataset) -> Table:
         titled("PGV", number_cell, "pgv", unit="m/s"),
         *(titled(title, number_cell, title, unit=unit) for title, unit in parameters),
         titled(say("site.misfit"), number_cell, "misfit", note=translated("labels.ln, rms", "ln, rms")),
-        titled(say("site.below"), shown(share), "unsafe_share", note=say("site.of_blocks")),
+        titled(say("site.below"), formatted(share), "unsafe_share", note=say("site.of_blocks")),
     )
     values = {title: site["value"].isel(parameter=place) for place, (title, _) in enumerate(parameters)}
     return tabulated("site-records", say("site.caption.records"), selected, site.assign(values))
 
 
-def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
-    """Make the section on fragility, compared with the model of the verdict; `assessed` as in :func:`describe_site`."""
+def describe_fragility(of: MatchedFile, assessed: int, model: str) -> ReportSection:
+    """Return the report section on fragility; `assessed` is the number of records, 0 for a design sequence."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
-    own = curves.sel(measure=curves_text.shown_measure(curves))
+    own = curves.sel(measure=curves_text.displayed_measure(curves))
     common = say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed)
     data = say(f"fragility.{tree.attrs['data']}")
     said = say("fragility.from", records=curves_text.records_words(tree), common=common, data=data)
@@ -274,11 +274,11 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> BesideSection:
     of_measures = curves_text.sufficiency_tables(tree["efficiency"].to_dataset())
     tables = tuple(one for one in (curves_text.median_table(tree), _warning_table(own), *of_measures) if one.rows)
     banded = bool(own["median_low"].notnull().any())
-    return BesideSection(tuple(warnings), (said,), tables, tuple(own["block"].values.tolist()), banded)
+    return ReportSection(tuple(warnings), (said,), tables, tuple(own["block"].values.tolist()), banded)
 
 
 def _warning_table(own: xr.Dataset) -> Table:
-    """Return a table of the warnings on the curves of a body with their limit states."""
+    """Return a table of the warnings on the fragility curves of every body."""
     rows = []
     for block in own["block"].values.tolist():
         found: dict[str, list[str]] = {}
