@@ -117,7 +117,7 @@ class SelectionAnalysis(Analysis):
             pairs, alone = find_pairs([one.channels[0] for one in planned if one.name in place])
             groups = [[place[channel.id] for channel in pair.channels] for pair in pairs]
             if alone:
-                told = f"{len(alone)} channels have no known partner: {some([row.reason for row in alone], 1)}"
+                told = f"channels without a known partner, {len(alone)}: {some([row.reason for row in alone], 1)}"
                 failures = [*failures, Failure("[selection] components", "pair", told, "skipped")]
         spectra = rows["spectrum"]
         with np.errstate(divide="ignore"):
@@ -179,6 +179,10 @@ def record_spectrum(motion: Motion, watch: Watch, periods: np.ndarray) -> Part:
 def target_spectrum(config: Config, periods: np.ndarray) -> tuple[np.ndarray, str]:
     """Return the target [m/s2] at (k,) periods [s], from the table of [selection] or from [check], and its name."""
     if config.selection.target is None:
+        if not config.check.given:
+            raise ConfigError(
+                "[selection] target: no target spectrum is given; state target, a CSV table, or the spectrum of [check]"
+            )
         spectrum = spectrum_of(config.check, config.folder)
         return np.array([spectrum(period) for period in periods.tolist()]), spectrum.words
     path = located(config.selection.target, config.folder)

@@ -97,7 +97,7 @@ def test_too_few_records_of_different_earthquakes_are_an_error():
         rp.select(nameless, rp.Config(check=NTC, selection=rp.SelectionSettings(**WIDE)))
     with pytest.raises(ConfigError, match=r"found 0: of 6, 0 of 0 earthquakes .* between 1000 and 1001"):
         selected(factors=(1000.0, 1001.0))
-    with pytest.raises(ConfigError, match=r"\[check\]: expected the demand of the code"):
+    with pytest.raises(ConfigError, match=r"\[selection\] target: no target spectrum is given"):
         selected(check=rp.CheckSettings())
 
 
@@ -127,7 +127,7 @@ def test_both_channels_of_a_pair_have_one_factor_by_the_geometric_mean_of_their_
     assert factor[:, 0].tolist() == factor[:, 1].tolist()
     both = found["spectrum"].values.reshape(2, 2, -1)
     assert found["mean"].values == pytest.approx(np.sqrt(both[:, 0] * both[:, 1]).mean(axis=0))
-    assert "1 channels have no known partner" in str(tree["failures"]["reason"].values)
+    assert "channels without a known partner, 1" in str(tree["failures"]["reason"].values)
     assert "2 pairs of 3" in selection_overview(tree)
 
 
