@@ -172,12 +172,6 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     }
 
 
-def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Return scale factors (l,) and the probability that one block overturns at each; NaN without a spectrum."""
-    capacity, probability = _at_blocks(spectrum, block)
-    return capacity[0] * spectrum["level"].values, probability[0]
-
-
 def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean capacity (m,) of blocks, and the probabilities (m, l) at `level` times this capacity."""
     block = block.lanes()

@@ -9,7 +9,6 @@ import xarray as xr
 import rockpulse as rp
 from rocking import OverturningSpectrum, spectrum_lanes
 from rockpulse.assessment.spectra import (
-    overturning_curve,
     overturning_factors,
     overturning_spectrum,
     rocking_spectrum,
@@ -85,17 +84,6 @@ def test_restitutions_that_the_lanes_do_not_reach_are_gaps(spectrum):
         "probability": (3, 1, LEVELS.size),
     }
     assert all(np.isnan(values).all() for values in none.values())
-
-
-def test_the_curve_of_a_body_is_that_of_its_factors(spectrum):
-    block = Block.from_parameters(p=1.7, alpha=0.2, restitution=0.95, log=False)
-    factors, probability = overturning_curve(spectrum, block)
-    read = overturning_factors(spectrum, block)
-    assert factors == pytest.approx(read["capacity_mean"][0] * LEVELS)
-    assert probability == pytest.approx(spectrum["probability"].sel(p=1.7, restitution=0.95).values)
-    assert np.interp(read["factor_50"][0], factors, probability) == pytest.approx(0.5, abs=0.01)
-    assert np.interp(read["factor_10"][0], factors, probability) == pytest.approx(0.1, abs=0.01)
-    assert np.interp(0.0, np.log(factors), probability) == pytest.approx(read["overturning_probability"][0])
 
 
 def test_between_the_axes_the_logarithm_is_linear():

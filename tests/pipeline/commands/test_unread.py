@@ -97,7 +97,7 @@ def test_where_nothing_can_be_used_the_count_and_the_reason_are_reported(folder,
     given = ["assess", str(folder / "m*"), *BLOCK, "-o", str(tmp_path / "results.h5"), *(["--quiet"] if quiet else [])]
     assert main(given) == 1
     said = capsys.readouterr().err
-    line = f"rockpulse: no record could be assessed; nothing was written: none of 6 files used (6 rejected): {WHY}.\n"
+    line = f"rockpulse: no record could be assessed; nothing was written: 6 files could not be used: {WHY}.\n"
     assert said.endswith(line)
     assert (said == line) == quiet
     assert flat(said).count("'rockpulse formats' lists") == (0 if quiet else 1)

@@ -12,14 +12,15 @@ import xarray as xr
 
 from rocking.body.block import Block
 from rocking.body.outline import Outline
-from rocking.spectrum.probability import factor_at
+from rocking.spectrum.body_probability import overturning_probability
 from rockpulse.assessment.answers import Answers, Body
-from rockpulse.assessment.spectra import overturning_curve
+from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.errors import ResultsError
-from rockpulse.model_table import FOLLOWING
+from rockpulse.model_table import FOLLOWING, SearchSettings
+from rockpulse.record.record import Record
 from rockpulse.views.plots.ground_motion import stored_record
 from rockpulse.views.plots.model_histories import ModelHistory, histories, recomputed
-from rockpulse.views.plots.selection import block_of, plain_bodies
+from rockpulse.views.plots.selection import block_of, plain_bodies, settings_of
 from rockpulse.views.report.record_tables import record_words
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.words import body_name, say, section
@@ -105,7 +106,6 @@ class _Scenes:
     def __init__(self, tree: xr.DataTree, answers: Answers, words: Mapping[str, str]) -> None:
         self._tree, self._answers, self._words = tree, answers, words
         self._plain = set(plain_bodies(answers.summary))
-        self._spectra = tree["spectra"].to_dataset() if "spectra" in tree.children else None
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
         """Return a scene for each record shown for a body, or the reason why its motions are missing."""
@@ -121,7 +121,7 @@ class _Scenes:
     def _scene(self, row: int, lane: int, body: Body) -> dict[str, Any]:
         record = self._answers.records[row]
         block = block_of(self._answers.summary, body.block, body.case + 1)
-        curve, points = self._curve(row, lane, block), points_of(self._answers, row, lane)
+        points = points_of(self._answers, row, lane)
         steps = factor_steps(self._answers, row, lane, self._words)
         as_it_is = histories(self._tree, record, body.block, [self._answers.model], body.case + 1)[0]
         motions = {1.0: as_it_is}
@@ -137,9 +137,9 @@ class _Scenes:
             motions = {at: one._replace(rotation=np.abs(one.rotation)) for at, one in motions.items()}
         try:
             ground = stored_record(self._tree, record)
-            time, acceleration = ground.time, ground.acceleration
+            time, acceleration, curve = ground.time, ground.acceleration, self._curve(row, lane, block, ground)
         except ResultsError:
-            time, acceleration = as_it_is.time, np.full(as_it_is.time.size, np.nan)
+            time, acceleration, curve = as_it_is.time, np.full(as_it_is.time.size, np.nan), None
         if time.size < 2:
             raise ResultsError(f"{body.name} under {record}, {self._answers.model} model: {as_it_is.warning}")
         columns = _window(time, list(motions.values()))
@@ -163,16 +163,15 @@ class _Scenes:
             ],
         }
 
-    def _curve(self, row: int, lane: int, block: Block) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return scale factors and probabilities of overturning; None if no stored spectrum is valid for the body."""
-        read, body = self._answers.source[row, lane] == "spectrum", self._answers.bodies[lane]
-        if self._spectra is None or not read or body.several or body.block not in self._plain:
+    def _curve(self, row: int, lane: int, block: Block, ground: Record) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return scale factors and probabilities of overturning of a free slender body; None for other bodies."""
+        slender = self._answers.source[row, lane] in ("slender_limit", "spectrum")
+        if not slender or self._answers.bodies[lane].block not in self._plain:
             return None
-        factors, probability = overturning_curve(self._spectra.sel(record=self._answers.records[row]), block)
-        if not (np.isfinite(probability).all() and np.isfinite(factors).all()):
-            return None
-        stored = {share: float(self._answers[name][row, lane]) for share, name in SHARES.items()}
-        return through_stored_points(factors, probability, stored)
+        uncertainty = settings_of(self._tree, UncertaintySettings).of_draws()
+        limit = settings_of(self._tree, SearchSettings).factor_max
+        found = overturning_probability(block, ground.acceleration, ground.dt, uncertainty, factor_max=limit)
+        return found.level, found.probability[0]
 
 
 def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
@@ -258,22 +257,6 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
         found.append((float(factor), float(share)))
     told = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
     return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
-
-
-def through_stored_points(
-    factors: np.ndarray, probability: np.ndarray, stored: Mapping[float, float]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Scale the factors of a probability curve so that the curve passes through the stored scale factors.
-
-    Scale factors from a stored spectrum differ by some percent from those of the body. Scaling is linear in logarithms.
-    """
-    pairs = [(float(factor_at(share, factors, probability)), factor) for share, factor in stored.items()]
-    logs = np.log([pair for pair in pairs if all(map(math.isfinite, pair))]).reshape(-1, 2)
-    if not len(logs):
-        return factors, probability
-    (read, moved), (last_read, last_moved) = logs[0], logs[-1]
-    slope = (last_moved - moved) / (last_read - read) if last_read > read else 1.0
-    return np.exp(moved + slope * (np.log(factors) - read)), probability
 
 
 def probability_at(

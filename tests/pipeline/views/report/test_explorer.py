@@ -123,13 +123,7 @@ def test_three_records_are_chosen_and_each_says_why():
     assert selected_records(answers, 0) == {1: ["worst"], 2: ["median"]}
 
 
-def test_a_curve_is_laid_through_what_is_stored_which_is_the_probability_where_it_is_known():
-    factors, probability = np.array([0.5, 1.0, 2.0, 4.0]), np.array([0.0, 0.1, 0.5, 1.0])
-    moved, same = part.through_stored_points(factors, probability, {0.1: 1.1, 0.5: 2.0})
-    assert moved[[1, 2]] == pytest.approx([1.1, 2.0])
-    assert np.array_equal(same, probability)
-    assert part.through_stored_points(factors, probability, {0.1: 1.1, 0.5: np.inf})[0] == pytest.approx(1.1 * factors)
-    assert part.through_stored_points(factors, probability, {0.1: np.nan})[0] is factors
+def test_the_probability_at_a_factor_is_the_stored_one_if_known_and_else_that_of_the_curve():
     curve = np.array([0.5, 2.0]), np.array([0.0, 0.8])
     assert part.probability_at(1.0, curve, [[1.002, 0.3]]) == 0.3
     assert part.probability_at(1.0, curve, []) == pytest.approx(0.4)
