@@ -58,8 +58,8 @@ def probable(probability, factor_10=None, uplift=1.0, low=10.0, at_demand=None, 
         "factor_10_high": 1.1 * factor,
         "factor_50": 1.3 * factor,
         "factor_50_low": np.where(np.isinf(factor), low, 1.2 * factor),
-        "capacity_mean": 1.3 * factor,
-        "capacity_mean_low": np.where(np.isinf(factor), low, 1.2 * factor),
+        "factor_mean": 1.3 * factor,
+        "factor_mean_low": np.where(np.isinf(factor), low, 1.2 * factor),
         "uplift_probability": np.broadcast_to(uplift, probability.shape),
     }
     variables = {name: (OF[:2], np.asarray(own)[:, None]) for name, own in values.items()}

@@ -105,7 +105,7 @@ def main() -> None:
             "channels": int(cases["record"].nunique()),
             "earthquakes": int(cases["event"].nunique()),
             "cases": len(cases),
-            "reached": int(np.isfinite(cases["capacity_mean"]).sum()),
+            "reached": int(np.isfinite(cases["factor_mean"]).sum()),
             "processing": PROCESSING,
             "events": sorted(cases["event"].unique()),
             "records": sorted(cases["record"].unique()),

@@ -49,7 +49,7 @@ PUBLISHED = ("uplift_ratio", "ishiyama_ratio")
 
 def too_few(cases: pd.DataFrame) -> str:
     """The reason why an ensemble of :func:`~laboratory.rule.cases.motion_cases` is too small; empty if it is not."""
-    reached = np.isfinite(cases["capacity_mean"].to_numpy(dtype=float))
+    reached = np.isfinite(cases["factor_mean"].to_numpy(dtype=float))
     within = cases["event"][reached].nunique()
     if within >= FEWEST_EVENTS and reached.sum() >= FEWEST_CASES:
         return ""

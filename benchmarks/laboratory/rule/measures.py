@@ -86,7 +86,7 @@ def other_measures(bodies: Block, record: Record, waves: HalfWaves) -> dict[str,
             )
             for count in COUNTS
         },
-        "spectrum": 1.0 / limit.capacity_mean,
+        "spectrum": 1.0 / limit.factor_mean,
         "spectrum_10": 1.0 / limit.factor_10,
         "change_ratio": np.array([largest_change(record, 2.0 / p) for p in np.ravel(bodies.p)]) / speed,
         "intensity_ratio": spectrum_intensity(record) / speed,

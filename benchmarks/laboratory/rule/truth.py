@@ -83,7 +83,7 @@ def nonlinear_capacity(
 ) -> dict[str, np.ndarray]:
     """Capacities (m,) of bodies [-], as factors on a record, under the default uncertainty or a given one.
 
-    `capacity_mean`, `factor_10` and `factor_50`, inf where not reached by :data:`FACTOR_MAX`; `capacity_mean_low`, what
+    `factor_mean`, `factor_10` and `factor_50`, inf where not reached by :data:`FACTOR_MAX`; `factor_mean_low`, what
     the mean capacity is at least; `probability_half`, `probability_one`: of overturning at factors of 0.5 and 1. P is
     the weighted share of marches that overturn; only `factor_10` and `factor_50` use an isotonic fit of it.
     """
@@ -100,8 +100,8 @@ def nonlinear_capacity(
         level, fitted = np.exp(logs), rising(share)
         rows.append(
             {
-                "capacity_mean": float(mean_capacity(level, share)),
-                "capacity_mean_low": math.exp(logs[0] + float(np.trapezoid(1.0 - share, logs))),
+                "factor_mean": float(mean_capacity(level, share)),
+                "factor_mean_low": math.exp(logs[0] + float(np.trapezoid(1.0 - share, logs))),
                 "factor_10": float(factor_at(0.1, level, fitted)),
                 "factor_50": float(factor_at(0.5, level, fitted)),
                 "probability_half": float(np.interp(math.log(0.5), logs, share)),

@@ -52,7 +52,7 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)
-        for name in (*SHARES, "capacity_mean"):
+        for name in (*SHARES, "factor_mean"):
             found |= _up_to(factor_max, _interval(name, nothing + np.inf))
         return LaneFactors(found, 0, np.zeros(1))
     logs, probability = _curve(lanes, shift, reach, _counts(lanes.over.size))
@@ -62,11 +62,11 @@ def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, fact
     found = _at_one(lanes, probability, first, shift)
     for name, share in SHARES.items():
         found |= _up_to(factor_max, _interval(name, factor_at(share, level, fitted)))
-    capacity = _interval("capacity_mean", mean_capacity(level, probability))
+    capacity = _interval("factor_mean", mean_capacity(level, probability))
     if lanes.open:
         # P is unknown above the last level: a lower bound of the mean capacity is the area above P up to it.
         least = np.exp(logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1))
-        capacity = {**dict.fromkeys(capacity, np.inf), "capacity_mean_low": _interval("least", least)["least_low"]}
+        capacity = {**dict.fromkeys(capacity, np.inf), "factor_mean_low": _interval("least", least)["least_low"]}
     return LaneFactors(found | _up_to(factor_max, capacity), first, probability[0])
 
 
@@ -197,7 +197,8 @@ def overturning_probability(
         Largest factor that is searched [-].
     slender_limit : bool
         Whether bodies of slenderness 3.5 or more without ties, loads or vertical acceleration are computed in the
-        limit of slender blocks, which costs a third (docs/decisions/018); False for the nonlinear equation throughout.
+        limit of slender blocks, which gives more lanes at the same cost (docs/decisions/018); False for the nonlinear
+        equation throughout.
     guess : (m,) array_like, optional
         Estimate of the factor at which a body overturns [-]. A good estimate saves computing time.
     seed : int
@@ -208,7 +209,7 @@ def overturning_probability(
     Returns
     -------
     OverturningProbability
-        For (m,) bodies. A factor above `factor_max` is inf, and its `_low` is `factor_max` (for `capacity_mean`, its
+        For (m,) bodies. A factor above `factor_max` is inf, and its `_low` is `factor_max` (for `factor_mean`, its
         lower bound).
 
     Examples

@@ -60,8 +60,8 @@ class OverturningFactors:
         Probability of overturning under the unscaled record [-].
     factor_10, factor_50 : (m,) ndarray
         Factor on the record at which the probability is 0.1, 0.5 [-].
-    capacity_mean : (m,) ndarray
-        exp of the mean logarithm of the factor at which the block overturns [-].
+    factor_mean : (m,) ndarray
+        Geometric mean of the factor at which the block overturns, exp of the area above P over ln f [-].
 
     Examples
     --------
@@ -81,14 +81,14 @@ class OverturningFactors:
     factor_50: np.ndarray
     factor_50_low: np.ndarray
     factor_50_high: np.ndarray
-    capacity_mean: np.ndarray
-    capacity_mean_low: np.ndarray
-    capacity_mean_high: np.ndarray
+    factor_mean: np.ndarray
+    factor_mean_low: np.ndarray
+    factor_mean_high: np.ndarray
 
     def up_to(self, factor_max: float) -> Self:
         """Return a copy with every factor above `factor_max` set to inf and its `_low` limited to `factor_max`."""
         found: dict[str, np.ndarray] = {}
-        for name in ("factor_10", "factor_50", "capacity_mean"):
+        for name in ("factor_10", "factor_50", "factor_mean"):
             for one in (name, f"{name}_high"):
                 values = getattr(self, one)
                 found[one] = np.where(values > factor_max, np.inf, values)
@@ -221,7 +221,7 @@ class OverturningSpectrum:
         for name, value, below, above in (
             ("factor_10", middle[1], widths[0], widths[2]),
             ("factor_50", middle[2], widths[1], widths[3]),
-            ("capacity_mean", capacity, TWO_SIDED * of_mean, TWO_SIDED * of_mean),
+            ("factor_mean", capacity, TWO_SIDED * of_mean, TWO_SIDED * of_mean),
         ):
             found[name] = value
             found[f"{name}_low"] = value * np.exp(-np.hypot(below, TWO_SIDED * INTERPOLATION))

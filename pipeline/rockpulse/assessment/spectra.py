@@ -118,13 +118,13 @@ def stored_spectrum_values(
     blocks = Block.from_parameters(p=rates, alpha=ALPHA, restitution=nominal, log=False)
     speed = blocks.gravity * np.tan(ALPHA) / rates
     read = spectrum.factors(blocks)
-    capacity = (speed / read.capacity_mean).reshape(shape)
+    capacity = (speed / read.factor_mean).reshape(shape)
     levels = zip(capacity.ravel(), spectrum.probability(restitution).reshape(-1, spectrum.level.size), strict=True)
     logs, relative = np.log(spectrum.level), np.log(LEVELS)
     return {
         "spectrum": capacity,
-        "spectrum_low": (speed / read.capacity_mean_high).reshape(shape),
-        "spectrum_high": (speed / read.capacity_mean_low).reshape(shape),
+        "spectrum_low": (speed / read.factor_mean_high).reshape(shape),
+        "spectrum_high": (speed / read.factor_mean_low).reshape(shape),
         "rotation_spectrum": np.stack([spectrum.spectrum(restitution, one) for one in ROTATIONS]),
         "probability": np.reshape(
             [np.interp(relative - np.log(value), logs, row) for value, row in levels], (*shape, LEVELS.size)
@@ -145,7 +145,7 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     Returns
     -------
     dict of str to (m,) ndarray
-        `overturning_probability` under the unscaled record, `factor_10`, `factor_50` and `capacity_mean` [-], named as
+        `overturning_probability` under the unscaled record, `factor_10`, `factor_50` and `factor_mean` [-], named as
         in /summary. ln S and P are linear in ln p and in C between the values of the spectrum.
 
     Raises
@@ -168,7 +168,7 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
         "overturning_probability": np.array(at_one),
         "factor_10": factor_at(0.1, level, fitted) * capacity,
         "factor_50": factor_at(0.5, level, fitted) * capacity,
-        "capacity_mean": capacity,
+        "factor_mean": capacity,
     }
 
 

@@ -29,7 +29,7 @@ from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
 #: For each working point: the field of :class:`rockpulse.models.HalfWaveDemand`, and the factor that 1/D estimates.
-POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
+POINTS = {"balanced": ("march", "factor_mean"), "conservative": ("march_10", "factor_10")}
 #: The rule that is part of the package.
 SHIPPED = "rule.toml"
 #: The quantities of a body by which the range of a rule is defined, with their units.

@@ -161,7 +161,7 @@ def test_the_spectrum_before_a_wall_meets_marches_of_its_own(side):
     assert not spectrum.covers(Block(width=0.3, height=2.0).lanes(3), *np.full((2, 3), 0.4)).any()
     read = spectrum.factors(blocks, factor_max=20.0)
     own = overturning_probability(blocks, motion, 0.01, factor_max=20.0)
-    assert np.log(read.capacity_mean / own.capacity_mean) == pytest.approx(np.zeros(3), abs=0.1)
+    assert np.log(read.factor_mean / own.factor_mean) == pytest.approx(np.zeros(3), abs=0.1)
     assert np.log(read.factor_10 / own.factor_10) == pytest.approx(np.zeros(3), abs=0.15)
 
 

@@ -81,9 +81,9 @@ def test_the_factors_of_a_body_are_those_of_its_lanes_added_one_by_one(still_ope
     if still_open:
         areas = [sum(0.04 * (1.0 - 0.5 * (a + b)) for a, b in pairwise(row)) for row in rows]
         least = ends("least", np.exp(logs[0] + np.array(areas)))["least_low"]
-        expected |= {"capacity_mean": np.inf, "capacity_mean_low": least, "capacity_mean_high": np.inf}
+        expected |= {"factor_mean": np.inf, "factor_mean_low": least, "factor_mean_high": np.inf}
     else:
-        expected |= ends("capacity_mean", mean_capacity(np.exp(logs), rows))
+        expected |= ends("factor_mean", mean_capacity(np.exp(logs), rows))
     assert read.found == pytest.approx(expected, rel=1e-9)
     shown = read.at(np.array([read.first - 3, read.first - 1, read.first, read.first + 5, read.first + 500]))
     assert shown.tolist() == [0.0, 0.0, read.probability[0], read.probability[5], read.probability[-1]]
@@ -107,7 +107,7 @@ def test_factors_above_the_largest_one_are_not_reached():
 def test_a_body_that_nothing_lifts_never_overturns():
     found = lane_factors(None, NORMAL, REACH, 7.0)
     assert [found.found[f"at_one{end}"] for end in ("", "_low", "_high")] == [0.0, 0.0, 0.0]
-    for name in ("factor_10", "factor_50", "capacity_mean"):
+    for name in ("factor_10", "factor_50", "factor_mean"):
         assert [found.found[f"{name}{end}"] for end in ("", "_low", "_high")] == [np.inf, 7.0, np.inf]
     assert found.at(np.array([-3, 0, 3])).tolist() == [0.0, 0.0, 0.0]
 
@@ -150,7 +150,7 @@ PULSE = np.append(np.sin(np.linspace(0.0, np.pi, 51)), np.zeros(50))  # half a s
 TRAIN = np.sin(2.0 * np.pi * np.arange(0.0, 4.005, DT)) * np.hanning(401)
 WALL = Block(0.6, 2.4)
 FACTOR_ONLY = Uncertainty(factor=0.1, restitution=(1.0, 1.0), geometry=0.0)
-FACTORS = ("factor_10", "factor_50", "capacity_mean")
+FACTORS = ("factor_10", "factor_50", "factor_mean")
 NUMBERS = [f"{name}{end}" for name in ("at_one", *FACTORS) for end in ("", "_low", "_high")]
 
 
@@ -174,7 +174,7 @@ def test_one_edge_under_an_uncertain_factor_is_a_lognormal(one_edge):
     assert np.allclose(found.probability[0], exact, atol=0.03)
     assert found.factor_50[0] == pytest.approx(one_edge, rel=0.006)
     assert found.factor_10[0] == pytest.approx(one_edge * np.exp(-0.1 * 1.2815516), rel=0.01)
-    assert found.capacity_mean[0] == pytest.approx(one_edge, rel=0.006)
+    assert found.factor_mean[0] == pytest.approx(one_edge, rel=0.006)
     assert found.unresolved[0] == 0.0
 
 
@@ -299,7 +299,7 @@ def test_a_factor_that_is_not_reached_is_at_least_the_largest():
     found = overturning_probability(WALL, PULSE, DT, FACTOR_ONLY, factor_max=3.0)
     assert values(found, [*FACTORS, *(f"{name}_high" for name in FACTORS)]).tolist() == [[np.inf]] * 6
     assert found.factor_10_low.tolist() == found.factor_50_low.tolist() == [3.0]
-    assert found.capacity_mean_low[0] == pytest.approx(3.0, rel=0.01)
+    assert found.factor_mean_low[0] == pytest.approx(3.0, rel=0.01)
 
 
 def test_a_factor_that_is_reached_beside_one_that_is_not(one_edge):
@@ -308,8 +308,8 @@ def test_a_factor_that_is_reached_beside_one_that_is_not(one_edge):
     assert found.factor_10[0] == pytest.approx(one_edge * np.exp(-0.1 * 1.2815516), rel=0.01)
     assert found.factor_50[0] == np.inf
     assert found.level[-1] <= one_edge * 0.95
-    assert found.capacity_mean[0] == np.inf
-    assert 0.85 * one_edge < found.capacity_mean_low[0] <= 0.95 * one_edge
+    assert found.factor_mean[0] == np.inf
+    assert 0.85 * one_edge < found.factor_mean_low[0] <= 0.95 * one_edge
 
 
 def test_a_body_that_bounces_without_loss_is_answered():

@@ -221,7 +221,7 @@ def test_the_march_of_a_body_is_that_of_a_spectrum_of_its_p_within_the_error_of_
     block = Block.from_parameters(p=[0.4, 1.3, 2.9, 9.0], alpha=0.1, restitution=0.93)
     found = demand_of_half_waves(block, *waves)
     read = OverturningSpectrum(half_wave_lanes(*waves, p=block.p)).factors(block)
-    assert found.march == pytest.approx(1.0 / read.capacity_mean, rel=0.04)
+    assert found.march == pytest.approx(1.0 / read.factor_mean, rel=0.04)
     assert found.march_10 == pytest.approx(1.0 / read.factor_10, rel=0.08)
     assert np.all(found.march_10 > found.march)
 

@@ -58,7 +58,7 @@ def test_a_pulse_that_overturns_without_an_impact_has_its_capacity_and_its_logno
     capacity = critical_scale(block, motion, DT).safety_factor
     wide = Uncertainty(factor=0.05, restitution=(0.9, 1.0), geometry=0.0)
     read = spectrum_of(motion, uncertainty=wide).factors(block)
-    assert read.capacity_mean == pytest.approx(capacity, rel=0.01)
+    assert read.factor_mean == pytest.approx(capacity, rel=0.01)
     assert read.factor_50 == pytest.approx(capacity, rel=0.01)
     assert np.log(read.factor_10 / capacity) == pytest.approx(-1.2816 * 0.05, abs=0.012)
     assert read.at_one == pytest.approx(ndtr(-np.log(capacity) / 0.05), abs=0.03)
@@ -103,12 +103,12 @@ def test_a_block_that_loses_less_in_an_impact_overturns_at_smaller_factors(spect
         OverturningSpectrum(spectrum.lanes, Uncertainty(restitution=ends)).factors(block)
         for ends in ((0.9, 1.0), (1.0, 1.1))
     )
-    assert lively.capacity_mean < dull.capacity_mean
+    assert lively.factor_mean < dull.factor_mean
 
 
 def test_the_interval_holds_the_error_of_the_interpolation(spectrum):
     read = spectrum.factors(Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False))
-    for name in ("factor_10", "factor_50", "capacity_mean"):
+    for name in ("factor_10", "factor_50", "factor_mean"):
         value, low, high = (getattr(read, name + end)[0] for end in ("", "_low", "_high"))
         assert min(math.log(value / low), math.log(high / value)) >= TWO_SIDED * INTERPOLATION * (1.0 - 1e-9)
 
@@ -255,7 +255,7 @@ def test_the_factors_of_a_block_are_those_of_its_lanes_added_one_by_one(by_hand)
         expected = dict(zip(("at_one", "at_one_low", "at_one_high"), ones, strict=True))
         of_mean = step * math.sqrt(error @ alike @ error)
         mean = float(mean_capacity(by_hand.level, probability)) * speed
-        widths = {"capacity_mean": (mean, 1.6448536 * of_mean, 1.6448536 * of_mean)}
+        widths = {"factor_mean": (mean, 1.6448536 * of_mean, 1.6448536 * of_mean)}
         for name, share in (("factor_10", 0.1), ("factor_50", 0.5)):
             value, early, late = (float(factor_at(share, by_hand.level, one)) for one in (fitted, upper, lower))
             widths[name] = value * speed, math.log(value / early), math.log(late / value)
@@ -293,7 +293,7 @@ def test_a_spectrum_of_one_frequency_parameter_stands_for_it_alone(by_hand):
 
 def test_only_factors_above_the_largest_one_are_not_reached():
     """Of two blocks: the largest factor asked for is just reached by what equals it."""
-    names = ("at_one", "factor_10", "factor_50", "capacity_mean")
+    names = ("at_one", "factor_10", "factor_50", "factor_mean")
     values = {name: np.array([0.2, 3.0]) + 2.0 * k for k, name in enumerate(names)}
     both = OverturningFactors(
         **values,
@@ -304,9 +304,9 @@ def test_only_factors_above_the_largest_one_are_not_reached():
     for name in ("at_one", "at_one_low", "at_one_high"):
         assert getattr(found, name).tolist() == getattr(both, name).tolist()
     assert (found.factor_10.tolist(), found.factor_50.tolist()) == ([2.2, 5.0], [4.2, np.inf])
-    assert found.capacity_mean.tolist() == [np.inf, np.inf]
+    assert found.factor_mean.tolist() == [np.inf, np.inf]
     assert found.factor_10_low.tolist() == [1.1, 2.5]
-    assert (found.factor_50_low.tolist(), found.capacity_mean_low.tolist()) == ([2.1, 3.5], [3.1, 4.5])
+    assert (found.factor_50_low.tolist(), found.factor_mean_low.tolist()) == ([2.1, 3.5], [3.1, 4.5])
     assert (found.factor_10_high.tolist(), both.up_to(10.0).factor_10_high.tolist()) == ([4.4, np.inf], [4.4, 10.0])
 
 
@@ -337,6 +337,6 @@ def test_a_wide_loss_of_angle_leaves_every_error_finite(by_hand):
     """The shift hardly goes below zero then: at the highest levels no mass of it is left inside the lanes."""
     wide = OverturningSpectrum(by_hand.lanes, Uncertainty(factor=0.02, restitution=(0.85, 0.95), geometry=0.3))
     found = wide.factors(BLOCKS)
-    for name in ("at_one", "factor_10", "factor_50", "capacity_mean"):
+    for name in ("at_one", "factor_10", "factor_50", "factor_mean"):
         low, value, high = (getattr(found, f"{name}{end}") for end in ("_low", "", "_high"))
         assert np.all((low <= value) & (value <= high) & (high < np.inf))

@@ -17,7 +17,7 @@ LIMIT_OR_EQUATION = pytest.mark.parametrize("limit", [True, False], ids=["slende
 
 
 def values(found):
-    return np.array([found.at_one, found.factor_10, found.factor_50, found.capacity_mean])
+    return np.array([found.at_one, found.factor_10, found.factor_50, found.factor_mean])
 
 
 def share_of_draws(block, factors, known):
@@ -79,7 +79,7 @@ def test_restitutions_above_1_count_as_1(limit):
         for ends in ((1.03, 1.04), (1.5, 2.0), (0.7, 0.71))
     )
     assert np.array_equal(values(one), values(other))
-    assert below.capacity_mean[0] > one.capacity_mean[0]
+    assert below.factor_mean[0] > one.factor_mean[0]
 
 
 @pytest.mark.sweep

@@ -147,7 +147,7 @@ def test_the_uncertainty_is_that_of_the_configuration():
 def test_a_factor_beyond_the_search_is_inf_from_the_end_of_the_search_on():
     found = told(record("one", peak=0.5), configured(WALL, search=rp.SearchSettings(factor_max=2.0)))
     assert (found["overturning_probability"], found["probability_source"]) == ([0.0], [LIMIT])
-    for name in ("factor_10", "factor_50", "capacity_mean"):
+    for name in ("factor_10", "factor_50", "factor_mean"):
         assert [found[name + end][0] for end in ("", "_low", "_high")] == [np.inf, 2.0, np.inf]
 
 
@@ -165,7 +165,7 @@ def test_a_record_that_lifts_nothing_overturns_nothing(strength, known, source):
     assert found["overturning_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert found["uplift_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert found["factor_10_low"].tolist() == [10.0, 10.0]
-    assert_array_equal([found[name] for name in ("factor_10", "factor_50", "capacity_mean")], np.inf)
+    assert_array_equal([found[name] for name in ("factor_10", "factor_50", "factor_mean")], np.inf)
 
 
 @pytest.mark.parametrize(

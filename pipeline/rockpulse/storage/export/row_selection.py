@@ -24,7 +24,7 @@ SHOWN = {
     "SF": "safety_factor",
     "scale factor at P = 10 %": "factor_10",
     "scale factor at P = 50 %": "factor_50",
-    "mean scale factor": "capacity_mean",
+    "mean scale factor": "factor_mean",
     "I": "main_impulse",
     "C": "restitution",
     "I/I_1c": "impulse_ratio",

@@ -21,7 +21,7 @@ READ = {
     "overturning_probability": "at_one",
     "factor_10": "factor_10",
     "factor_50": "factor_50",
-    "capacity_mean": "capacity_mean",
+    "factor_mean": "factor_mean",
 }
 
 
@@ -73,9 +73,9 @@ PROBABILITY: Declared = {
         "factor_50", "factor on the record at which the probability of overturning is 50 %; NaN where not computed", ""
     ),
     **_with_ends(
-        "capacity_mean",
-        "exp of the mean logarithm of the factor on the record at which the body overturns; NaN where not computed",
-        "",
+        "factor_mean",
+        "geometric mean of the scale factor at which the body overturns; NaN where not computed",
+        "exp of the area above P over ln f",
     ),
     "uplift_probability": real(
         "probability that the body lifts off under the record as it is; NaN where not computed",
@@ -152,7 +152,7 @@ SPECTRUM: Declared = {
     **along(
         ("p", "restitution"),
         spectrum=real(
-            "overturning spectrum S = (g tan(alpha_c)/p)/capacity_mean",
+            "overturning spectrum S = (g tan(alpha_c)/p)/factor_mean",
             "m s-1",
             explanation="the effective impulse that a slender block of this p and C takes from the record; its "
             "mean capacity is (g tan(alpha_c)/p)/S",

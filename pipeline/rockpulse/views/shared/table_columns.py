@@ -239,7 +239,7 @@ COLUMNS = {
         Column("probability_interval", _PROBABILITY, _probability),
         Column("factor_10", ("factor_10", "factor_10_low"), factor_cell),
         Column("factor_50", ("factor_50", "factor_50_low"), factor_cell),
-        Column("capacity_mean", ("capacity_mean", "capacity_mean_low"), factor_cell),
+        Column("factor_mean", ("factor_mean", "factor_mean_low"), factor_cell),
         Column("source", ("source",), lambda word: Cell(word.replace("_", " "))),
         Column("safety_factor", _SEARCHED, _searched),
         Column("safety_intervals", (*_SEARCHED, "interval_count"), _searched),

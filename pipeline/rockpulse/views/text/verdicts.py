@@ -28,7 +28,7 @@ from rockpulse.views.shared.verdict_table import verdict_columns, verdict_legend
 
 #: Columns of every table by record, and columns of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
-PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")
+PROBABILITY = ("probability_interval", "factor_10", "factor_50", "factor_mean", "source")
 #: Largest number of governing records, and of bodies that are named for each.
 NAMED = 3
 

@@ -33,8 +33,8 @@ def made_up(seed=0, events=6, records=10):
         march=0.8 * own * np.exp(random.normal(0.0, 0.1, size)) / capacity,
         march_10=1.2 * np.exp(random.normal(0.0, 0.1, size)) / capacity,
         uplift_ratio=10.0,
-        capacity_mean=capacity,
-        capacity_mean_low=capacity,
+        factor_mean=capacity,
+        factor_mean_low=capacity,
         factor_10=0.8 * capacity,
         factor_50=capacity,
         probability_half=1.0 / (1.0 + capacity**8 / 0.5**8),
@@ -59,11 +59,11 @@ def test_the_factor_takes_the_bias_out_with_the_earthquakes_alike():
 
 def test_capacities_that_are_not_reached_still_count():
     cases = made_up().assign(march=lambda some: some.march * np.where(some.event == "event 0", 1.0 / 0.7, 1.0))
-    beyond = cases["capacity_mean"] > 2.0
+    beyond = cases["factor_mean"] > 2.0
     assert 0.2 < np.mean(beyond) < 0.4
     cut = cases.assign(
-        capacity_mean=np.where(beyond, np.inf, cases["capacity_mean"]),
-        capacity_mean_low=np.minimum(cases["capacity_mean"], 2.0),
+        factor_mean=np.where(beyond, np.inf, cases["factor_mean"]),
+        factor_mean_low=np.minimum(cases["factor_mean"], 2.0),
     )
     assert fit_rules(cut)["balanced"].factor == pytest.approx(fit_rules(cases)["balanced"].factor, rel=0.02)
     row = judge_rules(cut, GIVEN, resamples=2)["capacities"].iloc[0]
@@ -80,17 +80,17 @@ def test_a_case_is_judged_by_a_coefficient_without_its_earthquake():
         factor = fit_rules(cases[~out])["balanced"].factor
         assert stored["left_out_balanced"][out].to_numpy() == pytest.approx(factor * cases["march"][out].to_numpy())
     capacities = tree["capacities"].set_index(["measure", "target", "kind"])
-    left = capacities.loc[("march", "capacity_mean", "left-out")]
-    error = np.log(stored.left_out_balanced * cases.capacity_mean)
+    left = capacities.loc[("march", "factor_mean", "left-out")]
+    error = np.log(stored.left_out_balanced * cases.factor_mean)
     bodies = cases.groupby(["slenderness", "radius"]).ngroup()
     assert left.dispersion == pytest.approx(np.std(error, ddof=1), rel=1e-6)
     within = np.sqrt(np.sum((error - error.groupby(bodies).transform("mean")) ** 2) / (len(cases) - 12))
     assert left.within == pytest.approx(within, rel=1e-6)
     assert left.within_low < left.within < left.within_high
-    assert capacities.loc[("velocity_ratio", "capacity_mean", "left-out")].within == pytest.approx(0.5, rel=0.1)
-    given = capacities.loc[("march", "capacity_mean", "as-given")]
+    assert capacities.loc[("velocity_ratio", "factor_mean", "left-out")].within == pytest.approx(0.5, rel=0.1)
+    given = capacities.loc[("march", "factor_mean", "as-given")]
     # With a factor of one the demand is too small: 1/0.8, and more in one earthquake of six.
-    assert given.bias == pytest.approx(np.exp(-np.median(np.log(cases.march * cases.capacity_mean))), rel=5e-3)
+    assert given.bias == pytest.approx(np.exp(-np.median(np.log(cases.march * cases.factor_mean))), rel=5e-3)
     assert given.bias > 1.25
 
 
@@ -109,7 +109,7 @@ def test_verdicts_are_counted_at_both_factors():
 def test_a_small_ensemble_gets_a_reason_not_a_number():
     cases = made_up()
     assert "in 1 earthquakes;" in too_few(cases[cases["event"] == "event 1"])
-    assert too_few(cases.assign(capacity_mean=np.inf))
+    assert too_few(cases.assign(factor_mean=np.inf))
     assert not too_few(cases)
 
 

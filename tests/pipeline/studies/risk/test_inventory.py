@@ -198,7 +198,7 @@ def by_hand(results, body, hazard, low, high, relative=False):
     by_event: dict[str, list[float]] = {}
     for name in spectra["record"].values:
         one = spectra.sel(record=name)
-        capacity = rp.overturning_factors(one, body)["capacity_mean"][0]
+        capacity = rp.overturning_factors(one, body)["factor_mean"][0]
         probability = at_blocks(body, one["p"].values, one["restitution"].values, one["probability"].values)[0]
         own = float(summary[hazard.measure].sel(record=name))
         ends = (low * own, high * own) if relative else (low, high)
@@ -250,7 +250,7 @@ def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
     ratio, chance = [], []
     for name in spectra["record"].values:
         one = spectra.sel(record=name)
-        capacity = rp.overturning_factors(one, body)["capacity_mean"][0]
+        capacity = rp.overturning_factors(one, body)["factor_mean"][0]
         own = float(summary["pgv"].sel(record=name))
         probability = at_blocks(body, one["p"].values, one["restitution"].values, one["probability"].values)[0]
         ratio.append(-math.log(capacity * own))
