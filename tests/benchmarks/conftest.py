@@ -49,5 +49,5 @@ def batch():
 
 
 @pytest.fixture(scope="session")
-def probability_coverage():
-    return load("probability_coverage", "probability_coverage")
+def overturning_probability():
+    return load("overturning_probability", "overturning_probability_benchmark")
