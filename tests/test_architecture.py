@@ -46,6 +46,7 @@ rockpulse.studies.site
 rockpulse.studies.fragility
 rockpulse.studies.risk
 rockpulse.studies.check
+rockpulse.studies.selection
 rockpulse.run
 rockpulse.views.shared
 rockpulse.views.text

@@ -104,7 +104,7 @@ def strong_motions(
         except (RockpulseError, ValueError) as error:  # scipy refuses records shorter than its pads
             rows.append(Failure(file=record.source, stage="rule", reason=str(error), kind="failed"))
             continue
-        if doubt := unconfirmed(conditioned, confirm, configured=False):
+        if doubt := unconfirmed(conditioned, confirm):
             rows.append(Failure(file=record.source, stage="rule", reason=doubt, kind="failed"))
         elif conditioned.pga > least:
             waveform = _waveform(conditioned)

@@ -29,6 +29,7 @@ from .config.study_settings import CheckSettings as CheckSettings
 from .config.study_settings import FragilitySettings as FragilitySettings
 from .config.study_settings import HazardSettings as HazardSettings
 from .config.study_settings import ReportSettings as ReportSettings
+from .config.study_settings import SelectionSettings as SelectionSettings
 from .config.study_settings import UncertaintySettings as UncertaintySettings
 from .errors import ConfigError as ConfigError
 from .errors import RecordFormatError as RecordFormatError
@@ -83,6 +84,7 @@ from .studies.risk.hazard_files import load_hazard as load_hazard
 from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.risk.risk import risk as risk
+from .studies.selection.selection import select as select
 from .studies.site.calibration import calibrate as calibrate
 from .studies.site.calibration import load_design as load_design
 from .views.diff.difference_overview import diff as diff

@@ -228,7 +228,7 @@ def test_sequence_of_the_rule(ridgecrest, height):
     block, rule = models.Block(half_width=height / 10.0, half_height=height / 2.0), rp.load_rule("balanced")
     waves = rp.half_waves(record)
     asked = models.demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
-    assert round(rule.factor, 3) == 0.973
+    assert round(rule.factor, 3) == 0.967
     demand = min(rule.factor * asked.march[0], record.pga / (block.gravity * math.tan(block.alpha_c)))
     sequence = rule.sequence(waves, block)
     count, sigma = int(asked.main_count[0]), float(asked.ratio[0])

@@ -56,7 +56,7 @@ def test_an_allowed_value_is_stored_in_its_type(key, value, stored):
         ("some", [], "one or more of"),
         ("some", ["red", "red"], "each once"),
         ("some", ["blu"], 'did you mean "blue"'),
-        ("number", 0, "expected a number in m > 0 and <= 1, found 0"),
+        ("number", 0, "expected a positive number of metres, <= 1, found 0"),
         ("number", 1.1, "found 1.1"),
         ("number", math.nan, "found nan; it must be finite"),
         ("number", -math.inf, "found -inf; it must be finite"),

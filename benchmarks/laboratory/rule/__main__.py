@@ -44,8 +44,8 @@ def overview(tables: Mapping[str, pd.DataFrame]) -> str:
     return "\n\n".join(
         (
             f"{cases['record'].nunique()} channels of {cases['event'].nunique()} earthquakes on twelve bodies, against "
-            "the nonlinear equation with 10 % on the factor,\nC times U(0.9, 1), alpha less 5 % |N|. left-out: with "
-            "coefficients fitted without the earthquake. Intervals of 95 % over earthquakes.",
+            "the nonlinear equation with 10 % on the factor,\nC times U(0.95, 1.05), alpha less 5 % |N|. left-out: "
+            "with coefficients fitted without the earthquake. Intervals of 95 % over earthquakes.",
             f"Against capacities ({int(capacities['reached'].iloc[0])} mean ones reached)\n"
             + plain(capacities, of_capacities),
             f"Verdicts at factors of 0.5 and 1: {first['overturnings']} overturn, {first['survivors']} do not\n"

@@ -123,10 +123,11 @@ def _errors(cases: pd.DataFrame, measure: str, target: str) -> tuple[np.ndarray,
     """ln(measure x capacity) (n,), whether the capacity is known from below only, and the weight of each case."""
     capacity = cases[target].to_numpy(dtype=float)
     beyond = ~np.isfinite(capacity)
-    least = cases[f"{target}_low"].to_numpy(dtype=float) if f"{target}_low" in cases else FACTOR_MAX
-    # A measure of 0 is a safety factor beyond the largest one.
-    demand = np.maximum(cases[measure].to_numpy(dtype=float), 1.0 / FACTOR_MAX if measure == "single_ratio" else 1e-12)
-    return np.log(demand * np.where(beyond, least, capacity)), beyond, alike(cases["event"].to_numpy(dtype=str))
+    censored = cases[f"{target}_low"].to_numpy(dtype=float) if f"{target}_low" in cases else FACTOR_MAX
+    # A measure of 0 is a scale factor beyond the largest one.
+    least = 1.0 / FACTOR_MAX if measure in ("single_ratio", "spectrum", "spectrum_10") else 1e-12
+    demand = np.maximum(cases[measure].to_numpy(dtype=float), least)
+    return np.log(demand * np.where(beyond, censored, capacity)), beyond, alike(cases["event"].to_numpy(dtype=str))
 
 
 def _left_out(cases: pd.DataFrame, measure: str, target: str) -> np.ndarray:

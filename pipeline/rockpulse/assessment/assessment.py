@@ -23,8 +23,9 @@ from rockpulse.record.components import Pair
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, Blocks, Part, Records, Watch, Work, run
-from rockpulse.selection.directions import Motion, PlannedMotion, swept_directions
+from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Watch, Work, run, selected
+from rockpulse.selection.directions import Motion, PlannedMotion, planned_ids, swept_directions
+from rockpulse.selection.tables import demand_selections
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
@@ -108,6 +109,17 @@ class Assessment(Analysis):
     def empty_part(self) -> Part:
         """Empty variables in place of the results of a record, for records without results."""
         return empty_rows(self.bodies, self.config)
+
+    def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
+        """Plan all records, or those in the tables of the demands if every demand has a selection."""
+        plan, tables = super().plan(records, failures), demand_selections(self.config)
+        if not tables or len(tables) < len(self.config.demands):
+            return plan
+        of_motion = {
+            one.name: [*planned_ids(one, self.config), *(channel.id for channel in one.channels)]
+            for one in plan.planned
+        }
+        return selected(plan, {name for table in tables.values() for name in table}, of_motion, "[[demand]] selection")
 
     def dimension_of(self, name: str) -> str:
         """Return the first dimension of a variable; `name` is the path of the variable."""

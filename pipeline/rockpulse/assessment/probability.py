@@ -38,7 +38,7 @@ def record_probability(
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     values["demand_outcome"] = np.full(values["demand_factor"].shape, -1)
     if config.demands:
-        factors = demand_factors(channels or [scene.record], bodies.lanes.weaker, config)
+        factors = demand_factors(channels or [scene.record], bodies.lanes.weaker, config, scene.record.id)
         values["demand_factor"] = factors
         if any(map(is_full, config.models.use)):
             values |= _at_demands(scene, bodies, factors, _near(factors, config))

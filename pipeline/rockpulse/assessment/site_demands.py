@@ -13,6 +13,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import ROWS, RecordOnBodies
 from rockpulse.record.record import Record
+from rockpulse.selection.tables import demand_selections
 
 #: Range of scale factors in which a scaled record represents an earthquake of the demand (docs/limits.md).
 FARTHEST = (0.25, 4.0)
@@ -37,15 +38,25 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
         period, value = float(own["demand_period"]), float(own["demand_value"])
         measure = ROWS[str(own["demand_measure"].values)].at(None if math.isnan(period) else period)
         words = f"{measure.title} {value:.4g} {measure.shown_unit}".rstrip()
+        words = "factors of a selection of records" if math.isnan(value) else words
         found[str(name)] = SiteDemand(value, str(own["limit_state"].values), words, measure.title)
     return found
 
 
-def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """Return factors (m, d) that scale the geometric mean of the channels' intensities to each of d demands."""
+def demand_factors(channels: Sequence[Record], blocks: Block, config: Config, record: str = "") -> np.ndarray:
+    """Return factors (m, d) that scale the geometric mean of the channels' intensities to each of d demands.
+
+    The factor to a demand with a selection is that of the table for the id `record`, or for the first channel; NaN if
+    the table contains neither.
+    """
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))
+    chosen = demand_selections(config)
     for place, demand in enumerate(config.demands):
+        if demand.name in chosen:
+            factors = chosen[demand.name]
+            found[:, place] = factors.get(record, factors.get(channels[0].id, math.nan))
+            continue
         measure = ROWS[demand.measure].at(demand.period)
         of_channels = np.stack([np.atleast_1d(measure.value(one)) for one in on], axis=1).tolist()
         strength = [math.exp(np.mean([math.log(value) for value in values])) for values in of_channels]

@@ -224,11 +224,14 @@ def weak(answers: Answers, demand: str | None) -> np.ndarray:
 
 
 def too_far(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records, bodies) of records that are excluded, as their factor to the demand is too far from 1."""
+    """Return a mask (records, bodies) of records that are excluded, as their factor to the demand is too far from 1.
+
+    A record without a factor, which is not in the selection of the demand, is excluded too.
+    """
     if demand is None:
         return np.zeros((len(answers.records), len(answers.bodies)), dtype=bool)
     factor = answers.to_demand(demand)
-    return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
+    return ~np.asarray((factor >= FARTHEST[0]) & (factor <= FARTHEST[1]))
 
 
 def overturning_probabilities(answers: Answers, demand: str | None = None) -> np.ndarray:

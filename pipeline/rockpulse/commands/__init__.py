@@ -5,7 +5,7 @@ from importlib import import_module
 from rockpulse.commands.parser import Verb
 
 #: Modules of the verbs in the order of the help.
-_MODULES = """assess inspect plot report export diff verify calibrate fragility risk check init_config formats convert
-selftest completion"""
+_MODULES = """assess inspect plot report export diff verify calibrate select fragility risk check init_config formats
+convert selftest completion"""
 
 VERBS: tuple[Verb, ...] = tuple(import_module(f"{__name__}.{name}").VERB for name in _MODULES.split())

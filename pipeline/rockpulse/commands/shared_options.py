@@ -26,20 +26,23 @@ READING: Options = {
 }
 
 
-def from_records(output: str) -> Options:
-    """Return the options of a verb that reads records and writes RESULTS or SITE: paths, configuration and bodies."""
-    return {
-        "PATHS": ("files, folders, zip archives or patterns of records; default: [records] paths", {"nargs": "*"}),
-        f"-o --output {output} !": "file to write (HDF5)",
-        "--config FILE": "configuration file (TOML, see rockpulse init-config); default: all keys at their defaults, "
-        "no bodies",
+def from_records(output: str, written: str = "file to write (HDF5)", bodies: bool = True) -> Options:
+    """Return the options of a verb that reads records and writes a file: paths, configuration and, if used, bodies."""
+    of_bodies: Options = {
         "--block NAME=WIDTHxHEIGHT ...": "a body by its full width and height in m, in addition to those of the "
         "configuration; repeatable",
         "--confirm-size": "accept a --block larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
+    }
+    return {
+        "PATHS": ("files, folders, zip archives or patterns of records; default: [records] paths", {"nargs": "*"}),
+        f"-o --output {output} !": written,
+        "--config FILE": "configuration file (TOML, see rockpulse init-config); default: all keys at their defaults, "
+        "no bodies",
+        **(of_bodies if bodies else {}),
         **READING,
         "--confirm PATTERN ...": "accept a peak above 5 g, a defect or a differing duplicate in channels with this id "
         "(* and ? are wildcards), which are rejected otherwise; repeatable",
-        "--overwrite": "replace an existing results file; never another file",
+        "--overwrite": "replace an existing results file; never another file" if bodies else "replace existing files",
         "--quiet": QUIET,
     }
 
@@ -136,7 +139,8 @@ def configured(args: argparse.Namespace) -> Config:
         records = replace(records, events=str(located(records.events, config.folder).resolve()))
     if calibration.weighting not in WEIGHTS:
         calibration = replace(calibration, weights=str(located(calibration.weighting, config.folder).resolve()))
-    blocks = (*config.bodies, *(parse_block_option(option, args.confirm_size) for option in args.block))
+    given = getattr(args, "block", ())
+    blocks = (*config.bodies, *(parse_block_option(option, args.confirm_size) for option in given))
     return replace(config, records=records, calibration=calibration, bodies=blocks)
 
 

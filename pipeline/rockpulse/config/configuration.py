@@ -32,7 +32,7 @@ class Config:
     Attributes
     ----------
     site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
-    uncertainty, calibration, fragility, hazard, check, report, run : Section
+    uncertainty, calibration, selection, fragility, hazard, check, report, run : Section
         One dataclass per section, usable as keyword arguments: ``condition(record, **config.conditioning)``.
     bodies, demands : tuple of BlockSettings, tuple of DemandSettings
         The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file. With `site.ag` the
@@ -68,6 +68,7 @@ class Config:
     search: SearchSettings = field(default_factory=SearchSettings)
     uncertainty: study_settings.UncertaintySettings = field(default_factory=study_settings.UncertaintySettings)
     calibration: settings.CalibrationSettings = field(default_factory=settings.CalibrationSettings)
+    selection: study_settings.SelectionSettings = field(default_factory=study_settings.SelectionSettings)
     fragility: study_settings.FragilitySettings = field(default_factory=study_settings.FragilitySettings)
     hazard: study_settings.HazardSettings = field(default_factory=study_settings.HazardSettings)
     check: study_settings.CheckSettings = field(default_factory=study_settings.CheckSettings)
@@ -90,9 +91,12 @@ class Config:
                 '[models] histories: true, but [records] store = "none" leaves them out of the results; '
                 'set store = "half_waves" or "all", or histories = false'
             )
-        if self.fragility.selection is not None and self.records.components == "strongest":
+        tables = [("[fragility]", self.fragility.selection)]
+        tables += [(f"[[demand]] {one.name}", one.selection) for one in self.demands]
+        named = [where for where, table in tables if table is not None]
+        if named and self.records.components == "strongest":
             raise ConfigError(
-                '[fragility] selection: it names records, but with [records] components = "strongest" their ids are '
+                f'{named[0]} selection: it names records, but with [records] components = "strongest" their ids are '
                 'known only after the run; use "horizontal", "azimuth" or "sweep"'
             )
         require_pairs(self.bodies, self.records)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from rockpulse.errors import ConfigError
@@ -213,6 +214,8 @@ class DemandSettings(Section):
     """The demand of the site in one limit state: the intensity to which records are scaled to assess bodies.
 
     `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
+    `selection` replaces them: a table with the columns record and factor, as :func:`rockpulse.select` makes it; each
+    record is scaled by its own factor.
 
     >>> rp.DemandSettings(measure="pgv", value="40 cm/s")
     DemandSettings(name='PGV 40 cm/s', measure='pgv', value=0.4)
@@ -224,11 +227,21 @@ class DemandSettings(Section):
     measure: str = choice(PGA, DEMAND)
     value: float | str | None = key(None, _VALUE)
     period: float | None = number(None, low=0.02, unit="s")
+    selection: str | None = text(None)
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.selection is not None:
+            others = [name for name in ("value", "period") if getattr(self, name) is not None]
+            if others or self.measure != PGA:
+                extra = ", ".join(others) or "measure"
+                raise ConfigError(f"{self.where} {self.name}: selection gives the scale factors; remove {extra}")
+            object.__setattr__(self, "name", self.name or Path(self.selection).stem)
+            return
         if self.value is None:
-            raise ConfigError(f'{self.where} {self.name}: expected value, such as "0.35 g" for a PGA, found none')
+            raise ConfigError(
+                f'{self.where} {self.name}: expected value, such as "0.35 g" for a PGA, or selection, found none'
+            )
         if (self.period is None) == bool(ROWS[self.measure].periods):
             told = "found none" if self.period is None else f'found measure = "{self.measure}"'
             raise ConfigError(
@@ -256,7 +269,9 @@ class DemandSettings(Section):
 
     @property
     def strength(self) -> float:
-        """The value of the demand, in the SI unit of the measure."""
+        """The value of the demand, in the SI unit of the measure; NaN for a selection of records."""
+        if self.value is None:
+            return math.nan
         assert isinstance(self.value, float)  # converted above
         return self.value
 

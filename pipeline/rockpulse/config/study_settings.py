@@ -1,4 +1,4 @@
-"""Sections of the configuration for studies: [uncertainty], [fragility], [hazard], [check] and [report]."""
+"""Sections of the configuration for studies: [uncertainty], [selection], [fragility], [hazard], [check], [report]."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rockpulse.config.settings import GROUND, misplaced
 from rockpulse.errors import ConfigError
 from rockpulse.files import check_regular
 from rockpulse.model_table import EQUATIONS
-from rockpulse.option import KeyType, Section, boolean, choice, choices, is_number, key, number, text
+from rockpulse.option import KeyType, Section, boolean, choice, choices, count, is_number, key, number, text
 from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENCE
 
 if TYPE_CHECKING:
@@ -96,6 +96,9 @@ _LIMIT_STATES = KeyType(
 _FACTORS = KeyType(
     "two positive numbers [lowest, highest] in ascending order", lambda value: _ascend(value, 2), _floats
 )
+_TOLERANCE = KeyType(
+    "two positive numbers [below, above], fractions of the target", lambda value: _are_numbers(value, 2), _floats
+)
 _LEVELS = KeyType("a list of positive numbers in ascending order", _ascend, _floats)
 
 
@@ -123,6 +126,44 @@ class UncertaintySettings(Section):
         from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
+
+
+@dataclass(frozen=True)
+class SelectionSettings(Section):
+    """Number and bounds of the records that :func:`rockpulse.select` chooses, and the spectrum that their mean fits.
+
+    Attributes
+    ----------
+    target : str or None
+        Table "period [s],sa [g]" for 5 % damping, such as a uniform hazard spectrum; None: the spectrum of [check].
+    records : int
+        Number of records, or of pairs.
+    periods : (2,) tuple of float
+        Shortest and longest period at which the mean is compared with the target [s].
+    factors : (2,) tuple of float
+        Bounds of the scale factors [-].
+    per_earthquake : int
+        Largest number of records, or of pairs, of one earthquake.
+    tolerance : (2,) tuple of float
+        Largest deviation of the mean below and above the target, as fractions of the target.
+    components : str
+        "channels", or "pairs": both channels of an instrument with one scale factor.
+
+    Examples
+    --------
+    >>> rp.SelectionSettings(factors=[2.0, 0.5])
+    Traceback (most recent call last):
+    rockpulse.errors.ConfigError: [selection] factors: expected two positive numbers [lowest, highest]...
+    """
+
+    heading = "[selection]"
+    target: str | None = text(None)
+    records: int = count(7, low=1, high=1000)
+    periods: tuple[float, float] = key((0.15, 2.0), _FACTORS)
+    factors: tuple[float, float] = key((0.25, 4.0), _FACTORS)
+    per_earthquake: int = count(1, low=1)
+    tolerance: tuple[float, float] = key((0.1, 0.3), _TOLERANCE)
+    components: str = choice("channels", ("channels", "pairs"))
 
 
 @dataclass(frozen=True)

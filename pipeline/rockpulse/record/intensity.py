@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -57,16 +58,23 @@ def ground_velocity(acceleration: np.ndarray, dt: float) -> np.ndarray:
 
 def spectral_acceleration(record: Record, period: float) -> float:
     """Return the 5 % damped pseudo-acceleration at a period [s]: (2 pi/period)^2 times the peak displacement [m/s2]."""
-    from scipy import signal  # imported late, as its import is slow
+    from scipy.signal import lfilter  # imported late, as its import is slow
 
     # Exact at each computed time; interpolation adds times if the sampling is coarse for the period.
     finer = max(1, math.ceil(POINTS * record.dt / period))
     times = np.arange((record.npts - 1) * finer + 1) / finer
     ground = record.acceleration if finer == 1 else np.interp(times, np.arange(record.npts), record.acceleration)
     rate = 2.0 * math.pi / period
-    oscillator = ([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate])
-    upper, lower, _ = signal.cont2discrete(oscillator, record.dt / finer, method="foh")
-    return rate * rate * float(np.max(np.abs(signal.lfilter(upper[0], lower, ground))))
+    return rate * rate * float(np.max(np.abs(lfilter(*_oscillator(rate, record.dt / finer), ground))))
+
+
+@lru_cache(maxsize=4096)
+def _oscillator(rate: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the filter from ground acceleration to displacement; it takes longer than the response of a record."""
+    from scipy.signal import cont2discrete
+
+    upper, lower, _ = cont2discrete(([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate]), dt, method="foh")
+    return upper[0], lower
 
 
 def spectrum_intensity(record: Record) -> float:

@@ -4,9 +4,9 @@ import logging
 import os
 from abc import ABC, abstractmethod
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeAlias, cast
 
 import numpy as np
@@ -15,7 +15,7 @@ import xarray as xr
 from rockpulse.config.bodies import Blocks
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import RecordSettings
-from rockpulse.errors import ConfigError, Failure, RecordRefused, TooWeak
+from rockpulse.errors import ConfigError, Failure, RecordRefused, TooWeak, some
 from rockpulse.readers.folders import read_all
 from rockpulse.record.record import Record
 from rockpulse.selection.directions import (
@@ -30,7 +30,7 @@ from rockpulse.selection.duplicate_selection import unmatched_patterns, without_
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.twins import clock_twin
 
-__all__ = ["Analysis", "Blocks", "Part", "Plan", "Records", "Watch", "Work", "joined", "run", "worked"]
+__all__ = ["Analysis", "Blocks", "Part", "Plan", "Records", "Watch", "Work", "joined", "run", "selected", "worked"]
 logger = logging.getLogger("rockpulse")
 #: Input of an analysis: channels, or the files, folders, globs and zip archives to read them from.
 Records: TypeAlias = str | os.PathLike[str] | Record | Iterable[str | os.PathLike[str]] | Iterable[Record]
@@ -124,6 +124,21 @@ class Analysis(ABC):
         """Return the part with the earthquake of its record added."""
         rows = len(part["record"]) if "record" in part else 1
         return {**part, self.event_name: np.array([event] * rows)}
+
+
+def selected(plan: Plan, table: Collection[str], of_motion: Mapping[str, Sequence[str]], where: str) -> Plan:
+    """Return the plan with the records of a table, given the ids that select each motion, by the motion's name.
+
+    Raises ConfigError if the table names an unknown record and all files were read.
+    """
+    known = [name for names in of_motion.values() for name in names]
+    idle = unmatched_patterns(where, [*table], known, plan.failures)
+    kept = [one for one in plan.planned if not set(table).isdisjoint(of_motion[one.name])]
+    rows = [*plan.failures, *idle]
+    if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
+        told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
+        rows.append(Failure(where, "select", told, "skipped"))
+    return replace(plan, planned=kept, failures=rows)
 
 
 def run(

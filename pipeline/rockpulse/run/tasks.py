@@ -28,15 +28,15 @@ from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done, Message
 from rockpulse.run.survey import Located, SamplesLocation, unexpected_fault
 from rockpulse.selection.directions import PlannedMotion, conditioned_motions
-from rockpulse.selection.tables import selection_of
+from rockpulse.selection.tables import demand_selections, selection_of
 from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 
 #: For each command, the sections of the configuration that do not affect the numbers of a record.
 IDLE = {
-    "assess": {"site", "report", "calibration", "fragility", "hazard", "check"},
-    "calibrate": {"site", "report", "models", "search", "uncertainty", "fragility", "hazard", "check"},
-    "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
+    "assess": {"site", "report", "calibration", "selection", "fragility", "hazard", "check"},
+    "calibrate": {"site", "report", "models", "search", "uncertainty", "selection", "fragility", "hazard", "check"},
+    "fragility": {"site", "report", "models", "uncertainty", "calibration", "selection", "hazard", "check"},
 }
 
 #: Keys of [calibration] and of [fragility] that affect only the statistics at the end of a run.
@@ -123,7 +123,7 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     sections = [repr(asdict(getattr(config, name))) for name in SECTIONS if name not in IDLE[verb]]
     blocks = [replace(block, confirm_size=True) for block in config.bodies]
     bodies = [repr(asdict(entry)) for entry in (*blocks, *config.demands)]
-    chosen = repr(selection_of(config)) if verb == "fragility" else ""
+    chosen = repr(selection_of(config) if verb == "fragility" else demand_selections(config))
     return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies, chosen])
 
 

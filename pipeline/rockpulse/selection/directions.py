@@ -80,8 +80,8 @@ def plan_motions(
 ) -> tuple[list[PlannedMotion], list[Failure]]:
     """Return the channels and pairs that section [records] requests, and a failure row for each other channel.
 
-    A channel within :data:`FACING_WITHIN` of the requested azimuth needs no partner; with a demand it gets one if
-    available.
+    A channel within :data:`FACING_WITHIN` of the requested azimuth needs no partner; with a demand of a measure it gets
+    one if available.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -102,7 +102,7 @@ def plan_motions(
         planned += [one for one in facing if one is not None]
         planned.sort(key=lambda one: place[id(one.channels[0])])
     planned = _with_comparisons(planned, horizontal, twins)
-    if config.demands:
+    if any(one.selection is None for one in config.demands):
         planned = _with_partners(planned, horizontal)
     if not config.records.include_vertical:
         return planned, failures

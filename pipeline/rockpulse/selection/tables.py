@@ -5,6 +5,7 @@ import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -63,9 +64,8 @@ class SelectedRecords:
         return max(map(len, self.rows.values()))
 
 
-def read_selection_table(path: Path) -> SelectedRecords:
+def read_selection_table(path: Path, where: str = "[fragility] selection") -> SelectedRecords:
     """Read selected records from a CSV table with the columns record, factor (or level) and optionally weight."""
-    where = "[fragility] selection"
     header, lines = _rows(path, ("record",), where)
     kinds = [name for name in ("factor", "level") if name in header]
     if len(kinds) != 1:
@@ -98,6 +98,30 @@ def selection_of(config: Config) -> SelectedRecords | None:
     """Return the records of the table ``[fragility] selection``; None if no table is given."""
     given, columns = config.fragility.selection, "record, factor or level, and perhaps weight"
     return None if given is None else read_selection_table(given_table(given, config, "[fragility] selection", columns))
+
+
+def demand_selections(config: Config) -> dict[str, dict[str, float]]:
+    """Return the scale factor of each record, by its id, of the demands with a selection, by the demand's name."""
+    found = {}
+    for demand in config.demands:
+        if demand.selection is not None:
+            where = f"[[demand]] {demand.name}: selection"
+            path = given_table(demand.selection, config, where, "record and factor")
+            found[demand.name] = _factors(path, where, path.stat().st_mtime_ns)
+    return found
+
+
+@lru_cache(maxsize=16)
+def _factors(path: Path, where: str, state: int) -> dict[str, float]:
+    """Return the scale factor of each record; cached, as every record of a run reads the table."""
+    table = read_selection_table(path, where)
+    if not table.by_factor:
+        raise ConfigError(f"{where}: {path}: expected the column factor, the scale factor of each record, found level")
+    if several := [record for record, rows in table.rows.items() if len(rows) > 1]:
+        raise ConfigError(
+            f"{where}: {path}: expected one row for each record, found {len(table.rows[several[0]])} for {several[0]}"
+        )
+    return {record: rows[0][0] for record, rows in table.rows.items()}
 
 
 def given_table(given: str, config: Config, where: str, columns: str) -> Path:

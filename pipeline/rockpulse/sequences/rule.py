@@ -61,7 +61,7 @@ class Rule:
     --------
     >>> rule = rp.load_rule("conservative")
     >>> round(rule.factor, 2), rule.within["radius"]
-    (0.97, (1.0, 4.0))
+    (0.96, (1.0, 4.0))
     """
 
     __repr__ = short_repr

@@ -159,7 +159,7 @@ WAVES = "record,wave,start\n" + "m.acc_N,1,0.5\n" * 60
 @pytest.mark.parametrize("text", [FLAT, NUMBERS, OWN, WAVES], ids=["flat", "numbers", "own", "half-waves"])
 def test_tables_beside_the_records_are_skipped_also_where_they_are_named(put, text):
     path = put(text, "beside.csv")
-    with pytest.raises(TableOfResults, match="no record"):
+    with pytest.raises(TableOfResults, match="not a record"):
         read(path, units="g", dt=0.01)
     assert [row.kind for row in read_all([path], units="g", dt=0.01)[1]] == ["skipped"]
 

@@ -124,7 +124,7 @@ ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
     """Return the spectrum of [check], with file names relative to `folder`; ConfigError if there is none."""
     if settings.file is not None:
-        return _tabled(folder / settings.file)
+        return TabledSpectrum(*read_spectrum(folder / settings.file), str(folder / settings.file))
     if settings.ag is None:
         raise ConfigError(
             "[check]: no design spectrum is given; state ag [g], f0 and tc_star [s] for NTC, ag [g] for en_1998_1 or "
@@ -147,7 +147,11 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
     )
 
 
-def _tabled(path: Path) -> TabledSpectrum:
+def read_spectrum(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Read a table "period [s],sa [g]" or "sa [m/s2]"; return ascending periods [s] and positive accelerations [m/s2].
+
+    Raises ConfigError, with the row, for other numbers.
+    """
     if not path.exists() or path.is_dir():
         raise ConfigError(f"{path}: no such file; expected a table of a spectrum")
     table = table_of(str(path), read_text(path, what="a table of a spectrum"))
@@ -157,4 +161,12 @@ def _tabled(path: Path) -> TabledSpectrum:
         found = ", ".join(map(str, table.columns))
         raise ConfigError(f'{path}: expected the columns "period [s]" and "sa [g]" or "sa [m/s2]", found {found}')
     period, acceleration = (column_numbers(str(path), table, name) for name in table.columns)
-    return TabledSpectrum(period, units[heads[1]] * acceleration, str(path))
+    for row in range(period.size):
+        before = period[row - 1] if row else -math.inf
+        if not (period[row] > before and period[row] >= 0.0):
+            raise ConfigError(
+                f"{path}: row {row + 1}: expected periods in ascending order, from 0 s, found {period[row]:g} s"
+            )
+        if acceleration[row] <= 0.0:
+            raise ConfigError(f"{path}: row {row + 1}: expected an acceleration above 0, found {acceleration[row]:g}")
+    return period, units[heads[1]] * acceleration

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -13,12 +12,11 @@ from rocking.body.block import Block
 from rocking.search.capacity import uplift_scale
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.errors import Failure, some
+from rockpulse.errors import Failure
 from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, run
+from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, run, selected
 from rockpulse.selection.directions import PlannedMotion, planned_ids
-from rockpulse.selection.duplicate_selection import unmatched_patterns
 from rockpulse.selection.tables import selection_of
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables import fragility as stored
@@ -133,14 +131,7 @@ class FragilityAnalysis(Analysis):
         if self.selection is None:
             return plan
         of_motion = {one.name: planned_ids(one, self.config) for one in plan.planned}
-        known = [name for names in of_motion.values() for name in names]
-        idle = unmatched_patterns("[fragility] selection", [*self.selection.rows], known, plan.failures)
-        kept = [one for one in plan.planned if not self.selection.rows.keys().isdisjoint(of_motion[one.name])]
-        rows = [*plan.failures, *idle]
-        if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
-            told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
-            rows.append(Failure("[fragility] selection", "select", told, "skipped"))
-        return replace(plan, planned=kept, failures=rows)
+        return selected(plan, self.selection.rows, of_motion, "[fragility] selection")
 
 
 def _curves(

@@ -20,6 +20,7 @@ from .picture import svg as svg
 from .picture_kinds import KINDS as KINDS
 from .probability_map import probability_map as probability_map
 from .rotation_panels import rotation_history as rotation_history
+from .selected_spectra import selected_spectra as selected_spectra
 from .selection import block_of as block_of
 from .selection import sequence_of as sequence_of
 from .site import calibration as calibration

@@ -145,6 +145,7 @@ def basis(answers: Answers, unused: str) -> str:
         strength = in_numerals(demand.words.replace("m/s2", "m/s²"))
         if demand.words.startswith("PGA "):
             strength += f" ({three_digits(demand.value / STANDARD_GRAVITY, 'g')})"
+        strength = say("demand_selection") if math.isnan(demand.value) else strength
         said.append(say("demand", name=name, strength=", ".join(filter(None, (strength, demand.limit_state)))))
     return " ".join(said)
 

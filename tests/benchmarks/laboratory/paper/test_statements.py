@@ -141,9 +141,9 @@ def test_the_statements_that_hold_nowhere_are_these_four(statements):
 
 
 def test_the_agreement_with_the_double_impulse_in_numbers(statements):
-    """VALIDATION V4 (published): A differs by +0.60 % in I_2c and -0.24 % in t_0."""
+    """VALIDATION V4 (published): A differs by +0.60 % in I_2c and -0.24 % in t_0, B by 4 to 5 %."""
     numbers = statements.loc["agrees_with_the_critical_double_impulse", "numbers"]
-    assert "A: I_2c +0.60%, t_0 -0.24%" in numbers
+    assert "A: I_2c +0.60%, t_0 -0.24%; B: I_2c +4.10%, t_0 +4.82%" in numbers
 
 
 def test_critical_impulses_rise_with_size_and_fall_with_slenderness_and_restitution():

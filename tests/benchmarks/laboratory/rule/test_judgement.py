@@ -1,5 +1,7 @@
 """The rule fitted and judged: coefficients from other earthquakes, and the acceptance figures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -141,7 +143,9 @@ def acceptance_cases(records_folder, samples, tmp_path):
     }
     unstated = {"columns", "sac", folder.name}
     stated = [one for one in sorted(records_folder.iterdir()) if one.is_dir() and one.name not in unstated]
-    records = [*rp.read_all([*stated, samples])[0], *rp.read_all([tmp_path / "p695"], "g")[0]]
+    interval = dict(zip(told.file.str[:-4] + ".1", told.dt_s, strict=True))  # two files print it to too few digits
+    p695 = [replace(one, dt=interval[one.id]) for one in rp.read_all([tmp_path / "p695"], "g")[0]]
+    records = [*rp.read_all([*stated, samples])[0], *p695]
     motions, rows = strong_motions(records, titles=titles)
     assert [row.reason for row in rows if "waveform" in row.reason] == ["120712.1: the same waveform as NIS090.090"]
     assert len(motions) == 67
@@ -172,7 +176,7 @@ def test_the_acceptance_figures_on_real_records(records_folder, samples, tmp_pat
             assert 0.95 < row.bias < 1.05, name
             assert row.within < most, name
             others = capacities.loc[
-                [(other, target, "left-out") for other in MEASURES if not other.startswith("march")]
+                [(other, target, "left-out") for other in MEASURES if not other.startswith(("march", "spectrum"))]
             ]
             assert row.within_high < others["within"].min(), name
     rates = between["P-695 by the others"]["rates"].set_index(["score", "point", "kind"])

@@ -57,7 +57,7 @@ def test_what_cannot_be_checked_at_all_is_an_error():
         ({"spectrum": "en_1998_2", "ag": 0.2, "topography": "T2"}, "put its factor into ag"),
         ({"spectrum": "table", "ag": 0.2}, "takes its values from the file; remove this key"),
         ({"ag": 0.2, "file": "s.csv"}, 'file: it belongs to spectrum = "table"'),
-        ({"ag": 25.0}, "ag: expected a number in g > 0 and <= 5, found 25.0"),
+        ({"ag": 25.0}, "ag: expected a positive number in g, <= 5, found 25.0"),
         ({"confidence_factor": 0.9}, "confidence_factor: expected a number >= 1"),
         ({"q": 0.5}, "q: expected a number >= 1"),
         ({"ground": "F"}, "ground: expected one of"),

@@ -150,7 +150,7 @@ def test_a_file_that_is_none_is_refused(tmp_path):
         ({"k0": 1e-4}, "expected both of the power law"),
         ({"file": "x.csv", "k0": 1e-4, "k": 2.0}, "expected a file or the power law"),
         ({"file": "x.csv", "latitude": 2.0}, "expected both or neither"),
-        ({"k0": -1.0, "k": 2.0}, "k0: expected a number in 1/year > 0"),
+        ({"k0": -1.0, "k": 2.0}, "k0: expected a positive number in 1/year"),
     ],
 )
 def test_a_section_that_contradicts_itself_is_refused(given, message):

@@ -1,0 +1,1 @@
+"""Selection of records whose mean spectrum fits a target spectrum."""

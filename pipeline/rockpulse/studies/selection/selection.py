@@ -1,0 +1,196 @@
+"""Selection of records whose mean spectrum fits a target spectrum, and the tree of its results."""
+
+import os
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from rockpulse.config.configuration import Config, given_config, located
+from rockpulse.errors import ConfigError, Failure, some
+from rockpulse.record.components import find_pairs
+from rockpulse.record.intensity import spectral_acceleration
+from rockpulse.run.analysis import Analysis, Part, Records, Watch, Work, joined, run
+from rockpulse.selection.directions import Motion, PlannedMotion
+from rockpulse.selection.events import UNKNOWN
+from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.variables.selection import SELECTION
+from rockpulse.studies.check.code_spectra import read_spectrum, spectrum_of
+from rockpulse.studies.selection.search import fitting_set, own_factors
+
+#: Number of periods, equally spaced in their logarithm, at which spectra are compared.
+PERIODS = 60
+
+
+def select(
+    records: Records,
+    config: Config | str | os.PathLike[str] | None = None,
+    failures: Iterable[Failure] = (),
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
+    *,
+    units: str | None = None,
+    dt: float | None = None,
+) -> xr.DataTree:
+    """Select records and scale factors so that their mean spectrum fits a target spectrum.
+
+    Parameters
+    ----------
+    records : path, Record, or iterable of either
+        Paths or all channels; read, selected, rotated and conditioned as in :func:`rockpulse.assess`.
+    config : Config or path, optional
+        Configuration with the sections records, conditioning, selection and, without a table of the target, check.
+    failures, progress, units, dt
+        As for :func:`rockpulse.assess`.
+
+    Returns
+    -------
+    xarray.DataTree
+        /selection over (record): `factor` [-] and `event`; over (record, period): `spectrum`, the scaled 5 % damped
+        pseudo-acceleration [m/s2]; over (period): `mean` and `target` [m/s2]. The mean is that of the records or, for
+        pairs, of the geometric means of both channels. Its attributes `lowest`, `highest`, `mean_deviation` and
+        `mean_absolute_deviation` are deviations of the mean, as fractions of the target; `compatible` is 1 if the first
+        two are within `tolerance`. Records that are not used are rows of /failures.
+
+    Raises
+    ------
+    ConfigError
+        Without a target spectrum, for a target that does not cover the periods, or for fewer usable records of
+        different earthquakes than requested.
+
+    Notes
+    -----
+    The scale factor of a record makes the mean over the periods of its spectrum divided by the target equal to 1; a
+    common factor then centres the deviations of the mean. Sets are searched by greedy choice and exchange.
+
+    Examples
+    --------
+    >>> spectrum = rp.CheckSettings(spectrum="en_1998_1", ag=0.2, ground="B")
+    >>> asked = rp.SelectionSettings(records=1, factors=(0.1, 10.0))
+    >>> tree = rp.select(record, rp.Config(selection=asked, check=spectrum))
+    >>> tree["selection"].sizes["record"], tree["selection"].attrs["compatible"]  # one pulse is no wide spectrum
+    (1, 0)
+    """
+    return run(SelectionAnalysis(given_config(config, units, dt)), records, failures, progress)
+
+
+class SelectionAnalysis(Analysis):
+    """The selection: computes the spectrum of every record, and searches the set whose mean fits the target."""
+
+    name = "select"
+    doing = "computing spectra"
+    kind = "selection"
+
+    def __init__(self, config: Config) -> None:
+        super().__init__(config)
+        if config.records.components == "strongest":
+            raise ConfigError(
+                '[records] components: "strongest" gives records whose ids are known only after the run; use '
+                '"horizontal", "azimuth" or "sweep"'
+            )
+        if config.selection.components == "pairs" and config.records.components != "horizontal":
+            raise ConfigError(
+                '[selection] components: "pairs" needs the channels as recorded, found [records] components = '
+                f'"{config.records.components}"; use "horizontal" there, or "channels" here'
+            )
+        self.periods = np.geomspace(*config.selection.periods, PERIODS)
+        self.target, self.target_words = target_spectrum(config, self.periods)
+
+    @property
+    def work(self) -> Work:
+        """The function that computes the spectrum of one record."""
+        return partial(record_spectrum, periods=self.periods)
+
+    @property
+    def empty_part(self) -> Part:
+        """Return the arrays of :func:`record_spectrum` and "event" without rows."""
+        none = np.zeros(0, dtype=str)
+        return {"record": none, "event": none, "spectrum": np.zeros((0, PERIODS))}
+
+    def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
+        """Search the set of records, and return its tree."""
+        asked, rows = self.config.selection, joined([self.empty_part, *parts])
+        place = {str(name): row for row, name in enumerate(rows["record"])}
+        groups = [[row] for row in place.values()]
+        if asked.components == "pairs":
+            pairs, alone = find_pairs([one.channels[0] for one in planned if one.name in place])
+            groups = [[place[channel.id] for channel in pair.channels] for pair in pairs]
+            if alone:
+                told = f"channels without a known partner, {len(alone)}: {some([row.reason for row in alone], 1)}"
+                failures = [*failures, Failure("[selection] components", "pair", told, "skipped")]
+        spectra = rows["spectrum"]
+        with np.errstate(divide="ignore"):
+            ratios = np.array([np.exp(np.log(spectra[group]).mean(axis=0)) for group in groups]) / self.target
+        events = [str(rows["event"][group[0]]) for group in groups]
+        ratios = ratios.reshape(-1, PERIODS)
+        self._require_enough(own_factors(ratios, asked.factors), events)
+        found = fitting_set(ratios, events, asked.records, asked.factors, asked.per_earthquake, asked.tolerance)
+        chosen = [row for member in found.members for row in groups[member]]
+        factor = np.repeat(found.factors, [len(groups[member]) for member in found.members])
+        deviation = found.ratio - 1.0
+        values = {
+            "factor": factor,
+            "event": rows["event"][chosen],
+            "spectrum": factor[:, None] * spectra[chosen],
+            "target": self.target,
+            "mean": found.ratio * self.target,
+        }
+        coords = {"record": rows["record"][chosen].tolist(), "period": SELECTION["period"].variable(self.periods)}
+        low, high = float(deviation.min()), float(deviation.max())
+        attrs = {
+            "target": self.target_words,
+            "candidates": len(groups),
+            "components": asked.components,
+            "tolerance": list(asked.tolerance),
+            "lowest": low,
+            "highest": high,
+            "mean_deviation": float(deviation.mean()),
+            "mean_absolute_deviation": float(np.abs(deviation).mean()),
+            "compatible": int(low >= -asked.tolerance[0] and high <= asked.tolerance[1]),
+        }
+        whole = xr.Dataset(with_values({name: SELECTION[name] for name in values}, values), coords, attrs)
+        tree = xr.DataTree.from_dict({"/selection": whole, "/failures": failure_table(failures)})
+        return self.described(tree, "Selection of records by their mean spectrum")
+
+    def _require_enough(self, factors: np.ndarray, events: Sequence[str]) -> None:
+        """Raise ConfigError if the usable records of different earthquakes are fewer than requested."""
+        asked = self.config.selection
+        usable = Counter(event for event, factor in zip(events, factors, strict=True) if np.isfinite(factor))
+        enough = sum(min(asked.per_earthquake, count) for count in usable.values())
+        if enough >= asked.records:
+            return
+        unknown = "; name the earthquakes of the records in the table [records] events" if usable[UNKNOWN] else ""
+        raise ConfigError(
+            f"[selection] records: expected {asked.records} {asked.components}, at most {asked.per_earthquake} of one "
+            f"earthquake, found {enough}: of {len(events)}, {usable.total()} of {len(usable)} earthquakes have a scale "
+            f"factor between {asked.factors[0]:g} and {asked.factors[1]:g}; give more records, change records, factors "
+            f"or per_earthquake{unknown}"
+        )
+
+
+def record_spectrum(motion: Motion, watch: Watch, periods: np.ndarray) -> Part:
+    """Return id and 5 % damped pseudo-acceleration [m/s2] of one record at (k,) periods [s], as arrays with one row."""
+    with watch("solve"):
+        spectrum = [spectral_acceleration(motion.record, period) for period in periods.tolist()]
+    return {"record": np.array([motion.record.id]), "spectrum": np.array([spectrum])}
+
+
+def target_spectrum(config: Config, periods: np.ndarray) -> tuple[np.ndarray, str]:
+    """Return the target [m/s2] at (k,) periods [s], from the table of [selection] or from [check], and its name."""
+    if config.selection.target is None:
+        if not config.check.given:
+            raise ConfigError(
+                "[selection] target: no target spectrum is given; state target, a CSV table, or the spectrum of [check]"
+            )
+        spectrum = spectrum_of(config.check, config.folder)
+        return np.array([spectrum(period) for period in periods.tolist()]), spectrum.words
+    path = located(config.selection.target, config.folder)
+    period, acceleration = read_spectrum(path)
+    if period.size < 2 or period[0] > periods[0] or period[-1] < periods[-1]:
+        ends = f"{period[0]:g} to {period[-1]:g} s" if period.size else "no period"
+        raise ConfigError(
+            f"{path}: expected a target from {periods[0]:g} to {periods[-1]:g} s, as [selection] periods, found {ends}"
+            "; extend the table, or change periods"
+        )
+    return np.interp(periods, period, acceleration), str(path)
