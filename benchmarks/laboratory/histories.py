@@ -216,7 +216,7 @@ def draw(cases: pd.DataFrame, settings: CheckSettings) -> Figure:
     for ax, (name, words) in zip(panels, PANELS.items(), strict=True):
         _panel(ax, cases.assign(ratio=cases["factor_50"] / cases[name]), bodies)
         panel_title(ax, words, width=40)
-    panels[0].set_ylabel("$f_{50}$ over the factor that is allowed [-]")
+    panels[0].set_ylabel("median scale factor over the allowed one [-]")
     slender = sorted({one[0] for one in bodies})
     firsts = [next(place for place, one in enumerate(bodies) if one[0] == value) for value in slender]
     lasts = [max(place for place, one in enumerate(bodies) if one[0] == value) for value in slender]
@@ -230,8 +230,8 @@ def draw(cases: pd.DataFrame, settings: CheckSettings) -> Figure:
     radii = ", ".join(f"{value:g}" for value in sorted({one[1] for one in bodies}))
     caption(
         panels[1],
-        f"{title_of(cases, settings)}. Of each slenderness R {radii} m; a point a channel, the bar its median; below 1 "
-        "a body overturns before the check says so (unsafe), far above it stands what the check fails (dear).",
+        f"{title_of(cases, settings)}. For each slenderness R {radii} m. Point: one channel; bar: median. Below 1 the "
+        "body overturns before it fails the check (unsafe); far above 1 the check is conservative.",
     )
     return panels[0].get_figure()
 

@@ -32,7 +32,8 @@ def test_every_cell_runs_and_shows_something_where_the_clone_keeps_it(run):
     values = [cell.value for cell in cells]
     assert ["rocks", "rocks", "overturns"] in [value.tolist() for value in values if hasattr(value, "tolist")]
     (verdicts,) = (value for value in values if hasattr(value, "columns"))
-    assert verdicts["verdict"].to_dict() == {"garden wall": "may overturn", "parapet": "rocks"}
+    assert set(verdicts["verdict"]) == {""}  # five earthquakes are needed
+    assert verdicts["probability"]["garden wall"] > 0.5 > 0.05 > verdicts["probability"]["parapet"]
     assert sum(hasattr(value, "savefig") for value in values) == 3
 
 

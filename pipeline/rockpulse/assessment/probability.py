@@ -107,7 +107,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
             factor_max=limit,
             seed=int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0]),
         )
-        source = np.where(own.slender, SOURCES.index("slender_limit"), SOURCES.index("nonlinear"))
+        source = np.where(own.slender, SOURCES.index("slender_limit"), SOURCES.index("full_equation"))
         put(others, own, own.overturning(asked[others]), source)
     rows["demand_probability"][~_near(asked, config)] = np.nan
     worse = found.higher_probability(rows["overturning_probability"], rows["factor_10"])

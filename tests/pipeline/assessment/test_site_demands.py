@@ -147,7 +147,7 @@ def test_motions_of_a_body_itself_are_brought_to_the_demand_as_well():
     by_hand = dataclasses.replace(RECORDS[0], acceleration=factor * RECORDS[0].acceleration)
     other = rp.assess([by_hand], dataclasses.replace(config, demands=()), bodies)["summary"]
     expected = other["overturning_probability"].item()
-    assert tree["summary"]["probability_source"].item() == SOURCES.index("nonlinear")
+    assert tree["summary"]["probability_source"].item() == SOURCES.index("full_equation")
     assert 0.02 < expected < 0.98
     assert tree["summary"]["demand_probability"].item() == pytest.approx(expected, abs=0.06)
 

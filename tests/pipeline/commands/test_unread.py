@@ -60,7 +60,7 @@ def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder,
     assert main(["assess", str(folder), *given]) == 1
     out = capsys.readouterr().out
     told = flat(out)
-    assert re.search(rf"! {re.escape(f'{COUNT}: {WHY}')}\. Verdict on each body, 2 records ", told)
+    assert re.search(rf"! {re.escape(f'{COUNT}: {WHY}')}\. Each body, 2 records ", told)
     named = ", ".join(str(path) for path in sorted(folder.glob("m*")))
     files = f"6 files ({named}): no reader recognises the"
     assert f"failed: 6; records with warnings: 2 {files}" in told

@@ -130,7 +130,7 @@ def fingerprints(paths, options=None):
 def test_a_fingerprint_is_the_same_in_every_run_and_another_for_every_record(samples):
     first = fingerprints(samples)
     assert fingerprints([samples]) == first  # surveyed again
-    assert len(set(first.values())) == len(first) == 7
+    assert len(set(first.values())) == len(first) == 9
 
 
 def test_a_fingerprint_changes_with_the_samples_and_with_what_is_known_of_the_record(tmp_path):

@@ -14,7 +14,7 @@ from rockpulse.storage.variables import Declared, StoredVariable, along, flag, r
 #: Name of the mean over directions of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
 #: Words of the flag `probability_source`, in the order of its values.
-SOURCES = ("none", "spectrum", "slender_limit", "nonlinear")
+SOURCES = ("none", "spectrum", "slender_limit", "full_equation")
 
 #: The field of :class:`rocking.OverturningFactors` that each variable contains.
 READ = {
@@ -88,7 +88,7 @@ PROBABILITY: Declared = {
         SOURCES,
         "source of the probability of overturning",
         _of_lanes("probability_source"),
-        explanation="slender_limit: samples of the body in the limit of slender blocks; nonlinear: samples by the "
+        explanation="slender_limit: samples of the body in the limit of slender blocks; full_equation: samples by the "
         "nonlinear equation (slenderness below 3.5, ties, loads or vertical acceleration); spectrum: the overturning "
         'spectrum of the record, with `[uncertainty] spectrum = "all"`',
     ),

@@ -181,7 +181,7 @@ def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
     expected = 2.94 / summary["pga"].values[by_factor]
     for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
         assert ticks(ax) == pytest.approx(expected)
-        assert small_print(ax).endswith("lies to its right does not overturn at the demand.")
+        assert small_print(ax).endswith("if the scale factor of the body lies to its right.")
     own = 2.94 / float(summary["pga"].sel(record=first))
     assert ticks(overturning_map(tree, record=first)) == pytest.approx([own, own])  # of two blocks
 

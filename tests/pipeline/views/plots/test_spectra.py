@@ -150,7 +150,7 @@ def test_labels_and_legend(spectrum):
     assert [2.0, 0.2] in [line.get_xydata()[0].tolist() for line in ax.lines]
     assert "Housner" in small_print(ax)
     ax = rocking_spectrum(spectrum, bodies={f"body {k}": (1.0 + 0.1 * k, 0.3) for k in range(20)})
-    assert in_legend(ax)[-1] == "8 more bodies"
+    assert in_legend(ax)[-1] == "more bodies: 8"
 
 
 def test_nothing_overturns_and_an_unresolved_block_is_crossed_out(spectrum):

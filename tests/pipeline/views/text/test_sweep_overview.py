@@ -97,7 +97,7 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
     tree["summary"] = xr.DataTree(summary.assign(capacity_ratio=summary["capacity_ratio"] * 10.0))
     told = " ".join(smallest_capacities(answers_of(tree)).split())
     assert f"≤{10.0 * summary['capacity_ratio'].min().item():.2f}!, -" in told
-    assert "because one direction has no answer; left out of the median (up to 1 of the pairs)" in told
+    assert "because one direction has no result; left out of the median" in told
 
 
 def capacity_part(text):
