@@ -235,7 +235,7 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
 
 
 def _with_site(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the document with `ag` and `ground` of [site] in a section [check] that does not have them."""
+    """Return the document, with `ag` and `ground` copied from [site] to [check] if [check] does not define them."""
     site, check = document.get("site"), document.get("check")
     if not isinstance(site, Mapping) or not isinstance(check, Mapping) or check.get("spectrum") == "table":
         return document

@@ -93,7 +93,7 @@ def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
 
 
 def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
-    """Yield groups of records of a site; between two groups the station did not record."""
+    """Group the records of a site that overlap in time; a gap without records separates two groups."""
     stretch: list[Record] = []
     end = -math.inf
     timed = [(record.start_time.timestamp(), record) for record in members if record.start_time is not None]

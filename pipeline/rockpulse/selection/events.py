@@ -100,7 +100,7 @@ def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield all pairs of records with the same title that may be of one earthquake, and few other pairs."""
+    """Yield all pairs of records, among `ends`, that may belong to one earthquake; some of them may not."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):

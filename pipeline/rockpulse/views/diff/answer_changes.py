@@ -93,7 +93,7 @@ def body_changes(
 
 
 def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
-    """Return the margins of all bodies as text, by name of the margin."""
+    """Return P, the smallest scale factor and the smallest capacity/demand of the bodies as text, by quantity."""
     answers = Answers(summary)
 
     def probability(values: np.ndarray, *left_out: np.ndarray) -> list[str]:
