@@ -160,19 +160,19 @@ def _unresolved(response: Response, short: np.ndarray) -> Response:
 
 
 def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
-    """Return the limit accelerogram of one block: times and signed impulses of Figures 1 and 2.
+    """Return the limit accelerogram of one block (Figures 1 and 2 of the paper): times and signed impulses.
 
     Parameters
     ----------
     block, sequence : Block, ImpulseSequence
-        One block, and one sequence with an end (a finite duration, a main count, or a motion that overturns).
+        One block, and one sequence that is finite (a finite duration, a main count, or a motion that overturns).
 
     Returns
     -------
     times, impulses : (k,) ndarray
         Times [s], not decreasing, the first main impulse at 0, and impulses of the ground [m/s], the first one
-        positive. Simultaneous impulses are listed in their order of action: the last secondary impulse of "end" before
-        the impact, then the main impulse, then the first secondary impulse of "start".
+        positive. Simultaneous impulses are listed in their order of action: the last secondary impulse (spacing "end")
+        before the impact, the main impulse, the first secondary impulse (spacing "start").
 
     Raises
     ------

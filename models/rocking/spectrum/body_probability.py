@@ -154,7 +154,7 @@ class OverturningProbability(OverturningFactors):
     --------
     >>> found = rocking.overturning_probability(pier, record.acceleration, record.dt)
     >>> found.overturning([[1.0, 3.0]]).round(1)
-    array([[0. , 0.9]])
+    array([[0., 1.]])
     """
 
     __repr__ = short_repr

@@ -108,7 +108,7 @@ class HalfWaveDemand:
     --------
     >>> demand = demand_of_half_waves(Block(1.0, 4.0), [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3])
     >>> demand.main_count, demand.march.round(3)
-    (array([2]), array([0.145]))
+    (array([2]), array([0.184]))
     """
 
     __repr__ = short_repr

@@ -61,13 +61,14 @@ class OverturningFactors:
     factor_10, factor_50 : (m,) ndarray
         Factor on the record at which the probability is 0.1, 0.5 [-].
     factor_mean : (m,) ndarray
-        Geometric mean of the factor at which the block overturns, exp of the area above P over ln f [-].
+        Geometric mean of the scale factor f at which the block overturns: exp of the mean of ln f, with P as the
+        distribution function of ln f [-].
 
     Examples
     --------
     >>> factors = rocking.overturning_probability(pier, record.acceleration, record.dt)
     >>> factors.factor_10.round(1), factors.factor_50.round(1)
-    (array([1.6]), array([2.4]))
+    (array([1.3]), array([2.3]))
     """
 
     __repr__ = short_repr
@@ -157,7 +158,7 @@ class OverturningSpectrum:
     --------
     >>> spectrum = OverturningSpectrum(rocking.spectrum_lanes(record.acceleration, record.dt, [1.8, 2.2]))
     >>> spectrum.factors(rocking.Block([1.0], [4.0])).factor_10.round(1)
-    array([1.4])
+    array([1.3])
     """
 
     def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:

@@ -82,7 +82,7 @@ class SpectrumLanes:
     --------
     >>> lanes = rocking.spectrum_lanes(record.acceleration, record.dt, [2.0])
     >>> lanes.peak.shape, lanes.between
-    ((1, 844), (0.675, 1.0))
+    ((1, 844), (0.7125, 1.0))
     """
 
     __repr__ = short_repr
@@ -125,7 +125,7 @@ def spectrum_lanes(
     --------
     >>> lanes = rocking.spectrum_lanes(record.acceleration, record.dt, [1.5, 2.0])
     >>> np.isinf(lanes.peak).mean(axis=1).round(2).tolist()  # share of the lanes that overturn
-    [0.5, 0.67]
+    [0.49, 0.64]
     """
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
@@ -298,7 +298,7 @@ def _both_stages(
 
 
 def _ranks(count: int, start: float) -> np.ndarray:
-    """Return `count` ranks from 0 to 1, spread by the golden ratio."""
+    """Return `count` evenly distributed numbers in [0, 1): the golden-ratio sequence that begins at `start`."""
     return (np.arange(count) * _GOLDEN + start) % 1.0
 
 

@@ -95,7 +95,7 @@ def read(
     >>> [record.component for record in rp.read("data/samples/records/CICLC.v1")]
     ['90 Deg', '360 Deg', 'Up']
     >>> len(rp.read("data/samples/records"))
-    10
+    14
     """
     if not isinstance(path, str | os.PathLike) or not Path(path).is_dir():
         return read_file(path, units, dt, response, stationxml)

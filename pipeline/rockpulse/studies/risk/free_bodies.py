@@ -145,7 +145,7 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     --------
     >>> found = rp.free_body_fragility(results, rp.models.Block(width=[1.0], height=[5.0]), [1.0, 3.0, 30.0])
     >>> found["probability"].values.round(2).tolist()
-    [[0.0, 0.04, 0.68]]
+    [[0.0, 0.08, 0.72]]
     """
     at = np.atleast_1d(np.asarray(levels, dtype=float))
     spectra, summary = spectra_of(results, measure)

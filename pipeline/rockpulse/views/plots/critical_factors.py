@@ -63,7 +63,7 @@ def overturning_map(
     --------
     >>> ax = rp.plots.overturning_map(results, block="stele")
     >>> ax.get_xlabel(), [label.get_text() for label in ax.get_yticklabels()]
-    ('scale factor on the record [-]', ['burst.2', 'burst.1', 'burst.0', 'burst.3', 'CI.CCC'])
+    ('scale factor on the record [-]', ['burst.2', 'burst.1', 'burst.3', 'CI.CCC', 'burst.0'])
     """
     summary = tree["summary"].to_dataset()
     model = fullest_model(summary) if model is None else one_name(summary, "model", model)
