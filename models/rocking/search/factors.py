@@ -71,7 +71,7 @@ class ScaleIntervals(LaneValues):
         return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
 
     def among(self, known: np.ndarray) -> Self:
-        """Return a result for all (m,) blocks, from that of the blocks marked in `known`; the others have no intervals."""
+        """Return the result for all (m,) blocks; those that are not marked in `known` have no intervals."""
         return self.join([self], [np.flatnonzero(known)], known.size)
 
     def take(self, places: np.ndarray) -> Self:
