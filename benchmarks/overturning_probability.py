@@ -215,7 +215,7 @@ def _print(name: str, table: np.ndarray) -> None:
 
 @contextmanager
 def marches(second: int, shift: float) -> Iterator[None]:
-    """Compute bodies with so many marches in the second stage, and lattices shifted by a share of 1."""
+    """Compute bodies with `second` marches in the second stage, on a lattice shifted by `shift` (0 to 1)."""
 
     def ranks(count: int, start: float) -> np.ndarray:
         return np.asarray((np.arange(count) * slender_lanes._GOLDEN + start + shift) % 1.0)
@@ -334,7 +334,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     add_record_arguments(parser)
     parser.add_argument("--pairs", type=int, default=500, help="pairs of record and body")
-    parser.add_argument("--seeds", type=int, help="the standard error from so many shifted lattices instead")
+    parser.add_argument("--seeds", type=int, help="number of shifted lattices: computes the standard error instead")
     parser.add_argument("--cost", action="store_true", help="time it instead")
     parser.add_argument("--rotation", action="store_true", help="the limit states of rotation instead")
     parser.add_argument("--wall", action="store_true", help="bodies before a wall")

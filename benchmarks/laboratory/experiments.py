@@ -74,7 +74,7 @@ def thresholds(values: np.ndarray) -> np.ndarray:
 
 
 def judged(answers: np.ndarray, toppled: np.ndarray) -> tuple[float, float]:
-    """Return the share of runs (r,) told right by the best of the predictions (r, m): on all runs, and left out."""
+    """Return the share of runs that the best of m predictions gives correctly: on all runs, and on runs left out."""
     right = answers == toppled[:, np.newaxis]
     half = np.arange(toppled.size) % 2 == 0
     unseen = [right[~part, np.argmax(right[part].mean(axis=0))] for part in (half, ~half)]
@@ -82,7 +82,7 @@ def judged(answers: np.ndarray, toppled: np.ndarray) -> tuple[float, float]:
 
 
 def compared(folder: Path) -> pd.DataFrame:
-    """Compare the prediction with the best thresholds on each file, as shares of runs told right."""
+    """Compare the shares of runs that the response and the best thresholds predict correctly, for each file."""
     rows = []
     for name in FILES:
         runs = read_runs(folder / name)

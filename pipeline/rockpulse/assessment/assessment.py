@@ -202,8 +202,8 @@ def assess_sequence(
             sequence = sequence.sequence(gathered.lanes)
         except ValueError as error:
             outside = [body for body, covered in zip(gathered.names, inside, strict=True) if not covered]
-            told = f"[[block]] {', '.join(outside)}: outside the design spectrum; remove them. " if outside else ""
-            raise ConfigError(f"{told}{error}") from None
+            advice = f"[[block]] {', '.join(outside)}: outside the design spectrum; remove them. " if outside else ""
+            raise ConfigError(f"{advice}{error}") from None
     elif sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
     asked = asked_for.models.use

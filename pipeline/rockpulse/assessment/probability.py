@@ -84,7 +84,9 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
                 rows[name + end][places] = getattr(factors, own + end)
         rows["demand_probability"][places], rows["probability_source"][places] = at_demand, source
 
-    if config.uncertainty.spectrum == "all" and scene.vertical is None and np.any(record.acceleration):
+    # A spectrum does not apply with a vertical acceleration, and a record of zeros has none.
+    has_spectrum = scene.vertical is None and bool(np.any(record.acceleration))
+    if has_spectrum and config.uncertainty.spectrum == "all":
         for side, between in SERVED.items():
             inside = np.flatnonzero(covered(found.block, uncertainty, side=side, between=between))
             if side == 0 or inside.size:

@@ -112,8 +112,8 @@ class Results(Shown):
             return None
         names = list(self._answers.demands)
         if demand not in names:
-            told = f"there are: {', '.join(names) or 'none'}"
-            raise ResultsError(f"no demand {demand!r}{hint(demand, names, told)}")
+            available = f"demands in the file: {', '.join(names) or 'none'}"
+            raise ResultsError(f"no demand {demand!r}{hint(demand, names, available)}")
         return names.index(demand)
 
     def margin(self, demand: str | None = None) -> pd.DataFrame:

@@ -83,7 +83,7 @@ def test_no_record_is_named_where_none_counts():
 def test_a_demand_that_is_not_there_is_reported(tree):
     with pytest.raises(ResultsError, match=r"no demand 'SLX'; did you mean \"SLV\"|no demand 'SLX'"):
         tree.rockpulse.margin("SLX")
-    with pytest.raises(ResultsError, match=r"no demand 'earthquake'.*there are: SLV"):
+    with pytest.raises(ResultsError, match=r"no demand 'earthquake'.*demands in the file: SLV"):
         tree.rockpulse.verdicts("earthquake")
 
 
