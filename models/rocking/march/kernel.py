@@ -56,7 +56,7 @@ def build_up_left(sample, factor, levels, last):
 
 @njit(_nrt=False)
 def first_safe_sample(factor, levels, last, settled):
-    """Return the first sample after which the build-up is too small to overturn the block; inf if there is none."""
+    """Return the first sample after which the build-up can no longer overturn the block; inf if it always can."""
     for k in range(levels.size):
         if levels[k] * factor < settled:
             return last[k] + 1.0

@@ -66,7 +66,7 @@ def largest_left(k, record):
 
 @njit(_nrt=False)
 def next_exceedance(k, record, factor, threshold):
-    """Return the first sample from k on at which a resting block lifts or loses contact; n if there is none.
+    """Return the first sample, k or later, at which a resting block lifts or loses contact; n if it never does.
 
     Only for equal corners, with uplift at abs(a_g)/g > threshold; faster than :func:`next_lift`.
     """
@@ -87,7 +87,7 @@ def next_exceedance(k, record, factor, threshold):
 
 @njit(_nrt=False)
 def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
-    """Return the first sample from k on at which a resting body lifts or loses contact; n if there is none.
+    """Return the first sample, k or later, at which a resting body lifts or loses contact; n if it never does.
 
     The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is divided by gravity [s2/m].
     """
