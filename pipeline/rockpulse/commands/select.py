@@ -54,5 +54,5 @@ VERB = Verb(
         {"-n --number N": ("number of records, or of pairs; default: [selection] records", {"type": parse_count})},
     ),
     run=_run,
-    examples=("rockpulse select records/ --config site.toml -n 7 -o selection.csv",),
+    examples=("rockpulse select records/ --config site.toml -n 5 -o selection.csv",),
 )
