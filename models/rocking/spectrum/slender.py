@@ -1,10 +1,24 @@
-"""March of slender blocks under a piecewise linear ground acceleration, with the linear equation in closed form.
+"""March of slender blocks under a ground motion, from impact to impact by the closed form of the linear equation.
 
-.. note:: With phi = theta/alpha, tau = p t, u = s phi and g = (x/p) a_g, linear in tau over a piece, u'' = u - 1 - s g
-   (Eqs. 1-2). So y = u - 1 - s g obeys y'' = y: y = A e^tau + B e^-tau with A = (y_0 + y_0')/2 and B = (y_0 - y_0')/2.
-   u' = 0 where z = e^tau solves A z^2 + s g' z - B = 0: the extremes of u are roots of a quadratic, and impacts are
-   bracketed between them. A block at rest lifts where abs(g) passes 1. It overturns if its growing mode u - 1 + u'
-   exceeds the largest later abs(g).
+.. note:: With phi = theta/alpha, tau = p t, u = s phi on the side s = 1 or -1, and f = x/p, the equation (Eqs. 1-2) is
+   linear between impacts, u'' = u - 1 - s f a_g. All lanes of one p share its bounded particular solution Q
+   (:mod:`.slender_ground`):
+
+   u = 1 + s f Q + (A + B)/2,  u' = s f Q' + (A - B)/2,  with A growing as e^tau and B falling as e^-tau,
+   A = u - 1 + u' - s f G,  B = u - 1 - u' - s f H.
+
+   So u at any node costs three products, and `_fly` looks at the nodes of a block at once for the next one near the
+   ground. The growing mode is u - 1 + u' = A + s f G. It exceeds -1 at all later times, and the block never returns, if
+   A > 0 and A + 1 > f max(-s G): it overturns.
+
+   Within a piece, u'' changes sign once at most. From its values u, u', k = u'' and j = u''' at a point,
+
+   u(t) = u + u' t + k (cosh t - 1) + j (sinh t - t),
+
+   which has no cancellation for small hops. If u vanishes at a point of a piece, u at its end is at most
+   (cosh h - 1) max(f abs(a_g) - 1), as u'' is at most that large: the other pieces contain no impact.
+   The impacts of `WIDTH` lanes are solved together by Halley's steps from the root of the parabola; `_first_impact`
+   solves the few cases in which u'' changes sign or the steps do not converge.
 """
 
 import math
@@ -12,193 +26,388 @@ import math
 import numpy as np
 
 from rocking.kernel_cache import njit
+from rocking.spectrum.slender_ground import BLOCK, hyperbolic
 
 #: Impacts slower than this u' [-] end the rocking unless the ground lifts the block: u would only reach 5e-7.
 SLOWEST = 1e-3
-#: Largest number of steps of the search for an impact, and its accuracy in u [-].
-STEPS, ACCURACY = 60, 1e-10
-#: Largest number of impacts computed within one piece.
-MOST_IMPACTS = 100_000
+#: Number of lanes whose impacts are solved together.
+WIDTH = 16
+#: The last of Halley's steps is at most this share of tau: the error is about its third power.
+CONVERGED = 1e-5
+#: Number of bisections of the bracketed search.
+BISECTIONS = 60
+#: Rows of the state of lanes, each with `WIDTH` values. At a point of a piece: u, u', s f a_g and its rate, the length
+#: left in the piece, u and u' at its end; ...
+U, V, PUSH, RATE, LEFT, END_U, END_V = (np.uint64(WIDTH * row) for row in range(7))
+#: ... the impact in this piece: tau, u' after it, and u and u' at the end of the piece after it; ...
+TAU, AFTER, NEXT_U, NEXT_V = (np.uint64(WIDTH * row) for row in range(7, 11))
+#: ... the lane: f, C, s (0 at rest, when PUSH and RATE have the sign of a_g), and the largest u.
+STRENGTH, RESTITUTION, SIDE, PEAK = (np.uint64(WIDTH * row) for row in range(11, 15))
+ROWS = 15
+#: States of a lane that is not before an impact: it has ended, or has reached the end of the tables.
+ENDED, FINAL = -1, -2
 
 
-@njit()
-def _turning(grow, fall, slope, growth, lowest):
-    """Return e^tau at the top (or `lowest` point) of u = grow e^tau + fall e^-tau + a line in a piece; 0 for none."""
-    if grow == 0.0:
-        roots = (fall / slope if slope != 0.0 else 0.0, 0.0)
-    else:
-        under = slope * slope + 4.0 * grow * fall
-        if under < 0.0:
-            return 0.0
-        half = -0.5 * (slope + math.copysign(math.sqrt(under), slope))
-        roots = (half / grow, -fall / half if half != 0.0 else 0.0)
-    for z in roots:
-        if 1.0 < z < growth and (grow * z + fall / z > 0.0) == lowest:
-            return z
-    return 0.0
+@njit(inline="always", _nrt=False)
+def _halley(tau, u, v, bend, twist, left):
+    """Return a step of Halley's method for u = 0, and the tau that it leads to within the piece."""
+    even, odd = hyperbolic(tau)
+    value = u + v * tau + bend * even + twist * odd
+    slope = v + bend * (tau + odd) + twist * even
+    curve = bend * (1.0 + even) + twist * (tau + odd)
+    step = 2.0 * value * slope / (2.0 * slope * slope - value * curve)
+    reached = tau - step
+    reached = reached if reached > 0.0 else 0.0
+    return step, reached if reached < left else left
 
 
-@njit()
-def _impact(grow, fall, level, slope, above, below):
-    """Return tau of an impact (u = 0) between `above` (u > 0) and `below` (u <= 0), by bracketed Newton steps."""
-    tau = below
-    for _ in range(STEPS):
-        growth = math.exp(tau)
-        up, down = grow * growth, fall / growth
-        value = up + down + level + slope * tau
-        if abs(value) <= ACCURACY:
-            break
-        if value > 0.0:
-            above = tau
+@njit(_nrt=False)
+def _solve_impacts(s, turn):
+    """Solve the impacts of all lanes of the state `s`; TAU is negative for those that are left to `_first_impact`."""
+    for i in range(np.uint64(WIDTH)):
+        u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
+        bend, twist = u - 1.0 - push, v - rate
+        under = v * v - 2.0 * bend * u
+        root = math.sqrt(under if under > 0.0 else 0.0)
+        top = v + root if v > 0.0 else 2.0 * u
+        low = -bend if v > 0.0 else root - v
+        tau = top / low
+        tau = tau if tau > 0.0 else 0.0
+        tau = tau if tau < left else left
+        _, tau = _halley(tau, u, v, bend, twist, left)
+        _, tau = _halley(tau, u, v, bend, twist, left)
+        step, tau = _halley(tau, u, v, bend, twist, left)
+        even, odd = hyperbolic(left)
+        same = bend * (bend * (1.0 + even) + twist * (left + odd)) > 0.0
+        s[TAU + i] = tau if same and abs(step) <= CONVERGED * tau else -1.0
+        even, odd = hyperbolic(tau)
+        fall = -(v + bend * (tau + odd) + twist * even)
+        v = s[RESTITUTION + i] * (fall if fall > 0.0 else 0.0)
+        bend, twist = -1.0 - turn * (push + rate * tau), v - turn * rate
+        left -= tau
+        even, odd = hyperbolic(left)
+        s[AFTER + i] = v
+        s[NEXT_U + i] = v * left + bend * even + twist * odd
+        s[NEXT_V + i] = v + bend * (left + odd) + twist * even
+
+
+@njit(_nrt=False)
+def _at(tau, u, v, bend, twist):
+    """Return u and u' at tau after a point with u, u', u'' = `bend` and u''' = `twist`."""
+    even, odd = hyperbolic(tau)
+    return u + v * tau + bend * even + twist * odd, v + bend * (tau + odd) + twist * even
+
+
+@njit(_nrt=False)
+def _bisected(low, high, u, v, bend, twist, order):
+    """Return tau between `low` and `high`, between which u (`order` 0) or u' (1) changes its sign."""
+    sign = 1.0 if (_at(high, u, v, bend, twist)[order] > 0.0) else -1.0
+    tau = high
+    for _ in range(BISECTIONS):
+        value, slope = _at(tau, u, v, bend, twist)
+        if order == 1:
+            even, odd = hyperbolic(tau)
+            value, slope = slope, bend * (1.0 + even) + twist * (tau + odd)
+        if (value > 0.0) == (sign > 0.0):
+            high = tau
         else:
-            below = tau
-        speed = up - down + slope
-        tau -= value / speed if speed != 0.0 else 0.0
-        if not above < tau < below:
-            tau = 0.5 * (above + below)
+            low = tau
+        step = value / slope
+        tau -= step
+        if not low < tau < high:
+            tau = 0.5 * (low + high)
+        elif abs(step) < 1e-15 * tau:
+            break
     return tau
 
 
-@njit(inline="always")
+@njit(_nrt=False)
+def _first_impact(u, v, bend, twist, left):
+    """Return the first tau up to `left` at which u falls to zero; -1 if it does not."""
+    if u <= 0.0 and (v < 0.0 or (v == 0.0 and bend < 0.0)):
+        return 0.0
+    # u' is monotone on both sides of the point where u'' = 0, and u between these points and its extremes.
+    turn = left
+    if abs(bend) < abs(twist):
+        turn = min(max(math.atanh(-bend / twist), 0.0), left)
+    last = 0.0
+    for low, high in ((0.0, turn), (turn, left)):
+        if low >= high:
+            continue
+        middle = high
+        # At the start of a hop u' may be 0.
+        rises = _at(low, u, v, bend, twist)[1] > 0.0 or (low == 0.0 and v == 0.0 and (bend > 0.0 or twist > 0.0))
+        if rises != (_at(high, u, v, bend, twist)[1] > 0.0):
+            middle = _bisected(low, high, u, v, bend, twist, 1)
+        for end in (middle, high):
+            if end > last and _at(end, u, v, bend, twist)[0] <= 0.0 and (last > 0.0 or u > 0.0):
+                return _bisected(last, end, u, v, bend, twist, 0)
+            last = max(last, end)
+    return -1.0
+
+
+@njit(_nrt=False)
+def _raise_peak(s, i, u, v, push, rate, left):
+    """Raise the largest u of a lane by the top of u within `left` after a point of a piece."""
+    bend, twist = u - 1.0 - push, v - rate
+    if u + v * left + (1.0 + abs(push)) * left * left < s[PEAK + i]:
+        return
+    tau = 0.0
+    for _ in range(6):
+        _, speed = _at(tau, u, v, bend, twist)
+        even, odd = hyperbolic(tau)
+        curve = bend * (1.0 + even) + twist * (tau + odd)
+        if curve >= 0.0:
+            break
+        tau = min(max(tau - speed / curve, 0.0), left)
+    s[PEAK + i] = max(s[PEAK + i], u, _at(tau, u, v, bend, twist)[0])
+
+
+@njit(inline="always", _nrt=False)
 def _pushes(ground, wall):
     """Return the ground acceleration that can lift the resting block; a push towards a wall cannot."""
     return max(-ground, 0.0) if wall else abs(ground)
 
 
-@njit()
-def _march(begin, state, strength, restitution, length, growth, ground, left, wall):
-    """March one lane from piece `begin` on; return whether it has ended, at rest or overturned. With a wall, C is e.
+@njit(_nrt=False)
+def _end_of_piece(s, i):
+    u, v = s[U + i], s[V + i]
+    s[END_U + i], s[END_V + i] = _at(s[LEFT + i], u, v, u - 1.0 - s[PUSH + i], v - s[RATE + i])
 
-    The `state` has the largest u (inf if it overturns), u, u' and s (0 at rest, where u = 0).
+
+@njit(_nrt=False)
+def _lift(s, i, k, count, points, rows, blocks, wall):
+    """Find the point at which a block at rest in piece `k` is lifted; return its piece, ENDED or FINAL."""
+    strength, now, rate, left = s[STRENGTH + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
+    if _pushes(now, wall) <= 1.0:
+        node = k + 1
+        while node <= count and strength * points[node, 7] <= 1.0:
+            node += 1
+            while node % BLOCK == 0 and node <= count and strength * blocks[node // BLOCK, 1] <= 1.0:
+                node += BLOCK
+        if node > count:
+            return FINAL
+        if node - 1 > k:
+            k = node - 1
+            now, rate, left = strength * points[k, 1], strength * points[k, 2], points[k, 0]
+        end = now + rate * left
+        if _pushes(end, wall) > 1.0:
+            wait = min(max((math.copysign(1.0, end) - now) / rate, 0.0), left)
+            now, left = math.copysign(1.0, end), left - wait
+        elif node < count:  # a jump at the node
+            k = node
+            now, rate, left = strength * points[k, 1], strength * points[k, 2], points[k, 0]
+    side = 1.0 if wall else -math.copysign(1.0, now)
+    s[SIDE + i], s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = side, 0.0, 0.0, side * now, side * rate, left
+    _end_of_piece(s, i)
+    return k
+
+
+@njit(inline="always", _nrt=False)
+def _fly(s, i, k, count, points, rows, blocks, peaks):
+    """Follow a block in motion from node `k`; return the next piece at whose end it is near the ground, ENDED, FINAL."""
+    u, v, side, strength = s[END_U + i], s[END_V + i], s[SIDE + i], s[STRENGTH + i]
+    u = max(u, 0.0)
+    if k == count:
+        s[U + i], s[V + i] = u, v
+        return FINAL
+    force = side * strength
+    block = k // BLOCK
+    grow = 0.5 * (u - 1.0 + v - force * (points[k, 3] + points[k, 4])) * points[k, 6]
+    fall = 0.5 * (u - 1.0 - v - force * (points[k, 3] - points[k, 4])) * points[k, 5]
+    while True:
+        if grow > 0.0 and 2.0 * grow + 1.0 > strength * blocks[block, 3 if side > 0.0 else 4]:
+            s[PEAK + i] = np.inf
+            return ENDED
+        first = block * BLOCK
+        pushed = strength * blocks[block, 1]
+        near = blocks[block, 2] * (pushed - 1.0) if pushed > 1.0 else 0.0
+        # Slices, because indices that may be negative prevent the use of vector instructions.
+        ahead = slice(first, first + BLOCK)
+        q, e, d = rows[0, ahead], rows[1, ahead], rows[2, ahead]
+        found = BLOCK
+        for j in range(BLOCK):
+            below = (1.0 + force * q[j] + grow * e[j] + fall * d[j] <= near) & (j > k - first)
+            found = min(found, j if below else BLOCK)
+        if peaks:
+            high = s[PEAK + i] - blocks[block, 2] * (1.0 + pushed)
+            above = 0
+            for j in range(BLOCK):
+                above += (1.0 + force * q[j] + grow * e[j] + fall * d[j] > high) & (j > k - first)
+            if above > 0:
+                _scan_peak(s, i, max(k + 1, first), min(first + found, first + BLOCK - 1, count), force, grow, fall, count, points, rows, blocks)
+        if found < BLOCK:
+            break
+        if first + BLOCK > count:
+            break
+        grow *= blocks[block, 0]
+        fall /= blocks[block, 0]
+        block += 1
+    node, last = first + found, min(first + BLOCK - 1, count)
+    if node > last:
+        s[U + i] = max(1.0 + force * points[last, 3] + grow * points[last, 5] + fall * points[last, 6], 0.0)
+        s[V + i] = force * points[last, 4] + grow * points[last, 5] - fall * points[last, 6]
+        return FINAL
+    piece = node - 1
+    if piece > k:
+        shift = 1.0
+        if piece < first:
+            shift = blocks[block - 1, 0]
+        u = max(1.0 + force * points[piece, 3] + grow * points[piece, 5] / shift + fall * points[piece, 6] * shift, 0.0)
+        v = force * points[piece, 4] + grow * points[piece, 5] / shift - fall * points[piece, 6] * shift
+    s[U + i], s[V + i], s[LEFT + i] = u, v, points[piece, 0]
+    s[PUSH + i], s[RATE + i] = force * points[piece, 1], force * points[piece, 2]
+    _end_of_piece(s, i)
+    return piece
+
+
+@njit(_nrt=False)
+def _scan_peak(s, i, first, last, force, grow, fall, count, points, rows, blocks):
+    """Raise the largest u of a lane by the tops between nodes `first` - 1 and `last`, within one block of the arc."""
+    margin = blocks[first // BLOCK, 2] * (1.0 + abs(force) * blocks[first // BLOCK, 1])
+    for k in range(first, last + 1):
+        up, down = grow * points[k, 5], fall * points[k, 6]
+        u = 1.0 + force * points[k, 3] + up + down
+        if u + margin > s[PEAK + i]:
+            v = force * points[k, 4] + up - down
+            if v > 0.0:
+                s[PEAK + i] = max(s[PEAK + i], u)
+            else:
+                piece = k - 1
+                end = points[piece, 1] + points[piece, 2] * points[piece, 0]
+                _raise_peak(s, i, u, -v, force * end, -force * points[piece, 2], points[piece, 0])
+
+
+@njit(inline="always", _nrt=False)
+def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
+    """Follow a block from a point of piece `k` to the next piece that may contain an impact, ENDED or FINAL.
+
+    `passed` is True if its motion in the rest of this piece is known to have none.
     """
-    peak, u, speed, side = state[0], state[1], state[2], state[3]
-    for j in range(begin, length.shape[0]):
-        start, end = strength * ground[j, 0], strength * ground[j, 1]
-        low, high = _pushes(start, wall), _pushes(end, wall)
-        if side == 0.0 and low <= 1.0 and high <= 1.0:
-            if strength * left[j] <= 1.0:
-                state[0] = peak
-                return True
-            continue
-        remaining, whole = length[j], growth[j]
-        slope = (end - start) / remaining
-        for _ in range(MOST_IMPACTS):
-            if side == 0.0:
-                wait = 0.0
-                if _pushes(start, wall) <= 1.0:
-                    if high <= 1.0:
-                        break
-                    wait = (math.copysign(1.0, end) - start) / slope
-                    if wait >= remaining:
-                        break
-                    start, remaining = start + slope * wait, remaining - wait
-                    whole = math.exp(remaining)
-                side = 1.0 if wall else -math.copysign(1.0, start)
-            level, rate = 1.0 + side * start, side * slope
-            grow, fall = 0.5 * (u - level + speed - rate), 0.5 * (u - level - speed + rate)
-            last_u = grow * whole + fall / whole + level + rate * remaining
-            last_speed = grow * whole - fall / whole + rate
-            # An impact lies between the points above and below, both as tau; from u = 0 the motion goes upwards.
-            above, below = 0.0, remaining if last_u <= 0.0 else -1.0
-            if u == 0.0 or (speed > 0.0 and (last_speed < 0.0 or last_u <= 0.0)):
-                z = _turning(grow, fall, rate, whole, False)
-                if z > 0.0:
-                    above = math.log(z)
-                    peak = max(peak, grow * z + fall / z + level + rate * above)
-            # u has a minimum inside only if u' starts below zero or u'' changes sign.
-            dips = speed < 0.0 or grow + fall < 0.0 < grow * whole + fall / whole
-            if dips and last_u > 0.0 and last_speed > 0.0 and (u > 0.0 or above > 0.0):
-                z = _turning(grow, fall, rate, whole, True)
-                if z > 0.0:
-                    tau = math.log(z)
-                    if tau > above and grow * z + fall / z + level + rate * tau <= 0.0:
-                        below = tau
-            if below < 0.0 or (u == 0.0 and above == 0.0):
-                u, speed = max(last_u, 0.0), last_speed
-                peak = max(peak, u)
-                break
-            tau = _impact(grow, fall, level, rate, above, below)
-            z = math.exp(tau)
-            speed = restitution * max(fall / z - grow * z - rate, 0.0)
-            if speed - 1.0 > strength * left[j]:
-                state[0] = np.inf
-                return True
-            u, side = 0.0, side if wall else -side
-            start, remaining = start + slope * tau, remaining - tau
-            margin = 1.0 - max(_pushes(start, wall), high)
-            # At rest after hops of at most 2 u'/margin, each shorter by C, that all end within the piece.
-            if speed <= SLOWEST or 2.0 * speed < margin * (1.0 - restitution) * remaining:
-                speed, side = 0.0, 0.0
-            if remaining <= 0.0:
-                break
-            whole = math.exp(remaining)
-        if side != 0.0 and u - 1.0 + speed > strength * left[j + 1]:
-            state[0] = np.inf
+    while True:
+        if s[SIDE + i] == 0.0:
+            k = _lift(s, i, k, count, points, rows, blocks, wall)
+            passed = False
+            if k < 0:
+                return k
+        if not passed:
+            end = s[END_U + i]
+            if end <= 0.0:
+                return k
+            if s[END_V + i] > 0.0:
+                pushed = s[STRENGTH + i] * blocks[(k + 1) // BLOCK, 1]
+                turns = s[V + i] < 0.0 or s[U + i] - 1.0 - s[PUSH + i] < 0.0
+                if turns and end <= 0.51 * s[LEFT + i] ** 2 * max(pushed - 1.0, 0.0):
+                    return k
+        if peaks and s[V + i] > 0.0 > s[END_V + i]:
+            _raise_peak(s, i, s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i])
+        k = _fly(s, i, k + 1, count, points, rows, blocks, peaks)
+        if k < 0:
+            return k
+        passed = False
+
+
+@njit(inline="always", _nrt=False)
+def _impact(s, i, k, count, points, rows, blocks, wall, peaks):
+    """Apply the impact in piece `k`, if there is one; return whether there is none in the rest of the piece."""
+    u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
+    tau = s[TAU + i]
+    turn = 1.0 if wall else -1.0
+    solved = s[END_U + i] <= 0.0 and tau >= 0.0
+    if peaks and v > 0.0:
+        _raise_peak(s, i, u, v, push, rate, left)
+    if not solved:
+        bend, twist = u - 1.0 - push, v - rate
+        tau = _first_impact(u, v, bend, twist, left)
+        if tau < 0.0:
             return True
-    state[0], state[1], state[2], state[3] = peak, u, speed, side
+        s[AFTER + i] = s[RESTITUTION + i] * max(-_at(tau, u, v, bend, twist)[1], 0.0)
+    push, left, v = turn * (push + rate * tau), left - tau, s[AFTER + i]
+    s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = 0.0, v, push, turn * rate, left
+    s[SIDE + i] *= turn
+    if _comes_to_rest(v, s[RESTITUTION + i], _pushes(push, wall), left, s[STRENGTH + i], k + 1, count, points, rows, blocks):
+        s[PUSH + i], s[RATE + i] = s[SIDE + i] * push, s[SIDE + i] * turn * rate
+        s[SIDE + i] = 0.0
+    elif solved:
+        s[END_U + i], s[END_V + i] = s[NEXT_U + i], s[NEXT_V + i]
+    else:
+        _end_of_piece(s, i)
     return False
 
 
-@njit()
-def _peak_on_still_ground(u, speed, restitution):
+@njit(_nrt=False)
+def _comes_to_rest(v, restitution, pushed, left, strength, node, count, points, rows, blocks):
+    """Return whether a block rests before the ground may lift it: hops of at most 2 u'/margin, each shorter by C.
+
+    The margin is that of the rest of the piece before `node`, or of the next `BLOCK` pieces too.
+    """
+    margin = 1.0 - max(pushed, strength * points[node, 7])
+    return v <= SLOWEST or 2.0 * v < margin * (1.0 - restitution) * left
+
+
+@njit(_nrt=False)
+def _peak_on_still_ground(u, v, restitution):
     """Return the largest u on a still ground, of a motion with u and u' at its start; inf if it overturns."""
     # (1 - u)^2 - u'^2 is constant: its value is (1 - u)^2 at the top, 1 - u'^2 at the impact.
-    kept = (1.0 - u) ** 2 - speed * speed
+    kept = (1.0 - u) ** 2 - v * v
     after = restitution * math.sqrt(max(1.0 - kept, 0.0))
-    if after > 1.0:
+    if after > 1.0 or u - 1.0 + v > 0.0:
         return np.inf
-    top = max(kept, 0.0) if speed > 0.0 else 1.0
+    top = max(kept, 0.0) if v > 0.0 else 1.0
     return 1.0 - math.sqrt(min(top, 1.0 - after * after))
 
 
-@njit()
-def march_pieces(first, last, begin, state, place, strength, restitution, length, growth, ground, left, wall, final):
-    """March lanes `first` to `last` - 1 over consecutive pieces, from piece `begin` of each lane on; -1: not at all.
+@njit(_nrt=False)
+def march_lanes(first, last, s, slots, state, strength, restitution, count, points, rows, blocks, wall, final, peaks):
+    """March lanes `first` to `last` - 1 of one p through the tables of a `ground`.
 
-    The lanes (n,) have the index `place` of their p, the `strength` x/p [s2/m] and C; `length` and `growth` (a, k) are
-    the lengths of the pieces in tau and their e^tau, `ground` (k, 2) is the acceleration at both ends [m/s2], and
-    `left` (k + 1,) is its largest absolute value from each piece to the end of the record. The `state` (n, 4) is
-    updated (see `_march`), and `begin` is set to 0, or to -1 for a lane that has ended. After the `final` pieces the
-    ground is still.
+    The lanes (n,) have the strength f = x/p [s2/m] and C (the rebound e beside a wall, where s = 1 always). The `state`
+    (n, 4) is updated: the largest u (inf if the lane overturns; without `peaks` it is found only for these), u, u' and
+    s (0 at rest, NaN for a lane that has ended). After the `final` tables the ground is still.
     """
-    for lane in range(first, last):
-        if begin[lane] < 0:
-            continue
-        k, own = place[lane], state[lane]
-        ended = _march(begin[lane], own, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
-        begin[lane] = -1 if ended else 0
-        if final and not ended and own[3] != 0.0:
-            own[0] = max(own[0], _peak_on_still_ground(own[1], own[2], restitution[lane]))
+    lane_of, piece = slots[0], slots[1]
+    lane_of[:] = -1
+    taken, busy = first, 1
+    while busy > 0:
+        busy = 0
+        for i in range(np.uint64(WIDTH)):
+            k, passed = piece[i], True
+            if lane_of[i] >= 0:
+                passed = _impact(s, i, k, count, points, rows, blocks, wall, peaks)
+            while True:
+                if lane_of[i] < 0:
+                    while taken < last and np.isnan(state[taken, 3]):
+                        taken += 1
+                    if taken == last:
+                        break
+                    lane_of[i] = taken
+                    k = _start(s, i, state[taken], strength[taken], restitution[taken], points)
+                    passed = True
+                    taken += 1
+                k = _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks)
+                if k >= 0:
+                    busy += 1
+                    break
+                _store(s, i, state[lane_of[i]], k, final)
+                lane_of[i] = -1
+            piece[i] = k
+        _solve_impacts(s, 1.0 if wall else -1.0)
 
 
-@njit()
-def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float, last: float) -> np.ndarray:
-    """Return E [m/s] (:mod:`rocking.march.demand`) at points (k,) of a piecewise linear ground, `last` at the last."""
-    weighted = np.full(times.shape[0], last)
-    for i in range(times.shape[0] - 2, -1, -1):
-        step = times[i + 1] - times[i]
-        if step <= 0.0:
-            weighted[i] = weighted[i + 1]
-            continue
-        decay = np.exp(-rate * step)
-        whole = -np.expm1(-rate * step) / rate
-        late = (whole - step * decay) / (rate * step)
-        weighted[i] = decay * weighted[i + 1] + (whole - late) * ground[i] + late * ground[i + 1]
-    return weighted
+@njit(_nrt=False)
+def _start(s, i, own, strength, restitution, points):
+    """Set a lane to its state at the first node; return the piece that it is in, -1 if it is in motion."""
+    s[STRENGTH + i], s[RESTITUTION + i], s[SIDE + i], s[PEAK + i] = strength, restitution, own[3], own[0]
+    s[V + i], s[END_U + i], s[END_V + i] = 0.0, own[1], own[2]
+    s[PUSH + i], s[RATE + i], s[LEFT + i] = strength * points[0, 1], strength * points[0, 2], points[0, 0]
+    return 0 if own[3] == 0.0 else -1
 
 
-@njit()
-def lobe_tops(weighted: np.ndarray) -> np.ndarray:
-    """Return indices of the largest abs(E) (k,) in every run of one sign, in order; zeros belong to no run."""
-    tops = np.empty(weighted.shape[0], dtype=np.int64)
-    count, side = 0, 0.0
-    for i in range(weighted.shape[0]):
-        if weighted[i] == 0.0:
-            continue
-        here = np.sign(weighted[i])
-        if here != side:
-            tops[count] = i
-            count, side = count + 1, here
-        elif abs(weighted[i]) > abs(weighted[tops[count - 1]]):
-            tops[count - 1] = i
-    return tops[:count].copy()
+@njit(_nrt=False)
+def _store(s, i, own, status, final):
+    """Store the state of a lane at the end of the tables, or of one that has ended."""
+    own[0], own[1], own[2], own[3] = s[PEAK + i], s[U + i], s[V + i], s[SIDE + i]
+    if status == FINAL and final and own[3] != 0.0:
+        own[0] = max(own[0], _peak_on_still_ground(own[1], own[2], s[RESTITUTION + i]))
+    if status == ENDED:
+        own[3] = np.nan

@@ -12,9 +12,9 @@
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,21 +26,20 @@ from rocking.lanes import split_lanes
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import BodyLanes
 from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
-from rocking.spectrum.slender import march_pieces, weighted_impulse
+from rocking.spectrum.slender import ROWS, WIDTH, march_lanes
+from rocking.spectrum.slender_ground import SlenderGround, Tables, weighted_impulse
 
 #: Largest acceleration divided by gravity that is accepted in a ground motion [-].
 STRONGEST = 1e6
-#: Number of pieces that are marched at once, so that records of days need no more memory than those of minutes.
-AT_ONCE = 2**16
 #: Pieces shorter than this [s] are omitted, such as one side of a triangle whose top is at one of its ends.
 SHORTEST = 1e-12
 #: Least restitution of the lanes of a spectrum: 0.95 times the least nominal C.
 LEAST_RESTITUTION = 0.7125
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
-#: Number of lanes of each p in the first stage, and in the second one of a spectrum and of a single body
-#: (docs/decisions/018).
-FIRST, SECOND, SECOND_OF_BODY = 144, 700, 1600
+#: Number of lanes of each p in the first stage, and of those of the second stage in a cell in which P is 0.5: for a
+#: spectrum and for a single body (docs/decisions/018).
+FIRST, IN_CELL, IN_CELL_OF_BODY = 144, 64, 128
 #: The first stage ends at this multiple of the weighted impulse that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
 #: ... and at least this far above uplift [-], in ln x.
@@ -50,11 +49,9 @@ LAST_SHARE, WIDENINGS = 0.1, 6
 #: Capacities decrease with C: lanes of equal expected outcome have equal ln x + SLOPE (C - MIDDLE).
 SLOPE, MIDDLE = 1.3, 0.85
 #: Width in ln x over which the outcomes of the first stage are averaged; smallest density of the second stage divided
-#: by its density at P = 0.5.
-NEIGHBOURS, FLOOR = 0.12, 0.08
-#: Number of points at which the density of the second stage is computed.
-POINTS = 161
-_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+#: by its density at P = 0.5; largest width of its cells in ln x.
+NEIGHBOURS, FLOOR, CELL = 0.12, 0.08, 0.1
+_GOLDEN, _SILVER = 0.5 * (math.sqrt(5.0) - 1.0), math.sqrt(2.0) - 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,9 +146,12 @@ def piece_lanes(
     least, most = between
 
     def restitutions(rank: np.ndarray) -> np.ndarray:
-        return np.tile(least + (most - least) * rank, (rates.size, 1))
+        return least + (most - least) * rank
 
-    found = _march_lanes(times, ground, rates, restitutions, SECOND, threads, side)
+    rows = list(_march_lanes(times, ground, rates, [restitutions] * rates.size, IN_CELL, threads, side, rotations=True))
+    most_lanes = max(row["weight"].size for row in rows)
+    found = {name: np.array([_padded(row[name], most_lanes) for row in rows]) for name in rows[0]}
+    found["weight"] *= np.arange(most_lanes) < np.array([[row["weight"].size] for row in rows])
     # A restitution close to 1 represents 1.
     covered = (least, 1.0 if most == MOST_RESTITUTION else most)
     return SpectrumLanes(rates, **found, between=covered, side=side)
@@ -165,23 +165,20 @@ def body_piece_lanes(
     threads: int | None = None,
     *,
     side: int = 0,
-    second: int = SECOND_OF_BODY,
+    in_cell: int = IN_CELL_OF_BODY,
 ) -> list[BodyLanes]:
     """March lanes at the p and the restitutions of each of (m,) slender blocks, under the same motion of the ground."""
     rates, nominal = np.asarray(block.p, dtype=float), np.asarray(block.restitution, dtype=float)
 
-    def restitutions(rank: np.ndarray) -> np.ndarray:
-        return uncertainty.restitutions(nominal, rank)
-
-    found = _march_lanes(times, ground, rates, restitutions, second, threads, side)
-    speed = np.log(block.gravity * np.tan(block.alpha_c) / rates)
-    rows = zip(found["log_x"] + speed[:, np.newaxis], found["weight"], np.isinf(found["peak"]), strict=True)
-    ends = zip(found["bottom"] + speed, found["top"] + speed, strict=True)
+    restitutions = [partial(uncertainty.restitutions, own) for own in nominal]
+    speeds = np.log(block.gravity * np.tan(block.alpha_c) / rates)
+    rows = _march_lanes(times, ground, rates, restitutions, in_cell, threads, side, rotations=False)
     lanes = []
-    for (log_factor, weight, over), (bottom, top) in zip(rows, ends, strict=True):
-        inside = weight > 0.0
-        unresolved = np.zeros(np.count_nonzero(inside), dtype=bool)
-        lanes.append(BodyLanes(log_factor[inside], weight[inside], over[inside], unresolved, bottom, top, open=False))
+    for row, speed in zip(rows, speeds, strict=True):
+        inside = row["weight"] > 0.0
+        log_factor, weight, over = row["log_x"][inside] + speed, row["weight"][inside], np.isinf(row["peak"][inside])
+        ends = row["bottom"] + speed, row["top"] + speed
+        lanes.append(BodyLanes(log_factor, weight, over, np.zeros(over.size, dtype=bool), *ends, open=False))
     return lanes
 
 
@@ -189,63 +186,49 @@ def _march_lanes(
     times: np.ndarray,
     ground: np.ndarray,
     rates: np.ndarray,
-    restitutions: Callable[[np.ndarray], np.ndarray],
-    second: int,
+    restitutions: list[Callable[[np.ndarray], np.ndarray]],
+    in_cell: int,
     threads: int | None,
     side: int,
-) -> dict[str, np.ndarray]:
-    """March lanes at frequency parameters (a,), with the `restitutions` (a, n) of ranks (n,) from 0 to 1."""
+    *,
+    rotations: bool,
+) -> Iterator[dict[str, Any]]:
+    """March lanes at each frequency parameter (a,), with its function from ranks (n,) from 0 to 1 to restitutions.
+
+    Without `rotations` the peaks are valid only where they are inf.
+    """
     check_strength(ground)
     if not np.any(ground):
         raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
     if side < 0:
         ground = -ground  # mirror image
-    long = np.flatnonzero(np.diff(times) > SHORTEST)
-    parts = [long[first : first + AT_ONCE] for first in range(0, long.size, AT_ONCE)]
-
-    def pieces_of(part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the accelerations at both ends of pieces, and the largest of each that can lift a block."""
-        pieces = np.stack([ground[part], ground[part + 1]], axis=1)
-        return pieces, np.max(np.maximum(-pieces, 0.0) if side else np.abs(pieces), axis=1)
-
-    highest = np.array([np.max(pieces_of(part)[1]) for part in parts])
-    if not np.any(highest):
+    seconds = np.diff(times)
+    long = seconds > SHORTEST
+    pieces = np.stack([seconds[long], ground[:-1][long], ground[1:][long]])
+    highest = -np.min(pieces[1:]) if side else np.max(np.abs(pieces[1:]))
+    if not highest > 0.0:
         raise ValueError("acceleration: expected a ground motion that lifts a block off its wall, got none")
-    past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
-    bottom = np.log(rates / left[0])
-    impulse = [_largest(weighted_impulse(times, ground, rate, 0.0)) for rate in rates]
-    top = np.maximum(np.log(HIGHEST / np.array(impulse)), bottom + LEAST_SPAN)
+    for rate, restitution in zip(rates.tolist(), restitutions, strict=True):
+        bottom = math.log(rate / highest)
+        top = max(math.log(HIGHEST / _largest(weighted_impulse(times, ground, rate, 0.0))), bottom + LEAST_SPAN)
+        motion = SlenderGround(pieces, rate, side != 0)
+        march = partial(_march, motion, rotations=rotations, threads=threads)
+        yield _both_stages(bottom, top, march, restitution, in_cell)
 
-    @lru_cache(maxsize=1)
-    def arrays_of(number: int) -> tuple[np.ndarray, ...]:
-        """Return the arrays of a part for the kernel, and its largest accelerations up to each piece."""
-        part = parts[number]
-        pieces, pushes = pieces_of(part)
-        steps = np.outer(rates, times[part + 1] - times[part])
-        later = np.maximum.accumulate(np.append(pushes, left[number + 1])[::-1])[::-1].copy()
-        return steps, np.exp(steps), pieces, later, np.maximum.accumulate(pushes)
 
-    def march(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
-        place = np.repeat(np.arange(rates.size), log_x.shape[1])
-        strength = np.exp(log_x).reshape(-1) / rates[place]
-        lifting = 1.0 / strength
-        lifted = np.searchsorted(past, lifting)  # part in which each lane is lifted first
-        begin, state = np.full(place.size, -1), np.zeros((place.size, 4))
-        for number in range(len(parts)):
-            here = lifted == number
-            if np.all(begin < 0) and not np.any(here):
-                continue
-            *arrays, so_far = arrays_of(number)
-            begin[here] = np.searchsorted(so_far, lifting[here])
-            lanes = begin, state, place, strength, restitution.reshape(-1), *arrays, side != 0, number == len(parts) - 1
+def _march(
+    motion: SlenderGround, log_x: np.ndarray, restitution: np.ndarray, *, rotations: bool, threads: int | None
+) -> np.ndarray:
+    """Return the largest u (n,) of lanes of one p."""
+    strength, state = np.exp(log_x) / motion.rate, np.zeros((log_x.size, 4))
+    for tables, final in motion:
 
-            def some(first: int, last: int, lanes: tuple[Any, ...] = lanes) -> None:
-                march_pieces(first, last, *lanes)
+        def some(first: int, last: int, tables: Tables = tables, final: bool = final) -> None:
+            work = np.zeros(ROWS * WIDTH), np.zeros((2, WIDTH), dtype=np.int64)
+            march_lanes(first, last, *work, state, strength, restitution, *tables, motion.wall, final, rotations)
 
-            split_lanes(some, place.size, threads)
-        return state[:, 0].reshape(log_x.shape)
-
-    return _both_stages(bottom, top, march, restitutions, second)
+        split_lanes(some, log_x.size, threads)
+    return state[:, 0]
 
 
 def _largest(values: np.ndarray) -> float:
@@ -263,38 +246,35 @@ def check_strength(ground: np.ndarray) -> None:
 
 
 def _both_stages(
-    bottom: np.ndarray,
-    top: np.ndarray,
-    march: Callable[..., np.ndarray],
+    bottom: float,
+    top: float,
+    march: Callable[[np.ndarray, np.ndarray], np.ndarray],
     restitutions: Callable[[np.ndarray], np.ndarray],
-    second: int,
-) -> dict[str, np.ndarray]:
-    """Return the lanes of both stages from uplift at ln x = `bottom` (a,) to `top` (a,), with peaks from `march`."""
+    in_cell: int,
+) -> dict[str, Any]:
+    """Return the lanes (n,) of both stages from uplift at ln x = `bottom` to `top`, with peaks from `march`."""
     restitution = restitutions(_ranks(FIRST, 0.5))
     for _ in range(WIDENINGS):
-        log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
+        log_x = bottom + (top - bottom) * ((np.arange(FIRST) + 0.5) / FIRST)
         peak = march(log_x, restitution)
-        late = log_x > (bottom + (1.0 - LAST_SHARE) * (top - bottom))[:, np.newaxis]
-        standing = np.any(late & np.isfinite(peak), axis=1)
-        if not np.any(standing):
+        if np.all(np.isinf(peak[log_x > bottom + (1.0 - LAST_SHARE) * (top - bottom)])):
             break
-        top = np.where(standing, top + LEAST_SPAN, top)
-    least, most = restitutions(np.array([0.0, 1.0])).T
-    rows = zip(_level(log_x, restitution), np.isinf(peak), _level(bottom, least), _level(top, most), strict=True)
-    placed = [_second_stage_levels(*one, second) for one in rows]
-    places, grid, density = (np.stack(column) for column in zip(*placed, strict=True))
-    more = restitutions(_ranks(second, 0.25))
+        top += LEAST_SPAN
+    least, most = restitutions(np.array([0.0, 1.0]))
+    ends = _level(bottom, least), _level(top, most)
+    edges, counts = _cells(_level(log_x, restitution), np.isinf(peak), *ends, in_cell)
+    places, ranks = _second_stage(edges, counts)
+    more = restitutions(ranks)
     above = places - SLOPE * (more - MIDDLE)
-    log_x, restitution = np.hstack([log_x, above]), np.hstack([restitution, more])
-    peak = np.hstack([peak, march(above, more)])
-    evenly = (FIRST / (top - bottom))[:, np.newaxis] * (log_x <= top[:, np.newaxis])
-    densely = np.stack([np.interp(*one) for one in zip(_level(log_x, restitution), grid, density, strict=True)])
-    inside = (log_x > bottom[:, np.newaxis]) & (log_x <= top[:, np.newaxis])
-    weight = np.where(inside, 1.0 / (evenly + densely), 0.0)
-    order = np.argsort(restitution, axis=1, kind="stable")
+    log_x, restitution = np.append(log_x, above), np.append(restitution, more)
+    peak = np.append(peak, march(above, more))
+    evenly = FIRST / (top - bottom) * (log_x <= top)
+    inside = (log_x > bottom) & (log_x <= top)
+    cell = np.searchsorted(edges[1:-1], _level(log_x, restitution), side="right")
+    weight = np.where(inside, 1.0 / (evenly + (counts / np.diff(edges))[cell]), 0.0)
+    order = np.argsort(restitution, kind="stable")
     found = {"log_x": log_x, "restitution": restitution, "weight": weight, "peak": peak}
-    ordered = {name: np.take_along_axis(values, order, axis=1) for name, values in found.items()}
-    return {**ordered, "bottom": bottom, "top": top}
+    return {**{name: values[order] for name, values in found.items()}, "bottom": bottom, "top": top}
 
 
 def _ranks(count: int, start: float) -> np.ndarray:
@@ -302,20 +282,41 @@ def _ranks(count: int, start: float) -> np.ndarray:
     return (np.arange(count) * _GOLDEN + start) % 1.0
 
 
-def _level(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
+def _level(log_x: Any, restitution: Any) -> Any:
     """Return ln x corrected for restitution, so that lanes at one level have the same expected outcome."""
     return log_x + SLOPE * (restitution - MIDDLE)
 
 
-def _second_stage_levels(
-    level: np.ndarray, over: np.ndarray, lowest: float, highest: float, count: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return levels (count,) of the second stage, and the density of the second stage on a grid of levels."""
-    grid = np.linspace(lowest, highest, POINTS)
-    near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
+def _cells(
+    level: np.ndarray, over: np.ndarray, lowest: float, highest: float, in_cell: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the edges (c + 1,) in level of the cells of the second stage, and their numbers of lanes (c,).
+
+    The numbers are powers of two, near `in_cell` times the standard deviation of an outcome divided by that at P = 0.5.
+    """
+    cells = max(math.ceil((highest - lowest) / CELL), 1)
+    edges = np.linspace(lowest, highest, cells + 1)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    near = np.exp(-0.5 * ((level - middle[:, np.newaxis]) / NEIGHBOURS) ** 2)
     share = np.sum(near * over, axis=1) / np.sum(near, axis=1)
-    wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
-    step = grid[1] - grid[0]
-    filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step
-    places = np.interp((np.arange(count) + 0.5) / count * filled[-1], filled, grid)
-    return places, grid, count * wanted / filled[-1]
+    wanted = np.maximum(2.0 * np.sqrt(np.maximum(share * (1.0 - share), 0.0)), FLOOR)
+    return edges, np.maximum(np.exp2(np.round(np.log2(in_cell * wanted))), 1.0).astype(np.int64)
+
+
+def _second_stage(edges: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return levels and ranks of restitution (n,): the first points, as many as a cell has, of its own sequence.
+
+    A changed outcome of the first stage changes the numbers of a few cells. All other lanes keep their places.
+    """
+    reversed_bits = np.zeros(1)  # van der Corput's sequence
+    while reversed_bits.size < np.max(counts):
+        reversed_bits = np.append(reversed_bits, reversed_bits + 0.5 / reversed_bits.size)
+    numbers = np.arange(counts.size)
+    places = [(reversed_bits[:n] + k * _GOLDEN) % 1.0 + k for k, n in zip(numbers, counts, strict=True)]
+    ranks = [_ranks(n, 0.25 + k * _SILVER) for k, n in zip(numbers, counts, strict=True)]
+    return np.interp(np.concatenate(places), np.arange(edges.size), edges), np.concatenate(ranks)
+
+
+def _padded(values: Any, count: int) -> Any:
+    """Return an array with its last value repeated up to `count` values; a number as it is."""
+    return np.append(values, np.full(count - values.size, values[-1])) if np.ndim(values) else values

@@ -1,0 +1,178 @@
+"""Tables of a ground motion for the march of slender blocks of one frequency parameter p (:mod:`.slender`).
+
+.. note:: In tau = p t the ground acceleration a_g is linear between nodes. Its pieces are divided until they are at most
+   `LONGEST`. With H(tau) and G(tau), the impulses before and after tau weighted by e^-(distance),
+
+   H = integral of e^-(tau - t) a_g(t) dt to tau,  G = integral of e^-(t - tau) a_g(t) dt from tau on,
+
+   the particular solution Q = (G + H)/2 satisfies Q'' = Q - a_g and Q' = (G - H)/2, so Q + Q' = G and Q - Q' = H.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from rocking.kernel_cache import njit
+
+#: Largest distance between nodes in tau, for which `hyperbolic` is exact to rounding.
+LONGEST = 0.125
+#: Number of nodes in a block, which are searched together.
+BLOCK = 16
+#: Number of pieces in one set of tables, so that records of days need no more memory than those of minutes.
+AT_ONCE = 2**16
+
+
+class Tables(NamedTuple):
+    """Ground motion and response at n nodes (a multiple of `BLOCK`) in b blocks."""
+
+    #: Number of pieces; the nodes after the last piece are empty.
+    count: int
+    #: (n, 8) of the piece after each node: length h in tau, a_g at its start [m/s2], its slope with tau; of each node:
+    #: Q and Q' [m/s2], e^tau and e^-tau from the start of the block, and the acceleration that can lift a block at rest.
+    points: np.ndarray
+    #: (3, n) Q, e^tau and e^-tau again, side by side.
+    rows: np.ndarray
+    #: (b, 5) e^tau over the block; the largest push in the block and at the node before it [m/s2]; cosh h - 1 of the
+    #: longest piece; the largest -G and G from the block on [m/s2].
+    blocks: np.ndarray
+
+
+@njit(inline="always", _nrt=False)
+def hyperbolic(tau):
+    """Return cosh(tau) - 1 and sinh(tau) - tau, for abs(tau) up to `LONGEST`."""
+    z = tau * tau
+    even = 0.5 * z * (1.0 + z * (1.0 / 12.0) * (1.0 + z * (1.0 / 30.0) * (1.0 + z * (1.0 / 56.0) * (1.0 + z / 90.0))))
+    odd = 1.0 + z * (1.0 / 20.0) * (1.0 + z * (1.0 / 42.0) * (1.0 + z * (1.0 / 72.0) * (1.0 + z / 110.0)))
+    return even, tau * z * (1.0 / 6.0) * odd
+
+
+@njit(_nrt=False)
+def _impulses(length, start, slope, past, future):
+    """Fill H and G at the nodes; H of the first node and G of the last one are given."""
+    count = length.shape[0]
+    for k in range(count):
+        even, odd = hyperbolic(length[k])
+        decay = 1.0 - length[k] + even - odd
+        past[k + 1] = past[k] * decay + start[k] * (1.0 - decay) + slope[k] * (even - odd)
+    for k in range(count - 1, -1, -1):
+        even, odd = hyperbolic(length[k])
+        decay = 1.0 - length[k] + even - odd
+        ramp = length[k] * (length[k] - even + odd) - even + odd
+        future[k] = future[k + 1] * decay + start[k] * (1.0 - decay) + slope[k] * ramp
+
+
+@njit(_nrt=False)
+def _exponentials(length, up, down, growth):
+    """Fill e^tau and e^-tau from the start of each block, and e^tau over the blocks."""
+    grown = 1.0
+    for k in range(up.shape[0]):
+        if k % BLOCK == 0:
+            if k > 0:
+                growth[k // BLOCK - 1] = grown
+            grown = 1.0
+        up[k], down[k] = grown, 1.0 / grown
+        if k < length.shape[0]:
+            even, odd = hyperbolic(length[k])
+            grown *= 1.0 + length[k] + even + odd
+    growth[-1] = grown
+
+
+class SlenderGround:
+    """A ground motion for blocks of one p: pieces (3, k) with their lengths [s] and accelerations at both ends [m/s2].
+
+    `wall` is True for blocks beside a wall, which only an acceleration below zero can lift.
+    """
+
+    def __init__(self, pieces: np.ndarray, rate: float, wall: bool) -> None:
+        self.pieces, self.rate, self.wall = pieces, rate, wall
+        self._parts = np.maximum(np.ceil(pieces[0] * rate / LONGEST), 1.0).astype(np.int64)
+        self._ends = np.cumsum(self._parts)
+        self._firsts = range(0, int(self._ends[-1]), AT_ONCE)
+        # From the end of the motion to its start: G, and the largest -G and G after it.
+        self._after = [(0.0, np.zeros(2))]
+        for first in reversed(self._firsts[1:]):
+            tables = self._tables(first, 0.0, *self._after[0])
+            self._after.insert(0, (tables.points[0, 3] + tables.points[0, 4], tables.blocks[0, 3:]))
+        self._single = self._tables(0, 0.0, *self._after[0]) if len(self._firsts) == 1 else None
+
+    def __iter__(self) -> Iterator[tuple[Tables, bool]]:
+        """Return the tables of each part of the motion, and whether it is the last one."""
+        if self._single:
+            yield self._single, True
+            return
+        past = 0.0
+        for first, after in zip(self._firsts, self._after, strict=True):
+            tables = self._tables(first, past, *after)
+            past = tables.points[tables.count, 3] - tables.points[tables.count, 4]
+            yield tables, first == self._firsts[-1]
+
+    def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
+        """Return the tables from a piece on, with H at its start, and G, its largest values and the push at the end."""
+        own = np.arange(first, min(first + AT_ONCE, int(self._ends[-1])))
+        whole = np.searchsorted(self._ends, own, side="right") if np.any(self._parts > 1) else own
+        parts = self._parts[whole]
+        place = own - (self._ends[whole] - parts)
+        seconds, begin, end = self.pieces[:, whole]
+        length, step = seconds * self.rate / parts, (end - begin) / parts
+        start = begin + step * place
+        ends = np.where(place + 1 == parts, end, start + step)
+        slope = (ends - start) / length
+        count = own.size
+        size = (count // BLOCK + 1) * BLOCK
+        before, after, up, down, push = np.zeros((5, size))
+        growth = np.zeros(size // BLOCK)
+        before[0], after[count] = past, future
+        _impulses(length, start, slope, before, after)
+        _exponentials(length, up, down, growth)
+        push[:count] = self._push(start)
+        np.maximum(push[1 : count + 1], self._push(ends), out=push[1 : count + 1])
+        highest = np.max(np.stack([push, np.append(0.0, push[:-1])]).reshape(2, -1, BLOCK), axis=(0, 2))
+        sides = np.stack([-after, after]).reshape(2, -1, BLOCK).max(axis=2)
+        sides[:, -1] = np.maximum(sides[:, -1], left)
+        longest = float(np.max(length))
+        longest = np.max(length)
+        reach = np.full(growth.size, 0.505 * longest**2)
+        left = np.maximum(np.maximum.accumulate(sides[:, ::-1], axis=1)[:, ::-1], 0.0)
+        slack = 0.5 * longest * (np.max(np.abs(after)) + np.max(np.abs(start)) + np.max(np.abs(ends)))
+        points = np.zeros((size, 8))
+        points[:count, :3] = np.stack([length, start, slope], axis=1)
+        points[:, 3:] = np.stack([0.5 * (after + before), 0.5 * (after - before), up, down, push], axis=1)
+        blocks = np.vstack([growth, highest, reach, left + slack]).T.copy()
+        return Tables(count, points, points[:, [3, 5, 6]].T.copy(), blocks)
+
+    def _push(self, ground: np.ndarray) -> np.ndarray:
+        return np.maximum(-ground, 0.0) if self.wall else np.abs(ground)
+
+
+@njit()
+def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float, last: float) -> np.ndarray:
+    """Return E [m/s] (:mod:`rocking.march.demand`) at points (k,) of a piecewise linear ground, `last` at the last."""
+    weighted = np.full(times.shape[0], last)
+    for i in range(times.shape[0] - 2, -1, -1):
+        step = times[i + 1] - times[i]
+        if step <= 0.0:
+            weighted[i] = weighted[i + 1]
+            continue
+        decay = np.exp(-rate * step)
+        whole = -np.expm1(-rate * step) / rate
+        late = (whole - step * decay) / (rate * step)
+        weighted[i] = decay * weighted[i + 1] + (whole - late) * ground[i] + late * ground[i + 1]
+    return weighted
+
+
+@njit()
+def lobe_tops(weighted: np.ndarray) -> np.ndarray:
+    """Return indices of the largest abs(E) (k,) in every run of one sign, in order; zeros belong to no run."""
+    tops = np.empty(weighted.shape[0], dtype=np.int64)
+    count, side = 0, 0.0
+    for i in range(weighted.shape[0]):
+        if weighted[i] == 0.0:
+            continue
+        here = np.sign(weighted[i])
+        if here != side:
+            tops[count] = i
+            count, side = count + 1, here
+        elif abs(weighted[i]) > abs(weighted[tops[count - 1]]):
+            tops[count - 1] = i
+    return tops[:count].copy()
