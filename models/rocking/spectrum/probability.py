@@ -157,12 +157,14 @@ def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
 
 @njit(_nrt=False)
 def _add(counted, bells, sums):
-    for row in range(counted.shape[0]):
+    # A few rows at once, because the bells of all lanes do not fit into the fast memory.
+    for first in range(0, counted.shape[0], 8):
         for lane in range(counted.shape[1]):
-            times = counted[row, lane]
-            if times != 0.0:
-                for level in range(bells.shape[1]):
-                    sums[row, level] += times * bells[lane, level]
+            for row in range(first, min(first + 8, counted.shape[0])):
+                times = counted[row, lane]
+                if times != 0.0:
+                    for level in range(bells.shape[1]):
+                        sums[row, level] += times * bells[lane, level]
 
 
 def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, np.ndarray]:

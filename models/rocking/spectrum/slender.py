@@ -11,13 +11,9 @@
    ground. The growing mode is u - 1 + u' = A + s f G. It exceeds -1 at all later times, and the block never returns, if
    A > 0 and A + 1 > f max(-s G): it overturns.
 
-   Within a piece, u'' changes sign once at most. From its values u, u', k = u'' and j = u''' at a point,
-
-   u(t) = u + u' t + k (cosh t - 1) + j (sinh t - t),
-
-   which has no cancellation for small hops. If u vanishes at a point of a piece, u at its end is at most
-   (cosh h - 1) max(f abs(a_g) - 1), as u'' is at most that large: the other pieces contain no impact.
-   The impacts of `WIDTH` lanes are solved together by Halley's steps from the root of the parabola; `_first_impact`
+   Near the ground u'' is at most f abs(a_g) - 1. So if u vanishes within a piece of length h, it is at most
+   (cosh h - 1) max(f abs(a_g) - 1) at its end: no other piece contains an impact (:mod:`.slender_piece`).
+   The impacts of `WIDTH` lanes are solved together by Halley's steps from the root of the parabola; `first_impact`
    solves the few cases in which u'' changes sign or the steps do not converge.
 """
 
@@ -26,7 +22,22 @@ import math
 import numpy as np
 
 from rocking.kernel_cache import njit
-from rocking.spectrum.slender_ground import BLOCK, hyperbolic
+from rocking.spectrum.slender_ground import (
+    AHEAD,
+    BLOCK,
+    DOWN,
+    GROWTH,
+    HIGHEST,
+    LENGTH,
+    LIFTING,
+    REACH,
+    RESPONSE,
+    SLOPE,
+    SPEED,
+    START,
+    UP,
+)
+from rocking.spectrum.slender_piece import first_impact, halley_step, hyperbolic, motion_at
 
 #: Impacts slower than this u' [-] end the rocking unless the ground lifts the block: u would only reach 5e-7.
 SLOWEST = 1e-3
@@ -34,8 +45,6 @@ SLOWEST = 1e-3
 WIDTH = 16
 #: The last of Halley's steps is at most this share of tau: the error is about its third power.
 CONVERGED = 1e-5
-#: Number of bisections of the bracketed search.
-BISECTIONS = 60
 #: Rows of the state of lanes, each with `WIDTH` values. At a point of a piece: u, u', s f a_g and its rate, the length
 #: left in the piece, u and u' at its end; ...
 U, V, PUSH, RATE, LEFT, END_U, END_V = (np.uint64(WIDTH * row) for row in range(7))
@@ -48,22 +57,9 @@ ROWS = 15
 ENDED, FINAL = -1, -2
 
 
-@njit(inline="always", _nrt=False)
-def _halley(tau, u, v, bend, twist, left):
-    """Return a step of Halley's method for u = 0, and the tau that it leads to within the piece."""
-    even, odd = hyperbolic(tau)
-    value = u + v * tau + bend * even + twist * odd
-    slope = v + bend * (tau + odd) + twist * even
-    curve = bend * (1.0 + even) + twist * (tau + odd)
-    step = 2.0 * value * slope / (2.0 * slope * slope - value * curve)
-    reached = tau - step
-    reached = reached if reached > 0.0 else 0.0
-    return step, reached if reached < left else left
-
-
 @njit(_nrt=False)
 def _solve_impacts(s, turn):
-    """Solve the impacts of all lanes of the state `s`; TAU is negative for those that are left to `_first_impact`."""
+    """Solve the impacts of all lanes of the state `s`; TAU is negative for those that are left to `first_impact`."""
     for i in range(np.uint64(WIDTH)):
         u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
         bend, twist = u - 1.0 - push, v - rate
@@ -74,9 +70,9 @@ def _solve_impacts(s, turn):
         tau = top / low
         tau = tau if tau > 0.0 else 0.0
         tau = tau if tau < left else left
-        _, tau = _halley(tau, u, v, bend, twist, left)
-        _, tau = _halley(tau, u, v, bend, twist, left)
-        step, tau = _halley(tau, u, v, bend, twist, left)
+        _, tau = halley_step(tau, u, v, bend, twist, left)
+        _, tau = halley_step(tau, u, v, bend, twist, left)
+        step, tau = halley_step(tau, u, v, bend, twist, left)
         even, odd = hyperbolic(left)
         same = bend * (bend * (1.0 + even) + twist * (left + odd)) > 0.0
         s[TAU + i] = tau if same and abs(step) <= CONVERGED * tau else -1.0
@@ -92,61 +88,6 @@ def _solve_impacts(s, turn):
 
 
 @njit(_nrt=False)
-def _at(tau, u, v, bend, twist):
-    """Return u and u' at tau after a point with u, u', u'' = `bend` and u''' = `twist`."""
-    even, odd = hyperbolic(tau)
-    return u + v * tau + bend * even + twist * odd, v + bend * (tau + odd) + twist * even
-
-
-@njit(_nrt=False)
-def _bisected(low, high, u, v, bend, twist, order):
-    """Return tau between `low` and `high`, between which u (`order` 0) or u' (1) changes its sign."""
-    sign = 1.0 if (_at(high, u, v, bend, twist)[order] > 0.0) else -1.0
-    tau = high
-    for _ in range(BISECTIONS):
-        value, slope = _at(tau, u, v, bend, twist)
-        if order == 1:
-            even, odd = hyperbolic(tau)
-            value, slope = slope, bend * (1.0 + even) + twist * (tau + odd)
-        if (value > 0.0) == (sign > 0.0):
-            high = tau
-        else:
-            low = tau
-        step = value / slope
-        tau -= step
-        if not low < tau < high:
-            tau = 0.5 * (low + high)
-        elif abs(step) < 1e-15 * tau:
-            break
-    return tau
-
-
-@njit(_nrt=False)
-def _first_impact(u, v, bend, twist, left):
-    """Return the first tau up to `left` at which u falls to zero; -1 if it does not."""
-    if u <= 0.0 and (v < 0.0 or (v == 0.0 and bend < 0.0)):
-        return 0.0
-    # u' is monotone on both sides of the point where u'' = 0, and u between these points and its extremes.
-    turn = left
-    if abs(bend) < abs(twist):
-        turn = min(max(math.atanh(-bend / twist), 0.0), left)
-    last = 0.0
-    for low, high in ((0.0, turn), (turn, left)):
-        if low >= high:
-            continue
-        middle = high
-        # At the start of a hop u' may be 0.
-        rises = _at(low, u, v, bend, twist)[1] > 0.0 or (low == 0.0 and v == 0.0 and (bend > 0.0 or twist > 0.0))
-        if rises != (_at(high, u, v, bend, twist)[1] > 0.0):
-            middle = _bisected(low, high, u, v, bend, twist, 1)
-        for end in (middle, high):
-            if end > last and _at(end, u, v, bend, twist)[0] <= 0.0 and (last > 0.0 or u > 0.0):
-                return _bisected(last, end, u, v, bend, twist, 0)
-            last = max(last, end)
-    return -1.0
-
-
-@njit(_nrt=False)
 def _raise_peak(s, i, u, v, push, rate, left):
     """Raise the largest u of a lane by the top of u within `left` after a point of a piece."""
     bend, twist = u - 1.0 - push, v - rate
@@ -154,13 +95,13 @@ def _raise_peak(s, i, u, v, push, rate, left):
         return
     tau = 0.0
     for _ in range(6):
-        _, speed = _at(tau, u, v, bend, twist)
+        _, speed = motion_at(tau, u, v, bend, twist)
         even, odd = hyperbolic(tau)
         curve = bend * (1.0 + even) + twist * (tau + odd)
         if curve >= 0.0:
             break
         tau = min(max(tau - speed / curve, 0.0), left)
-    s[PEAK + i] = max(s[PEAK + i], u, _at(tau, u, v, bend, twist)[0])
+    s[PEAK + i] = max(s[PEAK + i], u, motion_at(tau, u, v, bend, twist)[0])
 
 
 @njit(inline="always", _nrt=False)
@@ -172,33 +113,40 @@ def _pushes(ground, wall):
 @njit(_nrt=False)
 def _end_of_piece(s, i):
     u, v = s[U + i], s[V + i]
-    s[END_U + i], s[END_V + i] = _at(s[LEFT + i], u, v, u - 1.0 - s[PUSH + i], v - s[RATE + i])
+    s[END_U + i], s[END_V + i] = motion_at(s[LEFT + i], u, v, u - 1.0 - s[PUSH + i], v - s[RATE + i])
 
 
 @njit(_nrt=False)
-def _lift(s, i, k, count, points, rows, blocks, wall):
+def _lift(s, i, k, count, points, blocks, wall):
     """Find the point at which a block at rest in piece `k` is lifted; return its piece, ENDED or FINAL."""
     strength, now, rate, left = s[STRENGTH + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
     if _pushes(now, wall) <= 1.0:
         node = k + 1
-        while node <= count and strength * points[node, 7] <= 1.0:
+        while node <= count and strength * points[node, LIFTING] <= 1.0:
             node += 1
-            while node % BLOCK == 0 and node <= count and strength * blocks[node // BLOCK, 1] <= 1.0:
+            while node % BLOCK == 0 and node <= count and strength * blocks[node // BLOCK, HIGHEST] <= 1.0:
                 node += BLOCK
         if node > count:
             return FINAL
         if node - 1 > k:
             k = node - 1
-            now, rate, left = strength * points[k, 1], strength * points[k, 2], points[k, 0]
+            now, rate, left = strength * points[k, START], strength * points[k, SLOPE], points[k, LENGTH]
         end = now + rate * left
         if _pushes(end, wall) > 1.0:
             wait = min(max((math.copysign(1.0, end) - now) / rate, 0.0), left)
             now, left = math.copysign(1.0, end), left - wait
         elif node < count:  # a jump at the node
             k = node
-            now, rate, left = strength * points[k, 1], strength * points[k, 2], points[k, 0]
+            now, rate, left = strength * points[k, START], strength * points[k, SLOPE], points[k, LENGTH]
     side = 1.0 if wall else -math.copysign(1.0, now)
-    s[SIDE + i], s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = side, 0.0, 0.0, side * now, side * rate, left
+    s[SIDE + i], s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = (
+        side,
+        0.0,
+        0.0,
+        side * now,
+        side * rate,
+        left,
+    )
     _end_of_piece(s, i)
     return k
 
@@ -213,15 +161,15 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
         return FINAL
     force = side * strength
     block = k // BLOCK
-    grow = 0.5 * (u - 1.0 + v - force * (points[k, 3] + points[k, 4])) * points[k, 6]
-    fall = 0.5 * (u - 1.0 - v - force * (points[k, 3] - points[k, 4])) * points[k, 5]
+    grow = 0.5 * (u - 1.0 + v - force * (points[k, RESPONSE] + points[k, SPEED])) * points[k, DOWN]
+    fall = 0.5 * (u - 1.0 - v - force * (points[k, RESPONSE] - points[k, SPEED])) * points[k, UP]
     while True:
-        if grow > 0.0 and 2.0 * grow + 1.0 > strength * blocks[block, 3 if side > 0.0 else 4]:
+        if grow > 0.0 and 2.0 * grow + 1.0 > strength * blocks[block, AHEAD if side > 0.0 else AHEAD + 1]:
             s[PEAK + i] = np.inf
             return ENDED
         first = block * BLOCK
-        pushed = strength * blocks[block, 1]
-        near = blocks[block, 2] * (pushed - 1.0) if pushed > 1.0 else 0.0
+        pushed = strength * blocks[block, HIGHEST]
+        near = blocks[block, REACH] * (pushed - 1.0) if pushed > 1.0 else 0.0
         # Slices, because indices that may be negative prevent the use of vector instructions.
         ahead = slice(first, first + BLOCK)
         q, e, d = rows[0, ahead], rows[1, ahead], rows[2, ahead]
@@ -230,52 +178,59 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
             below = (1.0 + force * q[j] + grow * e[j] + fall * d[j] <= near) & (j > k - first)
             found = min(found, j if below else BLOCK)
         if peaks:
-            high = s[PEAK + i] - blocks[block, 2] * (1.0 + pushed)
+            high = s[PEAK + i] - blocks[block, REACH] * (1.0 + pushed)
             above = 0
             for j in range(BLOCK):
                 above += (1.0 + force * q[j] + grow * e[j] + fall * d[j] > high) & (j > k - first)
             if above > 0:
-                _scan_peak(s, i, max(k + 1, first), min(first + found, first + BLOCK - 1, count), force, grow, fall, count, points, rows, blocks)
+                end = min(first + found, first + BLOCK - 1, count)
+                _scan_peak(s, i, max(k + 1, first), end, force, grow, fall, points, blocks)
         if found < BLOCK:
             break
         if first + BLOCK > count:
             break
-        grow *= blocks[block, 0]
-        fall /= blocks[block, 0]
+        grow *= blocks[block, GROWTH]
+        fall /= blocks[block, GROWTH]
         block += 1
     node, last = first + found, min(first + BLOCK - 1, count)
     if node > last:
-        s[U + i] = max(1.0 + force * points[last, 3] + grow * points[last, 5] + fall * points[last, 6], 0.0)
-        s[V + i] = force * points[last, 4] + grow * points[last, 5] - fall * points[last, 6]
+        s[U + i] = max(1.0 + force * points[last, RESPONSE] + grow * points[last, UP] + fall * points[last, DOWN], 0.0)
+        s[V + i] = force * points[last, SPEED] + grow * points[last, UP] - fall * points[last, DOWN]
         return FINAL
     piece = node - 1
     if piece > k:
         shift = 1.0
         if piece < first:
-            shift = blocks[block - 1, 0]
-        u = max(1.0 + force * points[piece, 3] + grow * points[piece, 5] / shift + fall * points[piece, 6] * shift, 0.0)
-        v = force * points[piece, 4] + grow * points[piece, 5] / shift - fall * points[piece, 6] * shift
-    s[U + i], s[V + i], s[LEFT + i] = u, v, points[piece, 0]
-    s[PUSH + i], s[RATE + i] = force * points[piece, 1], force * points[piece, 2]
+            shift = blocks[block - 1, GROWTH]
+        u = max(
+            1.0
+            + force * points[piece, RESPONSE]
+            + grow * points[piece, UP] / shift
+            + fall * points[piece, DOWN] * shift,
+            0.0,
+        )
+        v = force * points[piece, SPEED] + grow * points[piece, UP] / shift - fall * points[piece, DOWN] * shift
+    s[U + i], s[V + i], s[LEFT + i] = u, v, points[piece, LENGTH]
+    s[PUSH + i], s[RATE + i] = force * points[piece, START], force * points[piece, SLOPE]
     _end_of_piece(s, i)
     return piece
 
 
 @njit(_nrt=False)
-def _scan_peak(s, i, first, last, force, grow, fall, count, points, rows, blocks):
+def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
     """Raise the largest u of a lane by the tops between nodes `first` - 1 and `last`, within one block of the arc."""
-    margin = blocks[first // BLOCK, 2] * (1.0 + abs(force) * blocks[first // BLOCK, 1])
+    margin = blocks[first // BLOCK, REACH] * (1.0 + abs(force) * blocks[first // BLOCK, HIGHEST])
     for k in range(first, last + 1):
-        up, down = grow * points[k, 5], fall * points[k, 6]
-        u = 1.0 + force * points[k, 3] + up + down
+        up, down = grow * points[k, UP], fall * points[k, DOWN]
+        u = 1.0 + force * points[k, RESPONSE] + up + down
         if u + margin > s[PEAK + i]:
-            v = force * points[k, 4] + up - down
+            v = force * points[k, SPEED] + up - down
             if v > 0.0:
                 s[PEAK + i] = max(s[PEAK + i], u)
             else:
                 piece = k - 1
-                end = points[piece, 1] + points[piece, 2] * points[piece, 0]
-                _raise_peak(s, i, u, -v, force * end, -force * points[piece, 2], points[piece, 0])
+                end = points[piece, START] + points[piece, SLOPE] * points[piece, LENGTH]
+                _raise_peak(s, i, u, -v, force * end, -force * points[piece, SLOPE], points[piece, LENGTH])
 
 
 @njit(inline="always", _nrt=False)
@@ -286,7 +241,7 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
     """
     while True:
         if s[SIDE + i] == 0.0:
-            k = _lift(s, i, k, count, points, rows, blocks, wall)
+            k = _lift(s, i, k, count, points, blocks, wall)
             passed = False
             if k < 0:
                 return k
@@ -295,7 +250,7 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
             if end <= 0.0:
                 return k
             if s[END_V + i] > 0.0:
-                pushed = s[STRENGTH + i] * blocks[(k + 1) // BLOCK, 1]
+                pushed = s[STRENGTH + i] * blocks[(k + 1) // BLOCK, HIGHEST]
                 turns = s[V + i] < 0.0 or s[U + i] - 1.0 - s[PUSH + i] < 0.0
                 if turns and end <= 0.51 * s[LEFT + i] ** 2 * max(pushed - 1.0, 0.0):
                     return k
@@ -308,7 +263,7 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
 
 
 @njit(inline="always", _nrt=False)
-def _impact(s, i, k, count, points, rows, blocks, wall, peaks):
+def _impact(s, i, k, points, wall, peaks):
     """Apply the impact in piece `k`, if there is one; return whether there is none in the rest of the piece."""
     u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
     tau = s[TAU + i]
@@ -318,14 +273,16 @@ def _impact(s, i, k, count, points, rows, blocks, wall, peaks):
         _raise_peak(s, i, u, v, push, rate, left)
     if not solved:
         bend, twist = u - 1.0 - push, v - rate
-        tau = _first_impact(u, v, bend, twist, left)
+        tau = first_impact(u, v, bend, twist, left)
         if tau < 0.0:
             return True
-        s[AFTER + i] = s[RESTITUTION + i] * max(-_at(tau, u, v, bend, twist)[1], 0.0)
+        s[AFTER + i] = s[RESTITUTION + i] * max(-motion_at(tau, u, v, bend, twist)[1], 0.0)
     push, left, v = turn * (push + rate * tau), left - tau, s[AFTER + i]
     s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i] = 0.0, v, push, turn * rate, left
     s[SIDE + i] *= turn
-    if _comes_to_rest(v, s[RESTITUTION + i], _pushes(push, wall), left, s[STRENGTH + i], k + 1, count, points, rows, blocks):
+    margin = 1.0 - max(_pushes(push, wall), s[STRENGTH + i] * points[k + 1, LIFTING])
+    # At rest after hops of at most 2 u'/margin, each shorter by C, that all end within the piece.
+    if v <= SLOWEST or 2.0 * v < margin * (1.0 - s[RESTITUTION + i]) * left:
         s[PUSH + i], s[RATE + i] = s[SIDE + i] * push, s[SIDE + i] * turn * rate
         s[SIDE + i] = 0.0
     elif solved:
@@ -333,16 +290,6 @@ def _impact(s, i, k, count, points, rows, blocks, wall, peaks):
     else:
         _end_of_piece(s, i)
     return False
-
-
-@njit(_nrt=False)
-def _comes_to_rest(v, restitution, pushed, left, strength, node, count, points, rows, blocks):
-    """Return whether a block rests before the ground may lift it: hops of at most 2 u'/margin, each shorter by C.
-
-    The margin is that of the rest of the piece before `node`, or of the next `BLOCK` pieces too.
-    """
-    margin = 1.0 - max(pushed, strength * points[node, 7])
-    return v <= SLOWEST or 2.0 * v < margin * (1.0 - restitution) * left
 
 
 @njit(_nrt=False)
@@ -373,7 +320,7 @@ def march_lanes(first, last, s, slots, state, strength, restitution, count, poin
         for i in range(np.uint64(WIDTH)):
             k, passed = piece[i], True
             if lane_of[i] >= 0:
-                passed = _impact(s, i, k, count, points, rows, blocks, wall, peaks)
+                passed = _impact(s, i, k, points, wall, peaks)
             while True:
                 if lane_of[i] < 0:
                     while taken < last and np.isnan(state[taken, 3]):
@@ -399,7 +346,7 @@ def _start(s, i, own, strength, restitution, points):
     """Set a lane to its state at the first node; return the piece that it is in, -1 if it is in motion."""
     s[STRENGTH + i], s[RESTITUTION + i], s[SIDE + i], s[PEAK + i] = strength, restitution, own[3], own[0]
     s[V + i], s[END_U + i], s[END_V + i] = 0.0, own[1], own[2]
-    s[PUSH + i], s[RATE + i], s[LEFT + i] = strength * points[0, 1], strength * points[0, 2], points[0, 0]
+    s[PUSH + i], s[RATE + i], s[LEFT + i] = strength * points[0, START], strength * points[0, SLOPE], points[0, LENGTH]
     return 0 if own[3] == 0.0 else -1
 
 

@@ -1,7 +1,6 @@
 """Tables of a ground motion for the march of slender blocks of one frequency parameter p (:mod:`.slender`).
 
-.. note:: In tau = p t the ground acceleration a_g is linear between nodes. Its pieces are divided until they are at most
-   `LONGEST`. With H(tau) and G(tau), the impulses before and after tau weighted by e^-(distance),
+.. note:: In tau = p t the ground acceleration a_g is linear between nodes, which are at most `LONGEST` apart. With H(tau) and G(tau), the impulses before and after tau weighted by e^-(distance),
 
    H = integral of e^-(tau - t) a_g(t) dt to tau,  G = integral of e^-(t - tau) a_g(t) dt from tau on,
 
@@ -14,37 +13,30 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking.kernel_cache import njit
+from rocking.spectrum.slender_piece import LONGEST, hyperbolic
 
-#: Largest distance between nodes in tau, for which `hyperbolic` is exact to rounding.
-LONGEST = 0.125
 #: Number of nodes in a block, which are searched together.
 BLOCK = 16
 #: Number of pieces in one set of tables, so that records of days need no more memory than those of minutes.
 AT_ONCE = 2**16
 
 
+#: Columns of `Tables.points`. Of the piece after each node: its length in tau, a_g at its start [m/s2] and the slope of
+#: a_g with tau. Of each node: Q and Q' [m/s2], e^tau and e^-tau from the start of its block, and the acceleration that
+#: can lift a block at rest [m/s2].
+LENGTH, START, SLOPE, RESPONSE, SPEED, UP, DOWN, LIFTING = range(8)
+#: Columns of `Tables.blocks`: e^tau over the block; the largest LIFTING in the block and at the node before it;
+#: cosh h - 1 of the longest piece; the largest -G, and G (AHEAD + 1), from the block on, between nodes too.
+GROWTH, HIGHEST, REACH, AHEAD = range(4)
+
+
 class Tables(NamedTuple):
-    """Ground motion and response at n nodes (a multiple of `BLOCK`) in b blocks."""
+    """Ground motion and response at n nodes in b blocks of `BLOCK`; those after the last piece are empty."""
 
-    #: Number of pieces; the nodes after the last piece are empty.
-    count: int
-    #: (n, 8) of the piece after each node: length h in tau, a_g at its start [m/s2], its slope with tau; of each node:
-    #: Q and Q' [m/s2], e^tau and e^-tau from the start of the block, and the acceleration that can lift a block at rest.
-    points: np.ndarray
-    #: (3, n) Q, e^tau and e^-tau again, side by side.
-    rows: np.ndarray
-    #: (b, 5) e^tau over the block; the largest push in the block and at the node before it [m/s2]; cosh h - 1 of the
-    #: longest piece; the largest -G and G from the block on [m/s2].
-    blocks: np.ndarray
-
-
-@njit(inline="always", _nrt=False)
-def hyperbolic(tau):
-    """Return cosh(tau) - 1 and sinh(tau) - tau, for abs(tau) up to `LONGEST`."""
-    z = tau * tau
-    even = 0.5 * z * (1.0 + z * (1.0 / 12.0) * (1.0 + z * (1.0 / 30.0) * (1.0 + z * (1.0 / 56.0) * (1.0 + z / 90.0))))
-    odd = 1.0 + z * (1.0 / 20.0) * (1.0 + z * (1.0 / 42.0) * (1.0 + z * (1.0 / 72.0) * (1.0 + z / 110.0)))
-    return even, tau * z * (1.0 / 6.0) * odd
+    count: int  #: number of pieces
+    points: np.ndarray  #: (n, 8)
+    rows: np.ndarray  #: (3, n) Q, e^tau and e^-tau again, side by side
+    blocks: np.ndarray  #: (b, 5)
 
 
 @njit(_nrt=False)
@@ -93,7 +85,7 @@ class SlenderGround:
         self._after = [(0.0, np.zeros(2))]
         for first in reversed(self._firsts[1:]):
             tables = self._tables(first, 0.0, *self._after[0])
-            self._after.insert(0, (tables.points[0, 3] + tables.points[0, 4], tables.blocks[0, 3:]))
+            self._after.insert(0, (tables.points[0, RESPONSE] + tables.points[0, SPEED], tables.blocks[0, AHEAD:]))
         self._single = self._tables(0, 0.0, *self._after[0]) if len(self._firsts) == 1 else None
 
     def __iter__(self) -> Iterator[tuple[Tables, bool]]:
@@ -104,7 +96,7 @@ class SlenderGround:
         past = 0.0
         for first, after in zip(self._firsts, self._after, strict=True):
             tables = self._tables(first, past, *after)
-            past = tables.points[tables.count, 3] - tables.points[tables.count, 4]
+            past = tables.points[tables.count, RESPONSE] - tables.points[tables.count, SPEED]
             yield tables, first == self._firsts[-1]
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
@@ -139,7 +131,7 @@ class SlenderGround:
         points[:count, :3] = np.stack([length, start, slope], axis=1)
         points[:, 3:] = np.stack([0.5 * (after + before), 0.5 * (after - before), up, down, push], axis=1)
         blocks = np.vstack([growth, highest, reach, left + slack]).T.copy()
-        return Tables(count, points, points[:, [3, 5, 6]].T.copy(), blocks)
+        return Tables(count, points, points[:, [RESPONSE, UP, DOWN]].T.copy(), blocks)
 
     def _push(self, ground: np.ndarray) -> np.ndarray:
         return np.maximum(-ground, 0.0) if self.wall else np.abs(ground)

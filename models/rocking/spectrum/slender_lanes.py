@@ -212,14 +212,14 @@ def _march_lanes(
         bottom = math.log(rate / highest)
         top = max(math.log(HIGHEST / _largest(weighted_impulse(times, ground, rate, 0.0))), bottom + LEAST_SPAN)
         motion = SlenderGround(pieces, rate, side != 0)
-        march = partial(_march, motion, rotations=rotations, threads=threads)
+        march = partial(march_one_rate, motion, rotations=rotations, threads=threads)
         yield _both_stages(bottom, top, march, restitution, in_cell)
 
 
-def _march(
+def march_one_rate(
     motion: SlenderGround, log_x: np.ndarray, restitution: np.ndarray, *, rotations: bool, threads: int | None
 ) -> np.ndarray:
-    """Return the largest u (n,) of lanes of one p."""
+    """Return the largest u (n,) of lanes of one p; without `rotations` only inf is valid, for lanes that overturn."""
     strength, state = np.exp(log_x) / motion.rate, np.zeros((log_x.size, 4))
     for tables, final in motion:
 

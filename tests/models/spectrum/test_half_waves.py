@@ -18,7 +18,8 @@ from rocking.spectrum.half_waves import (
     lobe_shapes,
     triangles,
 )
-from rocking.spectrum.slender import march_pieces
+from rocking.spectrum.slender_ground import SlenderGround
+from rocking.spectrum.slender_lanes import march_one_rate
 
 G = 9.80665
 RATES = np.array([0.7, 2.0, 5.0])
@@ -41,17 +42,16 @@ def half_waves(seed, count=40, dt=0.01):
 
 
 def marched(waves, place, strength, restitution):
-    corners = triangles(*waves)
-    length = np.diff(corners[0])
-    pieces = length > 1e-9
-    ground = np.ascontiguousarray(np.stack([corners[1, :-1], corners[1, 1:]], axis=1)[pieces])
-    highest = np.max(np.abs(ground), axis=1)
-    left = np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
-    steps = np.outer(RATES, length[pieces])
-    begin, state = np.zeros(place.size, dtype=np.int64), np.zeros((place.size, 4))
-    lanes = place, strength, restitution, steps, np.exp(steps), ground, left
-    march_pieces(0, place.size, begin, state, *lanes, False, True)
-    return state[:, 0]
+    corners, tops = triangles(*waves)
+    long = np.diff(corners) > 1e-9
+    pieces = np.stack([np.diff(corners)[long], tops[:-1][long], tops[1:][long]])
+    peak = np.empty(place.size)
+    for own in np.unique(place):
+        lanes = place == own
+        log_x = np.log(strength[lanes] * RATES[own])
+        motion = SlenderGround(pieces, float(RATES[own]), wall=False)
+        peak[lanes] = march_one_rate(motion, log_x, restitution[lanes], rotations=True, threads=1)
+    return peak
 
 
 @pytest.mark.parametrize("seed", range(1))

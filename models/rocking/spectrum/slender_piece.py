@@ -1,0 +1,94 @@
+"""The motion of a slender block within a piece of the ground motion, over which a_g is linear in tau = p t.
+
+.. note:: u'' = u - 1 - s f a_g changes its sign once at most. From u, u', `bend` = u'' and `twist` = u''' at a point,
+
+   u(t) = u + u' t + bend (cosh t - 1) + twist (sinh t - t),
+
+   which has no cancellation for small hops, so that an impact is accurate relative to its hop.
+"""
+
+import math
+
+from rocking.kernel_cache import njit
+
+#: Largest length of a piece in tau, for which `hyperbolic` is exact to rounding.
+LONGEST = 0.125
+#: Largest number of steps of the search in a bracket, and the relative accuracy where it ends.
+STEPS, ACCURACY = 60, 1e-15
+
+
+@njit(inline="always", _nrt=False)
+def hyperbolic(tau):
+    """Return cosh(tau) - 1 and sinh(tau) - tau, for abs(tau) up to `LONGEST`."""
+    z = tau * tau
+    even = 0.5 * z * (1.0 + z * (1.0 / 12.0) * (1.0 + z * (1.0 / 30.0) * (1.0 + z * (1.0 / 56.0) * (1.0 + z / 90.0))))
+    odd = 1.0 + z * (1.0 / 20.0) * (1.0 + z * (1.0 / 42.0) * (1.0 + z * (1.0 / 72.0) * (1.0 + z / 110.0)))
+    return even, tau * z * (1.0 / 6.0) * odd
+
+
+@njit(_nrt=False)
+def motion_at(tau, u, v, bend, twist):
+    """Return u and u' at tau after a point with u, u', u'' = `bend` and u''' = `twist`."""
+    even, odd = hyperbolic(tau)
+    return u + v * tau + bend * even + twist * odd, v + bend * (tau + odd) + twist * even
+
+
+@njit(inline="always", _nrt=False)
+def halley_step(tau, u, v, bend, twist, left):
+    """Return a step of Halley's method for u = 0, and the tau that it leads to within the piece."""
+    even, odd = hyperbolic(tau)
+    value = u + v * tau + bend * even + twist * odd
+    slope = v + bend * (tau + odd) + twist * even
+    curve = bend * (1.0 + even) + twist * (tau + odd)
+    step = 2.0 * value * slope / (2.0 * slope * slope - value * curve)
+    reached = tau - step
+    reached = reached if reached > 0.0 else 0.0
+    return step, reached if reached < left else left
+
+
+@njit(_nrt=False)
+def _sign_change(low, high, u, v, bend, twist, order):
+    """Return tau from `low` to `high` where u (`order` 0) or u' (1) changes its sign, by bracketed Newton steps."""
+    sign = 1.0 if (motion_at(high, u, v, bend, twist)[order] > 0.0) else -1.0
+    tau = high
+    for _ in range(STEPS):
+        value, slope = motion_at(tau, u, v, bend, twist)
+        if order == 1:
+            even, odd = hyperbolic(tau)
+            value, slope = slope, bend * (1.0 + even) + twist * (tau + odd)
+        if (value > 0.0) == (sign > 0.0):
+            high = tau
+        else:
+            low = tau
+        step = value / slope
+        tau -= step
+        if not low < tau < high:
+            tau = 0.5 * (low + high)
+        elif abs(step) < ACCURACY * tau:
+            break
+    return tau
+
+
+@njit(_nrt=False)
+def first_impact(u, v, bend, twist, left):
+    """Return the first tau up to `left` where u falls to zero; -1 if it does not."""
+    if u <= 0.0 and (v < 0.0 or (v == 0.0 and bend < 0.0)):
+        return 0.0
+    # u' is monotone on both sides of the point where u'' = 0, and u between these points and its extremes.
+    turn = left
+    if abs(bend) < abs(twist):
+        turn = min(max(math.atanh(-bend / twist), 0.0), left)
+    last = 0.0
+    for low, high in ((0.0, turn), (turn, left)):
+        if low >= high:
+            continue
+        middle = high
+        # At the start of a hop u' may be 0.
+        rises = motion_at(low, u, v, bend, twist)[1] > 0.0 or (low == 0.0 and v == 0.0 and (bend > 0.0 or twist > 0.0))
+        if rises != (motion_at(high, u, v, bend, twist)[1] > 0.0):
+            middle = _sign_change(low, high, u, v, bend, twist, 1)
+        for end in (middle, high):
+            if end > last and motion_at(end, u, v, bend, twist)[0] <= 0.0 and (last > 0.0 or u > 0.0):
+                return _sign_change(last, end, u, v, bend, twist, 0)
+            last = max(last, end)
+    return -1.0
