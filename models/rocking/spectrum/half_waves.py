@@ -32,8 +32,8 @@ from rocking.spectrum.slender_lanes import (
 POINTS, AT_ONCE = 8, 2**15
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Number of lanes of each block in a cell of the second stage, and g tan(alpha)/p of the slender blocks that are marched [m/s].
-IN_CELL, SPEED = 32, 0.01
+#: Number of lanes of each block in the second stage, and g tan(alpha)/p of the slender blocks that are marched [m/s].
+SECOND, SPEED = 320, 0.01
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -245,6 +245,6 @@ def _spectra(
     times, ground = triangles(start, centroid, end, impulse / largest)
     uncertainty = Uncertainty()
     reach = REACH * math.hypot(uncertainty.factor, uncertainty.geometry)
-    lanes = body_piece_lanes(times, ground, slender, uncertainty, threads, in_cell=IN_CELL)
+    lanes = body_piece_lanes(times, ground, slender, uncertainty, threads, second=SECOND)
     capacity = np.array([lane_capacity(one, uncertainty, reach) for one in lanes]).T
     return largest * SPEED / capacity

@@ -153,7 +153,7 @@ def _lift(s, i, k, count, points, blocks, wall):
 
 @njit(inline="always", _nrt=False)
 def _fly(s, i, k, count, points, rows, blocks, peaks):
-    """Follow a block in motion from node `k`; return the next piece at whose end it is near the ground, ENDED, FINAL."""
+    """Follow a block in motion from node `k`; return the next piece at whose end it is near the ground."""
     u, v, side, strength = s[END_U + i], s[END_V + i], s[SIDE + i], s[STRENGTH + i]
     u = max(u, 0.0)
     if k == count:

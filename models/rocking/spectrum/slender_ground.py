@@ -1,6 +1,7 @@
 """Tables of a ground motion for the march of slender blocks of one frequency parameter p (:mod:`.slender`).
 
-.. note:: In tau = p t the ground acceleration a_g is linear between nodes, which are at most `LONGEST` apart. With H(tau) and G(tau), the impulses before and after tau weighted by e^-(distance),
+.. note:: In tau = p t the ground acceleration a_g is linear between nodes, which are at most `LONGEST` apart. With
+   H(tau) and G(tau), the impulses before and after tau weighted by e^-(distance),
 
    H = integral of e^-(tau - t) a_g(t) dt to tau,  G = integral of e^-(t - tau) a_g(t) dt from tau on,
 
@@ -33,7 +34,7 @@ GROWTH, HIGHEST, REACH, AHEAD = range(4)
 class Tables(NamedTuple):
     """Ground motion and response at n nodes in b blocks of `BLOCK`; those after the last piece are empty."""
 
-    count: int  #: number of pieces
+    pieces: int  #: their number
     points: np.ndarray  #: (n, 8)
     rows: np.ndarray  #: (3, n) Q, e^tau and e^-tau again, side by side
     blocks: np.ndarray  #: (b, 5)
@@ -96,7 +97,7 @@ class SlenderGround:
         past = 0.0
         for first, after in zip(self._firsts, self._after, strict=True):
             tables = self._tables(first, past, *after)
-            past = tables.points[tables.count, RESPONSE] - tables.points[tables.count, SPEED]
+            past = tables.points[tables.pieces, RESPONSE] - tables.points[tables.pieces, SPEED]
             yield tables, first == self._firsts[-1]
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:

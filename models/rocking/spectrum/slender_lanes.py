@@ -12,7 +12,7 @@
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -37,9 +37,9 @@ SHORTEST = 1e-12
 LEAST_RESTITUTION = 0.7125
 #: Range of rebounds e of the lanes of blocks beside a wall.
 REBOUNDS = (0.25, 0.55)
-#: Number of lanes of each p in the first stage, and of those of the second stage in a cell in which P is 0.5: for a
-#: spectrum and for a single body (docs/decisions/018).
-FIRST, IN_CELL, IN_CELL_OF_BODY = 144, 64, 128
+#: Number of lanes of each p in the first stage, and in the second one of a spectrum and of a single body
+#: (docs/decisions/018).
+FIRST, SECOND, SECOND_OF_BODY = 144, 700, 1600
 #: The first stage ends at this multiple of the weighted impulse that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
 #: ... and at least this far above uplift [-], in ln x.
@@ -49,9 +49,11 @@ LAST_SHARE, WIDENINGS = 0.1, 6
 #: Capacities decrease with C: lanes of equal expected outcome have equal ln x + SLOPE (C - MIDDLE).
 SLOPE, MIDDLE = 1.3, 0.85
 #: Width in ln x over which the outcomes of the first stage are averaged; smallest density of the second stage divided
-#: by its density at P = 0.5; largest width of its cells in ln x.
-NEIGHBOURS, FLOOR, CELL = 0.12, 0.08, 0.1
-_GOLDEN, _SILVER = 0.5 * (math.sqrt(5.0) - 1.0), math.sqrt(2.0) - 1.0
+#: by its density at P = 0.5.
+NEIGHBOURS, FLOOR = 0.12, 0.08
+#: Number of points at which the density of the second stage is computed, and decimal digits of P there.
+POINTS, SHARE_DIGITS = 161, 12
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +150,8 @@ def piece_lanes(
     def restitutions(rank: np.ndarray) -> np.ndarray:
         return least + (most - least) * rank
 
-    rows = list(_march_lanes(times, ground, rates, [restitutions] * rates.size, IN_CELL, threads, side, rotations=True))
-    most_lanes = max(row["weight"].size for row in rows)
-    found = {name: np.array([_padded(row[name], most_lanes) for row in rows]) for name in rows[0]}
-    found["weight"] *= np.arange(most_lanes) < np.array([[row["weight"].size] for row in rows])
+    rows = list(_march_lanes(times, ground, rates, [restitutions] * rates.size, SECOND, threads, side, rotations=True))
+    found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     # A restitution close to 1 represents 1.
     covered = (least, 1.0 if most == MOST_RESTITUTION else most)
     return SpectrumLanes(rates, **found, between=covered, side=side)
@@ -165,14 +165,14 @@ def body_piece_lanes(
     threads: int | None = None,
     *,
     side: int = 0,
-    in_cell: int = IN_CELL_OF_BODY,
+    second: int = SECOND_OF_BODY,
 ) -> list[BodyLanes]:
     """March lanes at the p and the restitutions of each of (m,) slender blocks, under the same motion of the ground."""
     rates, nominal = np.asarray(block.p, dtype=float), np.asarray(block.restitution, dtype=float)
 
     restitutions = [partial(uncertainty.restitutions, own) for own in nominal]
     speeds = np.log(block.gravity * np.tan(block.alpha_c) / rates)
-    rows = _march_lanes(times, ground, rates, restitutions, in_cell, threads, side, rotations=False)
+    rows = _march_lanes(times, ground, rates, restitutions, second, threads, side, rotations=False)
     lanes = []
     for row, speed in zip(rows, speeds, strict=True):
         inside = row["weight"] > 0.0
@@ -186,8 +186,8 @@ def _march_lanes(
     times: np.ndarray,
     ground: np.ndarray,
     rates: np.ndarray,
-    restitutions: list[Callable[[np.ndarray], np.ndarray]],
-    in_cell: int,
+    restitutions: Sequence[Callable[[np.ndarray], np.ndarray]],
+    second: int,
     threads: int | None,
     side: int,
     *,
@@ -213,7 +213,7 @@ def _march_lanes(
         top = max(math.log(HIGHEST / _largest(weighted_impulse(times, ground, rate, 0.0))), bottom + LEAST_SPAN)
         motion = SlenderGround(pieces, rate, side != 0)
         march = partial(march_one_rate, motion, rotations=rotations, threads=threads)
-        yield _both_stages(bottom, top, march, restitution, in_cell)
+        yield _both_stages(bottom, top, march, restitution, second)
 
 
 def march_one_rate(
@@ -250,7 +250,7 @@ def _both_stages(
     top: float,
     march: Callable[[np.ndarray, np.ndarray], np.ndarray],
     restitutions: Callable[[np.ndarray], np.ndarray],
-    in_cell: int,
+    second: int,
 ) -> dict[str, Any]:
     """Return the lanes (n,) of both stages from uplift at ln x = `bottom` to `top`, with peaks from `march`."""
     restitution = restitutions(_ranks(FIRST, 0.5))
@@ -262,16 +262,14 @@ def _both_stages(
         top += LEAST_SPAN
     least, most = restitutions(np.array([0.0, 1.0]))
     ends = _level(bottom, least), _level(top, most)
-    edges, counts = _cells(_level(log_x, restitution), np.isinf(peak), *ends, in_cell)
-    places, ranks = _second_stage(edges, counts)
-    more = restitutions(ranks)
+    places, grid, density = _second_stage_levels(_level(log_x, restitution), np.isinf(peak), *ends, second)
+    more = restitutions(_ranks(second, 0.25))
     above = places - SLOPE * (more - MIDDLE)
     log_x, restitution = np.append(log_x, above), np.append(restitution, more)
     peak = np.append(peak, march(above, more))
     evenly = FIRST / (top - bottom) * (log_x <= top)
     inside = (log_x > bottom) & (log_x <= top)
-    cell = np.searchsorted(edges[1:-1], _level(log_x, restitution), side="right")
-    weight = np.where(inside, 1.0 / (evenly + (counts / np.diff(edges))[cell]), 0.0)
+    weight = np.where(inside, 1.0 / (evenly + np.interp(_level(log_x, restitution), grid, density)), 0.0)
     order = np.argsort(restitution, kind="stable")
     found = {"log_x": log_x, "restitution": restitution, "weight": weight, "peak": peak}
     return {**{name: values[order] for name, values in found.items()}, "bottom": bottom, "top": top}
@@ -287,36 +285,16 @@ def _level(log_x: Any, restitution: Any) -> Any:
     return log_x + SLOPE * (restitution - MIDDLE)
 
 
-def _cells(
-    level: np.ndarray, over: np.ndarray, lowest: float, highest: float, in_cell: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the edges (c + 1,) in level of the cells of the second stage, and their numbers of lanes (c,).
-
-    The numbers are powers of two, near `in_cell` times the standard deviation of an outcome divided by that at P = 0.5.
-    """
-    cells = max(math.ceil((highest - lowest) / CELL), 1)
-    edges = np.linspace(lowest, highest, cells + 1)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    near = np.exp(-0.5 * ((level - middle[:, np.newaxis]) / NEIGHBOURS) ** 2)
-    share = np.sum(near * over, axis=1) / np.sum(near, axis=1)
-    wanted = np.maximum(2.0 * np.sqrt(np.maximum(share * (1.0 - share), 0.0)), FLOOR)
-    return edges, np.maximum(np.exp2(np.round(np.log2(in_cell * wanted))), 1.0).astype(np.int64)
-
-
-def _second_stage(edges: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return levels and ranks of restitution (n,): the first points, as many as a cell has, of its own sequence.
-
-    A changed outcome of the first stage changes the numbers of a few cells. All other lanes keep their places.
-    """
-    reversed_bits = np.zeros(1)  # van der Corput's sequence
-    while reversed_bits.size < np.max(counts):
-        reversed_bits = np.append(reversed_bits, reversed_bits + 0.5 / reversed_bits.size)
-    numbers = np.arange(counts.size)
-    places = [(reversed_bits[:n] + k * _GOLDEN) % 1.0 + k for k, n in zip(numbers, counts, strict=True)]
-    ranks = [_ranks(n, 0.25 + k * _SILVER) for k, n in zip(numbers, counts, strict=True)]
-    return np.interp(np.concatenate(places), np.arange(edges.size), edges), np.concatenate(ranks)
-
-
-def _padded(values: Any, count: int) -> Any:
-    """Return an array with its last value repeated up to `count` values; a number as it is."""
-    return np.append(values, np.full(count - values.size, values[-1])) if np.ndim(values) else values
+def _second_stage_levels(
+    level: np.ndarray, over: np.ndarray, lowest: float, highest: float, count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return levels (count,) of the second stage, and the density of the second stage on a grid of levels."""
+    grid = np.linspace(lowest, highest, POINTS)
+    near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
+    # Rounded, because the root of a share that is 0 or 1 but for rounding would move all lanes by 1e-8.
+    share = np.round(np.sum(near * over, axis=1) / np.sum(near, axis=1), SHARE_DIGITS)
+    wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
+    step = grid[1] - grid[0]
+    filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step
+    places = np.interp((np.arange(count) + 0.5) / count * filled[-1], filled, grid)
+    return places, grid, count * wanted / filled[-1]

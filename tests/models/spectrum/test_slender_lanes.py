@@ -10,14 +10,12 @@ from rocking import Block, Outcome, OverturningSpectrum, Uncertainty, recorded_r
 from rocking.spectrum.body_probability import lane_capacity
 from rocking.spectrum.probability import MOST_RESTITUTION
 from rocking.spectrum.slender_lanes import (
-    CELL,
     FIRST,
-    IN_CELL,
     LEAST_RESTITUTION,
     MIDDLE,
+    SECOND,
     SLOPE,
     _both_stages,
-    _second_stage,
     body_piece_lanes,
     check_strength,
     piece_lanes,
@@ -37,14 +35,13 @@ def lanes():
 
 
 def test_lanes_fill_strength_and_restitution(lanes):
-    assert lanes.log_x.shape[0] == P.size
-    assert np.all(np.count_nonzero(lanes.weight, axis=1) > FIRST)
+    assert lanes.log_x.shape == (P.size, FIRST + SECOND)
     assert np.all(np.diff(lanes.restitution, axis=1) >= 0.0)
     assert lanes.restitution.min() >= LEAST_RESTITUTION
     assert lanes.restitution.max() <= MOST_RESTITUTION
     assert np.all(lanes.bottom == pytest.approx(np.log(P / np.max(np.abs(MOTION)))))
     inside = (lanes.log_x > lanes.bottom[:, None]) & (lanes.log_x <= lanes.top[:, None])
-    assert np.all(inside[lanes.weight > 0.0])
+    assert np.array_equal(lanes.weight > 0.0, inside)
     # The weights sum up to the stretch of ln x that the lanes fill, but for the slanted ends of the second part.
     assert np.sum(lanes.weight, axis=1) == pytest.approx(lanes.top - lanes.bottom, rel=0.1)
 
@@ -143,48 +140,46 @@ def known_verdicts(log_x, restitution):
     return np.where((along > 0.9) | ((along > 0.5) & (along < 0.6)), np.inf, 0.3)
 
 
-@pytest.mark.parametrize(("low", "high"), [(-0.4, 1.6), (0.1, 1.4)])
-def test_lanes_are_placed_and_weighed_as_their_notes_tell(low, high):
-    """Against the same, lane by lane: cells with more lanes where the verdicts nearby differ."""
-    found = _both_stages(low, high, known_verdicts, evenly, 64)
-    golden, silver = 2.0 / (1.0 + math.sqrt(5.0)), math.sqrt(2.0) - 1.0
-    lanes = [(low + (high - low) * (k + 0.5) / 144, 0.7 + 0.2 * math.fmod(k * golden + 0.5, 1.0)) for k in range(144)]
-    levels = np.array([x + SLOPE * (c - MIDDLE) for x, c in lanes])
-    over = np.array([np.isinf(known_verdicts(*one)) for one in lanes])
-    lowest, highest = low + SLOPE * (0.7 - MIDDLE), high + SLOPE * (0.9 - MIDDLE)
-    cells = math.ceil((highest - lowest) / CELL)
-    width = (highest - lowest) / cells
-    counts = []
-    for cell in range(cells):
-        near = np.exp(-(((levels - lowest - (cell + 0.5) * width) / 0.12) ** 2) / 2.0)
-        share = sum(near[over]) / sum(near)
-        deviation = math.sqrt(share * (1.0 - share)) if share < 1.0 else 0.0
-        counts.append(2 ** round(math.log2(64 * max(2.0 * deviation, 0.08))))
-        for k in range(counts[-1]):
-            place = math.fmod(int(f"{k:010b}"[::-1], 2) / 2**10 + cell * golden, 1.0) + cell
-            c = 0.7 + 0.2 * math.fmod(k * golden + 0.25 + cell * silver, 1.0)
-            lanes.append((lowest + width * place - SLOPE * (c - MIDDLE), c))
-    expected = []
-    for x, one in sorted(lanes, key=lambda lane: lane[1]):
-        of_first = 144 / (high - low) if x <= high else 0.0
-        cell = min(max(int((x + SLOPE * (one - MIDDLE) - lowest) / width), 0), cells - 1)
-        expected.append((x, one, 1.0 / (of_first + counts[cell] / width) if low < x <= high else 0.0))
-    columns = np.transpose(expected)
-    for name, values in zip(("log_x", "restitution", "weight"), columns, strict=True):
-        assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-9)
-    assert found["peak"].tolist() == known_verdicts(found["log_x"], found["restitution"]).tolist()
-    assert np.any(columns[2] == 0.0)
-    assert (found["bottom"], found["top"]) == (low, high)
+@pytest.mark.sweep
+def test_lanes_are_placed_and_weighed_as_their_notes_tell():
+    """Against the same, lane by lane: a lattice of golden ratio, its second part where the verdicts nearby differ."""
+    golden = 2.0 / (1.0 + math.sqrt(5.0))
+    for low, high in ((-0.4, 1.6), (0.1, 1.4)):
+        found = _both_stages(low, high, known_verdicts, evenly, 700)
+        first = [
+            (low + (high - low) * (k + 0.5) / 144, 0.7 + 0.2 * math.fmod(k * golden + 0.5, 1.0)) for k in range(144)
+        ]
+        levels = np.array([x + SLOPE * (c - MIDDLE) for x, c in first])
+        over = np.array([np.isinf(known_verdicts(*one)) for one in first])
+        grid = np.linspace(low + SLOPE * (0.7 - MIDDLE), high + SLOPE * (0.9 - MIDDLE), 161)
+        shares = []
+        for level in grid:
+            near = np.exp(-(((levels - level) / 0.12) ** 2) / 2.0)
+            shares.append(sum(near[over]) / sum(near))
+        wanted = np.array([math.sqrt(share * (1.0 - share)) + 0.04 if share < 1.0 else 0.04 for share in shares])
+        filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1])))
+        places = np.interp((np.arange(700) + 0.5) / 700 * filled[-1], filled, grid)
+        c = [0.7 + 0.2 * math.fmod(k * golden + 0.25, 1.0) for k in range(700)]
+        lanes = first + [(place - SLOPE * (one - MIDDLE), one) for place, one in zip(places, c, strict=True)]
+        density = 700 * wanted / (filled[-1] * (grid[1] - grid[0]))
+        expected = []
+        for x, one in sorted(lanes, key=lambda lane: lane[1]):
+            of_first = 144 / (high - low) if x <= high else 0.0
+            weight = 1.0 / (of_first + np.interp(x + SLOPE * (one - MIDDLE), grid, density)) if low < x <= high else 0.0
+            expected.append((x, one, weight))
+        columns = np.transpose(expected)
+        for name, values in zip(("log_x", "restitution", "weight"), columns, strict=True):
+            assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-9)
+        assert found["peak"].tolist() == known_verdicts(found["log_x"], found["restitution"]).tolist()
+        assert np.any(columns[2] == 0.0)
+        assert (found["bottom"], found["top"]) == (low, high)
 
 
-def test_a_changed_verdict_of_the_first_stage_moves_no_lane_far_from_it():
-    edges = np.linspace(0.0, 1.0, 11)
-    counts = np.array([8, 8, 16, 32, 64, 64, 32, 8, 8, 8])
-    more = np.where(np.arange(10) == 7, 16, counts)
-    one, other = ({*zip(*(column.tolist() for column in _second_stage(edges, own)))} for own in (counts, more))
-    assert one < other
-    assert len(other) == len(one) + 8
-    assert all(0.7 <= level <= 0.8 for level, _ in other - one)
+@pytest.mark.parametrize(("last", "times"), [(0.92, 1), (0.88, 0), (1.6, 2)])
+def test_lanes_that_stand_in_the_last_tenth_raise_the_top(last, times):
+    """By 0.7 of ln x each time: from 0 to 1, all overturn from `last` on."""
+    found = _both_stages(0.0, 1.0, lambda log_x, _: np.where(log_x > last, np.inf, 0.5), evenly, 700)
+    assert found["top"] == pytest.approx(1.0 + 0.7 * times)
 
 
 @pytest.mark.sweep
@@ -198,13 +193,6 @@ def test_one_ulp_on_the_record_moves_the_factors_by_less_than_a_hundredth(p):
         lane_capacity(body_piece_lanes(TIMES, ground, body, known)[0], known, 0.45) for ground in (MOTION, ulp)
     )
     assert other == pytest.approx(one, rel=0.01)
-
-
-@pytest.mark.parametrize(("last", "times"), [(0.92, 1), (0.88, 0), (1.6, 2)])
-def test_lanes_that_stand_in_the_last_tenth_raise_the_top(last, times):
-    """By 0.7 of ln x each time: from 0 to 1, all overturn from `last` on."""
-    found = _both_stages(0.0, 1.0, lambda log_x, _: np.where(log_x > last, np.inf, 0.5), evenly, 64)
-    assert found["top"] == pytest.approx(1.0 + 0.7 * times)
 
 
 def test_lanes_before_a_wall_reach_at_least_0_7_above_uplift():
@@ -252,7 +240,7 @@ def test_the_lanes_of_a_body_have_its_own_p_and_its_own_restitutions_and_end_as_
         lift = math.log(float(body.gravity * np.tan(body.alpha_c)[0]) / np.max(np.abs(MOTION)))
         assert own.bottom == pytest.approx(lift)
         assert np.sum(own.weight) == pytest.approx(own.top - own.bottom, rel=0.1)
-        assert own.log_factor.size > 500
+        assert own.log_factor.size > 1600
         (alone,) = body_piece_lanes(TIMES, MOTION, body, known, threads=1)
         for name in ("log_factor", "weight", "over", "bottom", "top"):
             assert np.array_equal(getattr(own, name), getattr(alone, name)), name
@@ -262,7 +250,7 @@ def test_the_lanes_of_a_body_have_its_own_p_and_its_own_restitutions_and_end_as_
 @pytest.mark.parametrize("side", [0, 1, -1])
 def test_the_lanes_of_a_body_are_those_of_a_spectrum_over_its_range_of_restitution_and_at_its_p(side):
     body = BODIES.lane(0).lanes(1)
-    (found,) = body_piece_lanes(TIMES, MOTION, body, Uncertainty(), side=side, in_cell=IN_CELL)
+    (found,) = body_piece_lanes(TIMES, MOTION, body, Uncertainty(), side=side, second=SECOND)
     spectrum = piece_lanes(TIMES, MOTION, body.p, (0.95 * 0.85, 1.05 * 0.85), side=side)
     inside = spectrum.weight[0] > 0.0
     speed = math.log(float(body.gravity * np.tan(body.alpha_c)[0] / body.p[0]))
