@@ -57,8 +57,8 @@ def equal_effect(own: xr.Dataset, ax: Axes) -> None:
     at, most = float(own["main"]), 0.0
     for count in sorted({low, middle, high}):
         main = critical_main(block, ratios, interval, count) / float(own["design_factor"])
-        label, style_of = say("plot.site.equal_of", count=str(count)), "-" if count == middle else DOTTED
-        ax.plot(ratios, main, color=BLUE, lw=1.4, ls=style_of, label=f"{label} ({'-' if count == middle else '..'})")
+        dashes = "-" if count == middle else DOTTED if count < middle else "--"
+        ax.plot(ratios, main, color=BLUE, lw=1.4, ls=dashes, label=say("plot.site.equal_of", count=str(count)))
         most = max(most, float(np.interp(float(own["ratio_upper"]), ratios, main)))
     ends = np.array([[float(own["ratio"] - own["ratio_lower"])], [float(own["ratio_upper"] - own["ratio"])]])
     ax.errorbar([float(own["ratio"])], [at], xerr=np.nan_to_num(ends), fmt="o", ms=4, color=RED, lw=1.2)
