@@ -341,8 +341,8 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
     known = ~np.isnan(least)
     # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)
-    told = known & ~weak
-    shown = np.where(told | ~told.any(axis=0), least, np.nan)
+    strong = known & ~weak
+    shown = np.where(strong | ~strong.any(axis=0), least, np.nan)
     smallest = np.fmin.reduce(shown, axis=0, initial=np.nan)
     at_most = np.fmin.reduce(np.where(np.isnan(shown), np.nan, most), axis=0, initial=np.nan)
     whole = np.isnan(shown) | partial

@@ -53,14 +53,14 @@ def _run(args: argparse.Namespace) -> int:
     standing = None if args.age is None else standing_test(found, args.age)
     if args.bodies is not None:
         contents = [text.inventory_table(found, standing)]
-        told, warnings = text.inventory_overview(found), text.inventory_warnings(found)
+        shown, warnings = text.inventory_overview(found), text.inventory_warnings(found)
     else:
         contents = [text.risk_table(found, standing), text.levels_table(found)]
-        told, warnings = text.risk_overview(found), text.risk_warnings(found)
+        shown, warnings = text.risk_overview(found), text.risk_warnings(found)
     write_files({path: table_csv(table) for path, table in zip(files, contents, strict=False)})
     if not args.quiet:
-        told += f"\n\n{text.standing_overview(standing)}" if standing is not None else ""
-        tell(told + (f"\n\ntable: {', '.join(map(str, files))}" if files else ""))
+        shown += f"\n\n{text.standing_overview(standing)}" if standing is not None else ""
+        tell(shown + (f"\n\ntable: {', '.join(map(str, files))}" if files else ""))
         for words in warnings:
             tell(f"warning: {words}", sys.stderr)
     return 0

@@ -243,9 +243,9 @@ class DemandSettings(Section):
                 f'{self.where} {self.name}: expected value, such as "0.35 g" for a PGA, or selection, found none'
             )
         if (self.period is None) == bool(ROWS[self.measure].periods):
-            told = "found none" if self.period is None else f'found measure = "{self.measure}"'
+            found = "found none" if self.period is None else f'found measure = "{self.measure}"'
             raise ConfigError(
-                f"{self.where} {self.name}: period belongs to measure = {quoted(PERIODIC)}, and only to it; {told}"
+                f"{self.where} {self.name}: period belongs to measure = {quoted(PERIODIC)}, and only to it; {found}"
             )
         measure = ROWS[self.measure].at(self.period)
         shown, in_si = f"{self.value:g}" if isinstance(self.value, float) else self.value, self.value

@@ -52,9 +52,9 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
         except RockpulseError as fault:
             faults.append(fault)
     if not records:
-        told = [fault for fault in faults if not isinstance(fault, Unrecognised)]
+        named = [fault for fault in faults if not isinstance(fault, Unrecognised)]
         beside = f"{file.name}: no columns of samples in the file; it is taken for a table beside the records"
-        raise (told or [TableOfResults(beside)])[0]
+        raise (named or [TableOfResults(beside)])[0]
     return [replace(record, source_sha256=file.sha256) for record in records]
 
 

@@ -129,11 +129,11 @@ class ReadOptions:
             if units is not None:
                 given = canonical_unit(str(units.units), "option units")
                 if UNITS.get(record.source_unit) != UNITS[given]:
-                    told = f"the file states the unit {record.source_unit}, {units.where} says {given}"
-                    raise UnitError(f"{record.source}: {told}; {self.advice('units')}")
+                    conflict = f"the file states the unit {record.source_unit}, {units.where} says {given}"
+                    raise UnitError(f"{record.source}: {conflict}; {self.advice('units')}")
             if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
-                told = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
-                raise RecordFormatError(f"{record.source}: {told}; {self.advice('dt')}")
+                conflict = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
+                raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}")
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
         """Return the last FileSettings that give the property `key` and match the file `name` (None for any file)."""

@@ -78,8 +78,8 @@ def settled(
     kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
     kept, integrals = without_integrals(kept)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
-    told = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
-    named = distinct_ids(told)
+    kept = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
+    named = distinct_ids(kept)
     return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [*duplicates, *integrals]
 
 
@@ -118,8 +118,8 @@ def _without_duplicates(
                         twins.setdefault(id(one), copy)
                 kept.append(record)
                 continue
-            told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
-            copies[id(record)] = Failure(record.source, "read", told, "duplicate")
+            reason = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
+            copies[id(record)] = Failure(record.source, "read", reason, "duplicate")
     failures = [copies[id(record)] for record in records if id(record) in copies]
     return [record for record in records if id(record) not in copies], failures, twins
 

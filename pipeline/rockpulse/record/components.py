@@ -213,8 +213,8 @@ def sensor_level(record: Record) -> float:
 
 def place_on_structure(record: Record) -> str:
     """Return the location of a channel on a structure, in capitals; empty if it is not stated."""
-    told = _PLACE.search(record.component)
-    return told[1].strip().upper() if told else ""
+    place = _PLACE.search(record.component)
+    return place[1].strip().upper() if place else ""
 
 
 def instrument(record: Record) -> tuple[object, ...]:

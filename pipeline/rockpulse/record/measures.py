@@ -221,8 +221,8 @@ STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row
 def units_in_words(names: tuple[str, ...]) -> str:
     """Return the units of measures, with the measures of each: "m/s2 (pga) or m/s (pgv, impulse)"."""
     units = dict.fromkeys(ROWS[name].shown_unit for name in names)
-    told = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
-    return _either(told)
+    choices = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
+    return _either(choices)
 
 
 def quoted(names: tuple[str, ...]) -> str:

@@ -136,8 +136,8 @@ def selected(plan: Plan, table: Collection[str], of_motion: Mapping[str, Sequenc
     kept = [one for one in plan.planned if not set(table).isdisjoint(of_motion[one.name])]
     rows = [*plan.failures, *idle]
     if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
-        told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
-        rows.append(Failure(where, "select", told, "skipped"))
+        reason = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
+        rows.append(Failure(where, "select", reason, "skipped"))
     return replace(plan, planned=kept, failures=rows)
 
 

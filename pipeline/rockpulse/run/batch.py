@@ -238,11 +238,11 @@ class _Batch:
     def missing(self) -> list[Task]:
         """Return the tasks without results; with `strict` raise StoppedAtFailure for a failure of an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
-        own, told = set(self.finished()), journal.failures()
+        own, seen = set(self.finished()), journal.failures()
 
         def is_result(key: str, parts: Sequence[bytes]) -> bool:
             # a task of other records or options is kept
-            return key not in own or ((bool(parts) or key in told) and all(_is_part(part, analysis) for part in parts))
+            return key not in own or ((bool(parts) or key in seen) and all(_is_part(part, analysis) for part in parts))
 
         damaged = journal.drop_damaged(is_result) if options.resume else []
         if damaged or journal.gaps:

@@ -266,7 +266,7 @@ def unconfirmed_channels(
         acting.append((f"{planned.name}: its vertical channel ", up))
     if motions[0].partner is not None:
         acting.append((f"{planned.name}: the other channel of its pair ", motions[0].partner))
-    doubted = {id(one): told for _, one in acting if (told := unconfirmed(one, confirm))}
+    doubted = {id(one): reason for _, one in acting if (reason := unconfirmed(one, confirm))}
     causes = [(whose, one) for whose, one in acting if id(one) in doubted]
     rows = [Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed") for whose, one in causes]
     if causes:

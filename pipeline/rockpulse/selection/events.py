@@ -45,8 +45,8 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
         yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
     yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)
-    told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
-    yield from _near(records, told, SAME_ORIGIN_S, _alike)
+    with_origin = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
+    yield from _near(records, with_origin, SAME_ORIGIN_S, _alike)
     for members in _grouped(
         free, lambda index: (records[index].format, event) if (event := records[index].event_id) else None
     ):
@@ -240,9 +240,9 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     groups: dict[int, list[int]] = defaultdict(list)
     for index in free:
         groups[root(index)].append(index)
-    told = {top: [records[index] for index in members] for top, members in groups.items()}
-    known = {top: of for top, of in told.items() if any(name_of(one.event) or moment_of(one) for one in of)}
-    titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
+    grouped = {top: [records[index] for index in members] for top, members in groups.items()}
+    known = {top: of for top, of in grouped.items() if any(name_of(one.event) or moment_of(one) for one in of)}
+    titles = dict.fromkeys(grouped, UNKNOWN) | _distinct(known)
     return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
 
 

@@ -98,9 +98,9 @@ def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> l
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
-        told = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
-        if told is not None:
-            found[one.channel] = found[one.channel].with_warning(told)
+        warning = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
+        if warning is not None:
+            found[one.channel] = found[one.channel].with_warning(warning)
     return found
 
 
@@ -139,27 +139,27 @@ def _duplicate(channel: Record, against: Comparison) -> WarningText | None:
     )
     said: list[str] = []
     if abs(like.correlation) < LEAST_CORRELATION:
-        told = f"the correlation is {like.correlation:.2f}"
+        unlike = f"the correlation is {like.correlation:.2f}"
         for other in against.beside:
             crosswise = likeness(channel, other)
             if abs(crosswise.correlation) >= LEAST_CORRELATION:
-                told += (
+                unlike += (
                     f", and {crosswise.correlation:.2f} with {other.id}: the labels of the components may be swapped"
                 )
                 break
-        said.append(told)
+        said.append(unlike)
     elif like.correlation * expected < 0.0:
         said.append("the sign is opposite: one of them may be positive the other way")
     if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
         said.append(": ".join(filter(None, (f"it is {_ratio(like.ratio)}", _cause(like.ratio)))))
     if not said:
         return None
-    told = "; ".join(said)
+    differences = "; ".join(said)
     return WarningText(
         "twin_differs",
         other=against.other.id,
         source=PurePath(against.other.source).name,
-        differences=told,
+        differences=differences,
         decides=True,
     )
 
@@ -170,7 +170,7 @@ def _ratio(ratio: float) -> str:
 
 def _cause(ratio: float) -> str:
     size = max(ratio, 1.0 / ratio)
-    return next((told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
+    return next((cause for factor, cause in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:

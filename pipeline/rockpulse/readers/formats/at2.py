@@ -204,8 +204,8 @@ def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
         if other and number != end + 1 and float(other["step"].lower()) != step:
-            told = f"an interval of {float(other['step'].lower()):g} s, line {end + 1} one of {step:g} s, which is used"
-            notes.append(f"line {number} of the header states {told}")
+            used = f"an interval of {float(other['step'].lower()):g} s, line {end + 1} one of {step:g} s, which is used"
+            notes.append(f"line {number} of the header states {used}")
         notes += [WarningText("scale_stated", factor=float(scale[1].lower()))] if scale else []
     return notes
 

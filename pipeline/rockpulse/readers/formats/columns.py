@@ -367,8 +367,8 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
         if not all(headings[index].kind for index in kept):
             found = f"a header that mentions acceleration under a name that says {by_name}"
             raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
-        told = f"the name of the file says {by_name}, the headings acceleration; check which is right"
-        columns = replace(columns, warnings=(*columns.warnings, told))
+        note = f"the name of the file says {by_name}, the headings acceleration; check which is right"
+        columns = replace(columns, warnings=(*columns.warnings, note))
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 

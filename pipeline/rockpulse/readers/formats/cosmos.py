@@ -82,8 +82,8 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
     code = header.integer(2)
     where = f"{file.name}:{header.start + 1}"
     if code in _OTHER_QUANTITIES and "accel" in kind:
-        told = f"the title says {header.kind!r}, integer header 2 says {code}, {_OTHER_QUANTITIES[code]}"
-        raise RecordFormatError(f"{where}: {told}; find out which is right and repair the header")
+        conflict = f"the title says {header.kind!r}, integer header 2 says {code}, {_OTHER_QUANTITIES[code]}"
+        raise RecordFormatError(f"{where}: {conflict}; find out which is right and repair the header")
     if "accel" not in kind:
         raise kit.no_acceleration(where, "acceleration", repr(header.kind))
     series = _acceleration(file.name, lines, header, end)
@@ -202,8 +202,8 @@ def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], lis
     gap = abs(abs(value) - abs(coded))
     if gap <= max(1.01 * rounding, kit.PEAK_TOLERANCE * abs(coded)):
         return (coded, 0.0), []
-    said, told = (abs(one) / kit.STANDARD_GRAVITY for one in (value, coded))
-    notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {told:.4g} g (real 64)"]
+    said, real = (abs(one) / kit.STANDARD_GRAVITY for one in (value, coded))
+    notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {real:.4g} g (real 64)"]
     return (value, rounding), notes
 
 

@@ -85,7 +85,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
     others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
     notes += kit.held_lengths_of_units([peak[2], *others]) if peak else []
     component, azimuth = kit.matched(_COMPONENT, text[12]), int(integers[27])
-    told = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
+    coded = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
     note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
     record = kit.build_record(
         file,
@@ -96,7 +96,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
         factor=kit.UNITS[unit] * (float(readings[1]) if readings else 1.0),
         processed=not raw,
         component=component,
-        facing=kit.held_direction(kit.direction(component), told, note),
+        facing=kit.held_direction(kit.direction(component), coded, note),
         structural=kit.on_structure(text[2]),
         station=title[2],
         location=title[3] or "",

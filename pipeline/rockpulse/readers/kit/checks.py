@@ -60,19 +60,21 @@ def held_lengths_of_units(units: Sequence[str]) -> list[str]:
     return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
 
 
-def contradictory(said: Direction, told: Direction) -> bool:
+def contradictory(said: Direction, other: Direction) -> bool:
     """Return whether two directions contradict each other; an unknown direction contradicts no other."""
-    if "unknown" in (said.orientation, told.orientation):
+    if "unknown" in (said.orientation, other.orientation):
         return False
-    turn = abs((said.azimuth - told.azimuth + 180.0) % 360.0 - 180.0)
-    return said.orientation != told.orientation or said.sign != told.sign or turn > _TURN
+    turn = abs((said.azimuth - other.azimuth + 180.0) % 360.0 - 180.0)
+    return said.orientation != other.orientation or said.sign != other.sign or turn > _TURN
 
 
-def held_direction(said: Direction, told: Direction, note: str) -> Direction:
+def held_direction(said: Direction, other: Direction, note: str) -> Direction:
     """Return the more precise of two directions; if they contradict each other, an unknown one with warning `note`."""
-    if contradictory(said, told):
-        return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
-    return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said
+    if contradictory(said, other):
+        return Direction(
+            "horizontal" if said.orientation == other.orientation == "horizontal" else "unknown", note=note
+        )
+    return other if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(other.azimuth)) else said
 
 
 def surplus(

@@ -103,8 +103,8 @@ class CosmosHeader:
         seed, both = self.codes()[3], (said, coded)
         if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
-            told = f"{words!r} and {code} (integer header 54)"
-            return replace(upright, note=WarningText("vertical_by_code", channel=seed, told=told))
+            stated = f"{words!r} and {code} (integer header 54)"
+            return replace(upright, note=WarningText("vertical_by_code", channel=seed, stated=stated))
         if contradictory(said, coded):
             return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
         return coded if np.isnan(said.azimuth) else said

@@ -296,11 +296,11 @@ def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, pe
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
     """Return the direction of a channel; unknown, with a note, if the header states different directions."""
     # The codes 0, 1100 and 1200 mean sensors without an azimuth.
-    told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
+    coded = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):
-        told = Direction("vertical", sign=1.0 if code == _UP else -1.0)
+        coded = Direction("vertical", sign=1.0 if code == _UP else -1.0)
     note = f"the text says {component!r}, integer 27 of the header says {code}: the direction is unknown"
-    facing = held_direction(direction(component), told, note)
+    facing = held_direction(direction(component), coded, note)
     for other in repeated:
         note = f"the text says {component!r}, another line of the header {other!r}: the direction is unknown"
         facing = facing if facing.note else held_direction(facing, direction(other), note)

@@ -92,8 +92,8 @@ def sensitivity_notes(response: Any) -> list[str]:
 
 
 def _turned(sensitivity: Any) -> list[str]:
-    told = f"the sensitivity is negative, {float(sensitivity.value):g}: a sign is turned"
-    return [told] if float(sensitivity.value) < 0.0 else []
+    note = f"the sensitivity is negative, {float(sensitivity.value):g}: a sign is turned"
+    return [note] if float(sensitivity.value) < 0.0 else []
 
 
 def _spelled(unit: Any) -> str:

@@ -80,10 +80,10 @@ def _words(text: str) -> list[str]:
 
 def kinds_of(text: str) -> list[str]:
     """Return the kinds of motion (or time) that a heading names; those that exclude acceleration come first."""
-    told = folded_text(text)
-    words = _words(told)
+    folded = folded_text(text)
+    words = _words(folded)
     kinds = [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]
-    return [kind for kind in kinds if kind != "spectrum" or not _MATCHED.search(told)]
+    return [kind for kind in kinds if kind != "spectrum" or not _MATCHED.search(folded)]
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
@@ -96,8 +96,8 @@ def prose_kinds(text: str, name: bool = False) -> list[str]:
 
 def means_size(heading: str) -> bool:
     """Return whether a heading names the magnitude of a vector, such as absolute, resultant or |a|."""
-    told = folded_text(heading)
-    return bool(re.search(r"\|[^|]+\|", told) or any(_SIZE.fullmatch(word) for word in re.findall(r"[a-z_]+", told)))
+    text = folded_text(heading)
+    return bool(re.search(r"\|[^|]+\|", text) or any(_SIZE.fullmatch(word) for word in re.findall(r"[a-z_]+", text)))
 
 
 def beside_kinds(word: str) -> list[str]:

@@ -113,8 +113,8 @@ def long_table(
         for name in columns:
             if not any(_answers_to(column, name) for column in [*labels, *found]):
                 known = [column.name for column in found]
-                told = f"it has {', '.join(known)}"
-                raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, told)}")
+                choices = f"it has {', '.join(known)}"
+                raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, choices)}")
         found = [column for column in found if any(_answers_to(column, name) for name in columns)]
     masks, selection = _masks(dataset, named, labels, selection)
     places, count = rows(dataset, dims, selection, masks)

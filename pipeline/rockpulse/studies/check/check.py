@@ -156,8 +156,8 @@ def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: Blo
     if there is None:
         return "the results do not contain the geometry of their bodies"
     others = [key for key in sorted({*here.keys()} - NOT_OF_A_CODE) if here[key] != there[key]]
-    told = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
-    return f"the results have another body of this name ({told})" if others else ""
+    differences = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
+    return f"the results have another body of this name ({differences})" if others else ""
 
 
 def _short(value: object) -> str:

@@ -182,11 +182,11 @@ def worst(senses: Sequence[Checked]) -> Checked:
     places = range(len(senses))
     opens = min(places, key=lambda at: senses[at].activation)
     moves = min(places, key=of_displacement)
-    told = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
+    statements = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
     return senses[moves]._replace(
         activation=senses[opens].activation,
         activation_demand=senses[opens].activation_demand,
-        statement="; ".join(told),
+        statement="; ".join(statements),
         activation_sense=named[opens],
         displacement_sense="" if math.isnan(senses[moves].displacement) else named[moves],
     )

@@ -148,8 +148,8 @@ def motion_capacity(
                 found.setdefault(name, whole)[..., own] = array
         named = {"record": f"{record.id} reversed" if reverse else record.id, "source": record.source}
         qualities = record_qualities(scene)
-        told = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
-        rows.append({**found, **_weights(record.id, config, selection), **named, **told})
+        facts = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
+        rows.append({**found, **_weights(record.id, config, selection), **named, **facts})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 

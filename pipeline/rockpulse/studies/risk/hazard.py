@@ -31,8 +31,8 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 def known_measure(measure: str, where: str) -> str:
     """Return the measure unchanged; raise ConfigError if a hazard cannot have it, with its location `where`."""
     if measure not in HAZARD:
-        told = f"found {measure!r}{hint(measure, HAZARD)}"
-        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {told}")
+        found = f"found {measure!r}{hint(measure, HAZARD)}"
+        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {found}")
     return measure
 
 
@@ -327,10 +327,10 @@ class SiteHazards:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings on the hazards, and the largest distance of a body from the point of its hazard."""
-        told = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
+        texts = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
-            return told
-        return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *told)
+            return texts
+        return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *texts)
 
     @property
     def words(self) -> str:

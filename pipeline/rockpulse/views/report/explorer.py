@@ -255,8 +255,8 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
     for name in answers.demands:
         factor, share = (answers.of_demand(f"demand_{what}", name)[row, lane] for what in ("factor", "probability"))
         found.append((float(factor), float(share)))
-    told = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
-    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
+    finite = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
+    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(finite)]
 
 
 def probability_at(

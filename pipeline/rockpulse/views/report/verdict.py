@@ -208,5 +208,5 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
 def _governing(answers: Answers, record: int) -> Cell:
     """Return the name of a record (a row of /summary) with a link to its section."""
     name = record_cells(answers.summary)[record]
-    told = record_named(Known(answers.summary, record=answers.records[record]), name.text)
-    return unexplained(name)._replace(text=told, link=f"record-{record}")
+    label = record_named(Known(answers.summary, record=answers.records[record]), name.text)
+    return unexplained(name)._replace(text=label, link=f"record-{record}")

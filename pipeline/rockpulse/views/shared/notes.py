@@ -124,10 +124,10 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """Return a sentence for every body on a pedestal and for every body that may slide."""
     notes = []
     for alone, worst in worse_with_pedestal(answers, found):
-        told = ", ".join(filter(None, (worst.grade.word, ratio(worst.share.value))))
+        outcome = ", ".join(filter(None, (worst.grade.word, ratio(worst.share.value))))
         notes.append(
             f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
-            f"({told}) and decides; simultaneous motions of both parts are not modelled."
+            f"({outcome}) and decides; simultaneous motions of both parts are not modelled."
         )
     notes += [
         f"{one.body.name}: slides under {one.above} of {several(one.total, 'record')}: the required friction "
