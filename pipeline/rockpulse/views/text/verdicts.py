@@ -114,7 +114,7 @@ def overturned(answers: Answers, files: str = "") -> str:
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
     text_lines = [
-        f"Records that overturn each body ({answers.model} model):",
+        f"Records that overturn each body{', as recorded' if answers.demands else ''} ({answers.model} model):",
         *([paragraph(files, "    ", "  ! ")] if files else []),
     ]
     rows, by_weaker = [], []
