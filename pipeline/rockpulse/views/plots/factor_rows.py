@@ -103,7 +103,7 @@ def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """Draw a tick in each row at the scale factor for each demand; ticks of the second and third demand are shorter."""
+    """Draw a tick in each row at the scale factor for each demand; ticks of demands after the first are shorter."""
     for place, (name, factors) in enumerate(needed.items()):
         words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
