@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any, TypedDict, Unpack
 
-#: Longest time between the earthquake and the start of a record; waves cross the Earth in a third of it.
+#: Longest time between the earthquake and the start of a record; waves cross the Earth in a third of this time.
 NEAR = timedelta(hours=1)
 # An earlier time than the first accelerogram (Long Beach, 11 March 1933 UTC) means a wrong clock.
 _FIRST_YEAR = 1933

@@ -129,7 +129,7 @@ def _measure_words(own: xr.Dataset) -> str:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw the curves over one measure and return the notes; `alone` if the picture has no other panel."""
+    """Draw the curves over one measure and return the notes; `alone` is true if there is no other panel."""
     level, measure = own["level"].values, str(own["measure"].item())
     drawn = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"

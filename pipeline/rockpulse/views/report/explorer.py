@@ -242,7 +242,7 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
 
 
 def _distance(factor: float, others: Mapping[float, str]) -> float:
-    """Return the smallest difference between the logarithm of a factor and those of others."""
+    """Return the smallest difference between the logarithm of a factor and the logarithms of the others."""
     return min((abs(math.log(factor / one)) for one in others), default=math.inf)
 
 
@@ -262,7 +262,7 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
 def probability_at(
     factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
 ) -> float | None:
-    """Return the probability of overturning at a scale factor: the stored one if there is one, else from the curve."""
+    """Return the probability of overturning at a scale factor: from the results if stored, else from the curve."""
     for at, probability in points:
         if math.isclose(at, factor, rel_tol=0.005):
             return probability

@@ -67,7 +67,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
 
 
 def none_found(answers: Answers) -> str:
-    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are none."""
+    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are no such bodies."""
     factor = answers[answers.factor]
     if not np.isinf(factor).any():
         return ""
