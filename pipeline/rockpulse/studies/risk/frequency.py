@@ -34,7 +34,7 @@ COMPONENTS = {
     "sweep": "an arbitrary horizontal component, not the larger of two",
 }
 
-#: Description of the data of a fragility, for each value of [fragility] data.
+#: Description of the data of a fragility analysis, for each value of [fragility] data.
 DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
@@ -174,7 +174,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of one frequency; its data cover the levels with logarithms from `low` to `high`."""
+    """Return the variables of one frequency; the data cover levels with logarithms from `low` to `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -264,7 +264,7 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     -------
     xarray.Dataset
         Over the bodies: survival probability `chance` = exp(-frequency age) with `chance_low` and `chance_high`,
-        `largest`, the frequency at which it is 1 - confidence [1/year], the `factor` on the hazard that gives this
+        `largest`, the frequency with `chance` = 1 - confidence [1/year], the `factor` on the hazard that gives this
         frequency, and `contradicted`.
 
     Raises
