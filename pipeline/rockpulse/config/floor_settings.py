@@ -31,6 +31,6 @@ def floors_as_text(floors: Sequence[FloorSettings]) -> str:
     return json.dumps([vars(one) for one in floors]) if floors else ""
 
 
-def floors_from_text(told: str) -> list[FloorSettings]:
+def floors_from_text(text: str) -> list[FloorSettings]:
     """Read modes from the text of :func:`floors_as_text`."""
-    return [FloorSettings(**one) for one in json.loads(told)] if told else []
+    return [FloorSettings(**one) for one in json.loads(text)] if text else []

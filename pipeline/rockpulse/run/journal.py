@@ -93,7 +93,7 @@ class Done:
 
 
 class JournalError(ResultsError):
-    """Error: the journal cannot be used; the message states what happens to the records in it."""
+    """Error: the journal cannot be used; the message states what happens to the journal's records."""
 
     def __init__(self, message: str, tells_resume: bool = True) -> None:
         super().__init__(message, tells_resume)

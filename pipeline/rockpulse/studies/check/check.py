@@ -194,7 +194,7 @@ def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each of them."""
+    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each pedestal."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 
@@ -210,8 +210,8 @@ def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: Blo
     if there is None:
         return "the results do not contain the geometry of their bodies"
     others = [key for key in sorted({*here.keys()} - NOT_SHARED) if here[key] != there[key]]
-    told = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
-    return f"the results have another body of this name ({told})" if others else ""
+    differences = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
+    return f"the results have another body of this name ({differences})" if others else ""
 
 
 def _short(value: object) -> str:

@@ -197,7 +197,7 @@ CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], 
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Combine the checks of both directions of rotation: the worse acceleration and the worse displacement check."""
+    """Combine the checks of both directions of rotation: return the worse acceleration and displacement checks."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:
@@ -210,11 +210,11 @@ def worst(senses: Sequence[Checked]) -> Checked:
     places = range(len(senses))
     opens = min(places, key=lambda at: senses[at].activation)
     moves = min(places, key=of_displacement)
-    told = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
+    statements = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
     return senses[moves]._replace(
         activation=senses[opens].activation,
         activation_demand=senses[opens].activation_demand,
-        statement="; ".join(told),
+        statement="; ".join(statements),
         activation_sense=named[opens],
         displacement_sense="" if math.isnan(senses[moves].displacement) else named[moves],
     )

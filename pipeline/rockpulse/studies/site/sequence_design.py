@@ -77,7 +77,7 @@ def coverage_of(
 
 
 def untested_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Return the code of the reason for each event that tests no design, or only designs that overturn every block."""
+    """Return a code, by index, for each event that tests no design, or only a design that overturns every block."""
     rests, lifts, counted = (
         counted_pairs(found.covered, sample).any(axis=1),
         ~np.isnan(sample.peaks),
@@ -146,8 +146,8 @@ def sequence_design(
         "standing_share": _weighted_share((in_sample != BEYOND) & counted, counted, fitted.weights),
     }
     unjudged = {str(names[event]): reason for event, reason in untested_events(left_out, sample).items()}
-    told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    warnings = [*warnings, *sequence_design_warnings(told, done["scale_factor"], done["event"], weights, unjudged)]
+    facts = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
+    warnings = [*warnings, *sequence_design_warnings(facts, done["scale_factor"], done["event"], weights, unjudged)]
     site |= {"site_warnings": "\n".join(warnings), "site_warning_values": as_stored(warnings)}
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
     columns = {**done, "weight": weights, "left_out_main": left_out.main}

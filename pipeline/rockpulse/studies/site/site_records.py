@@ -150,7 +150,7 @@ def parameters_of(sequence: ImpulseSequence) -> list[float]:
 
 
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
-    """Return the rms error of the sequence in ln peak rotation, and the share of lifted blocks that are not covered."""
+    """Return the rms error of the sequence in ln peak rotation, and the share of lifted blocks not covered."""
     reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
     needed = rotation_to_cover(peaks)
     lifted = ~np.isnan(needed) & ~np.isnan(reached)

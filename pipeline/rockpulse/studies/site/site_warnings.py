@@ -69,7 +69,7 @@ def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
 
 
 def _tail(records: int, quantile: float) -> WarningText:
-    """Return a text that states how many records are expected beyond a quantile."""
+    """Return the number of records expected beyond a quantile, in words."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
         return WarningText(f"tail_{side}", beyond=float(beyond), quantile=quantile)
