@@ -36,7 +36,7 @@ class Motions:
     index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
     events: list[str]  # earthquakes of the motions
     kind: str  # "record", "pair" or "sequence"
-    any_azimuth: bool = False  # whether a pair counts by its mean over directions: those of the bodies are unknown
+    any_azimuth: bool = False  # whether a pair counts by its mean over directions (bodies of unknown direction)
 
     @property
     def event_count(self) -> int:
@@ -56,7 +56,7 @@ class Motions:
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return whether the mask `so` (records, ...) is True in any direction; it is `missing` if not assessed."""
+        """Return whether the mask `so` (records, ...) is True in any direction, with `missing` if not assessed."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
@@ -125,8 +125,8 @@ class Margin(NamedTuple):
     smallest: float
     median: float
     bounds: tuple[bool, bool]  # whether smallest and median are lower bounds, as the model gives no result there
-    open: bool  # whether the smallest is an upper bound, as a direction of its motion has no result
-    limit: float  # end of the search if no factor was found; NaN if one was found for all motions
+    open: bool  # whether the smallest is an upper bound, as a direction of the motion has no result
+    limit: float  # end of the search if no factor was found; NaN if a factor was found for all motions
     place: int  # index of the motion with the smallest scale factor; -1 for none
     unknown: int  # number of motions without a result in any direction
     partial: int  # number of motions with results in some directions only

@@ -68,7 +68,7 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
-    """Return each motion and the indices of the bodies that feel it; RecordRefused if it needs a missing channel."""
+    """Return each motion and the indices of the bodies that feel it; RecordRefused if a needed channel is missing."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -128,7 +128,7 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks as they face the record; a block that may face it either way is repeated as its mirror image."""
+    """Blocks as they face the record; a block that may face the record either way is repeated as its mirror image."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored

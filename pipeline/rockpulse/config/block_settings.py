@@ -296,7 +296,7 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """Make the block, or one for each restitution of a list, and log its warnings; raise ConfigError if invalid."""
+        """Make the block, or a block for each restitution of a list, and log warnings; raise ConfigError if invalid."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
