@@ -195,7 +195,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """Yield the path of the StationXML of each file; raise an error if another miniSEED file would use it as well."""
+    """Yield the path of the StationXML of each file; raise an error if another miniSEED file uses the same path."""
     if writer.one is not None:
         return
     for path in targets:
@@ -209,7 +209,7 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
 
 
 def _shares_station_file(other: Path, path: Path) -> bool:
-    """Return whether `other` is a miniSEED file whose StationXML has the same name as that of `path`."""
+    """Return whether `other` is a miniSEED file whose StationXML has the same path as the StationXML of `path`."""
     if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
         return False
     if path.exists() and other.samefile(path):

@@ -40,7 +40,7 @@ class PartRule:
     first_times: Callable[[SourceFile], dict[str, float]]
 
     def read(self, file: SourceFile, records: list[Record]) -> list[Record]:
-        """Return the channels of a file as parts with their start times; unchanged if the file is no part."""
+        """Return the channels of a file as parts with their start times, or unchanged if the file is not a part."""
         name = self.name.fullmatch(file.path.stem)
         if not name:
             return records
@@ -168,7 +168,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
 
 
 def _channel(record: Record) -> tuple[object, ...]:
-    """Return the properties that all parts of one channel share, such as its codes."""
+    """Return the properties that all parts of one channel share, such as the codes of the channel."""
     codes = (record.network, record.station, record.location, record.channel, record.station_name)
     facing = (record.component, record.orientation, f"{record.azimuth:g}", f"{record.sensor_depth:g}")
     return (

@@ -49,7 +49,7 @@ class Unrecognised(RecordFormatError):
 
 
 class NoRecord(Unrecognised):
-    """Error: no reader recognises the file, which is unlikely to be a record; skipped unless the user named it."""
+    """Error: no reader recognises the file, which is probably not a record; it is skipped unless the user named it."""
 
 
 class NotAcceleration(RecordRefused):

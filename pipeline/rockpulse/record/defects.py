@@ -211,7 +211,7 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
 
 
 def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on samples that repeat the previous one throughout the strong part, and on a repeated block."""
+    """Return warnings on samples that repeat the previous sample in the whole strong part, and on a repeated block."""
     change = np.abs(np.diff(samples[strong[0] : strong[1] + 1]))
     moved = change[change > 0.0]
     if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:
@@ -306,7 +306,7 @@ def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
 
 
 def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return warnings on a record that begins or ends in strong motion, unless its first or last sample is zero."""
+    """Return warnings on a record that begins or ends in strong motion, unless the first or last sample is zero."""
     peak, length = largest(centred), min(max(round(END_LENGTH / dt), 3), centred.size)
     whole = centred[: centred.size // length * length].reshape(-1, length)
     quietest = float(np.sqrt(np.min(np.mean(whole**2, axis=1))))

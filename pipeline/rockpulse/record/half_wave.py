@@ -86,7 +86,7 @@ class HalfWaves(Shown):
         return facts
 
     def _picture(self) -> Picture | None:
-        """Draw the impulses at their centroids; impulses above half the largest have another colour."""
+        """Draw the impulses at their centroids; impulses above half of the largest impulse have another colour."""
         if not len(self):
             return None
         reach = self.largest or 1.0

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rocking.march.demand import Demand
     from rockpulse.record.half_wave import HalfWaves
 
-#: Units in which levels of a measure may be given (the shown one first) with factors to SI, by its SI unit.
+#: Units in which levels of a measure may be given (the displayed unit first) with factors to SI, by SI unit.
 UNITS = {
     "m s-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
     "m s-1": {"m/s": 1.0, "cm/s": 0.01},

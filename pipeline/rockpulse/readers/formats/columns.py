@@ -284,7 +284,7 @@ def _other_count(said: Collection[int], found: int, what: str) -> str:
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
-    """Return the values of all rows as one series; `end` is the last row, and `guessed` adds a warning."""
+    """Return the values of all rows as one series; `end` contains the last row, and `guessed` adds a warning."""
     series = np.concatenate([columns.table.ravel(), end.ravel()])
     note = (
         f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "

@@ -143,7 +143,7 @@ def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """Return the direction from the words for it, and from integers 13 (angle from the vertical) and 14 (azimuth)."""
+    """Return the direction from `component`, and from integers 13 (angle from the vertical) and 14 (azimuth)."""
     upright, azimuth = integers[12], integers[13]
     coded = kit.Direction()
     if upright in (0.0, 180.0):

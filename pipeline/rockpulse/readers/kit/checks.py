@@ -126,7 +126,7 @@ def repeated_marker(first: int, last: int) -> tuple[str, ...]:
 def distinct_sections(
     lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
 ) -> tuple[list[Span], tuple[str, ...]]:
-    """Return the sections of a file that do not repeat an earlier one, and a warning about each copy left out."""
+    """Return the sections of a file that repeat no earlier section, and a warning about each copy left out."""
     first: dict[tuple[str, ...], Span] = {}
     notes = []
     for span in spans:

@@ -36,7 +36,7 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """Return the UTC time from a date, a time and the hours of its time zone ahead of UTC; None if it is invalid."""
+    """Return the UTC time from a date, a time and the hours of its zone ahead of UTC; None if they are invalid."""
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
         return None

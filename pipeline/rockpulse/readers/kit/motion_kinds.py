@@ -79,7 +79,7 @@ def _words(text: str) -> list[str]:
 
 
 def kinds_of(text: str) -> list[str]:
-    """Return the kinds of motion (or time) that a heading names; those that exclude acceleration come first."""
+    """Return the kinds of motion (or time) that a heading names; kinds that exclude acceleration come first."""
     folded = folded_text(text)
     words = _words(folded)
     kinds = [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]

@@ -210,7 +210,7 @@ def stated_counts(header: Sequence[str]) -> list[Statement]:
 
 
 def surely_counts(said: Statement) -> bool:
-    """Return whether a statement certainly gives the number of samples, by its clear words and large number."""
+    """Return whether a statement certainly gives the number of samples: its words are clear and the number is large."""
     return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
 
 
@@ -228,7 +228,7 @@ def _peak_unit(match: re.Match[str]) -> str:
 
 
 def stated_durations(header: Sequence[str]) -> list[Statement]:
-    """Return the durations of the record [s] that a header states, but not those of its strong part."""
+    """Return the durations [s] of the record that a header states; durations of the strong part are ignored."""
     found = []
     for number, line in enumerate(header, 1):
         text = folded_text(line)

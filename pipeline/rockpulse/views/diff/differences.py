@@ -33,7 +33,7 @@ APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_diges
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """The differences of one variable: how many values differ, and where the difference is largest."""
+    """The differences of one variable: the number of different values, and the place of the largest difference."""
 
     name: str  # group and variable
     differing: int  # number of values beyond the tolerance
@@ -82,8 +82,8 @@ def compare_results(
 ) -> Differences:
     """Compare two open results files; raise ResultsError for different kinds or an unknown name in `ignore`.
 
-    Two numbers are equal if they differ by at most `atol` + `rtol` times the larger one, or if both are NaN or the same
-    infinity; texts, integers and flags must be identical. Variables in `ignore`, as ``name`` or ``/group/name``, are
+    Two numbers are equal if they differ by at most `atol` + `rtol` times the larger number, or if both are NaN or the
+    same infinity; texts, integers and flags must be identical. Variables in `ignore` (``name`` or ``/group/name``) are
     not compared. At most `listed` changed verdicts and `listed` crossed ratios are named.
     """
     if first.kind != second.kind:

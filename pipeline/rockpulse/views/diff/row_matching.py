@@ -12,7 +12,7 @@ from rockpulse.storage.export.long_table import POINTS_AT
 
 @dataclass(frozen=True)
 class OnlyIn:
-    """Names that only the first or only the second of two files contains; ``what`` says what they name."""
+    """Names that only the first or only the second of two files contains; ``what`` is the kind of the named objects."""
 
     what: str
     first: tuple[str, ...]

@@ -116,7 +116,7 @@ def has_spectra(tree: xr.DataTree) -> bool:
 
 
 def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[str] | None = None) -> xr.Dataset:
-    """Return the spectra in the file or, without them, those computed from a few records at the nearest stored C."""
+    """Return the spectra in the file or, if it has none, spectra computed from the records at the nearest C."""
     if "spectra" in tree.children:
         stored = tree["spectra"].to_dataset()
         return stored if records is None else stored.sel(record=list(records))

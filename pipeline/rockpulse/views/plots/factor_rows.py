@@ -153,5 +153,5 @@ def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None
 
 
 def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    """Draw a bar from one scale factor to another; `words` is the key of its label in the section [plot.bar]."""
+    """Draw a bar from one scale factor to another; `words` is the key of the label in the section [plot.bar]."""
     ax.barh(place, high - low, left=low, height=2.0 * HALF, label=say(f"plot.bar.{words}"), **style)

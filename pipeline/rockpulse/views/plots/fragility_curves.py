@@ -237,7 +237,7 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, drawn: n
 
 
 def _merged_warnings(warnings: dict[str, list[str]], states: int) -> list[str]:
-    """Return the warnings on the curves, each once, with the limit states that it concerns."""
+    """Return each distinct warning on the curves with the limit states that it concerns."""
     every = say("plot.fragility.all")
     words = [
         f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {warning}."

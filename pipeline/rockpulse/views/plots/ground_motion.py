@@ -207,7 +207,7 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
 
 
 def _strong(motion: xr.Dataset) -> np.ndarray:
-    """Return the mask of the half-waves of the intense phase whose impulse is above half of the largest."""
+    """Return the mask of the half-waves of the intense phase whose impulse is above half of the largest impulse."""
     impulse, centroid = np.abs(motion["impulse"].values), motion["centroid"].values
     first, last = _phase(motion)
     within = (centroid >= first) & (centroid <= last)

@@ -31,7 +31,7 @@ MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
 def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
-    """Draw the impulses of half-waves at their centroids; impulses above half the largest have another colour.
+    """Draw the impulses of half-waves at their centroids; impulses above half of the largest have another colour.
 
     Parameters
     ----------

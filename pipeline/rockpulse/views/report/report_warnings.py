@@ -28,7 +28,7 @@ from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
 
-#: Grades of warnings: those that may change a verdict, that limit it, and that only explain it.
+#: Grades of warnings: may change a verdict, limits its use, or only explains it.
 GRADES = ("decides", "limits", "notes")
 
 

@@ -181,7 +181,7 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
 
 
 def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Return whether all numbers agree within the tolerance; pairs with a NaN are not compared."""
+    """Return whether all numbers agree within the tolerance; a NaN agrees with every number."""
     known = ~np.isnan(np.add(one, other))
     return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
 

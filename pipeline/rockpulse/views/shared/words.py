@@ -1,4 +1,4 @@
-"""The texts of the views in English or in the language set by :func:`writing`, and numbers in its form."""
+"""The texts of the views, and the form of numbers, in English or in the language set by :func:`writing`."""
 
 import re
 import tomllib

@@ -11,7 +11,7 @@ from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.formatting import WIDTH, paragraph, several
 from rockpulse.warning_text import PLAIN
 
-#: Largest number of rows of a kind other than "failed" in the overview, and in a brief one; equal reasons count as one.
+#: Largest number of rows of a kind other than "failed" in the overview, and in a brief list; equal reasons are one row.
 LISTED, FEW = 12, 3
 #: Kinds whose rows are grouped by reason; for other kinds the reasons name other records.
 _GROUPED = frozenset({"failed", "skipped"})
@@ -28,7 +28,7 @@ _KINDS = {
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """List the files and channels that were not assessed, by kind, and the warnings; shorter if `brief`."""
+    """List the files and channels that were not assessed, by kind, and the warnings; the list is shorter if `brief`."""
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
     found, beside = apart(failure_rows(tree))
