@@ -25,7 +25,7 @@ LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return a mask (g, n): which of n records each of g earthquakes, sorted by label, contains."""
+    """Return a mask (g, n) of the records that belong to each of g earthquakes, sorted by label."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
@@ -245,7 +245,7 @@ def fit_lognormal(
 
     The squared dispersion is half the weighted mean of (x_i - x_j)^2 over pairs of records of different earthquakes:
     unlike the usual estimator it is unbiased for any split of the variance between and within earthquakes. For a single
-    earthquake, the pairs are those within it. The interval of the median is the :func:`bootstrap_interval` of the
+    earthquake, its own pairs of records are used. The interval of the median is the :func:`bootstrap_interval` of the
     logarithm; the interval of the dispersion is chi-square with degrees of freedom from the resamples.
     """
     once = np.ones((1, draws.shape[1]), dtype=int)

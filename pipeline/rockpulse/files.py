@@ -139,7 +139,7 @@ def _hidden(target: Path) -> Path:
 
 
 def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
-    """Return the path; raise ResultsError if it cannot be written, or exists and must not be overwritten."""
+    """Return the path of a file to write; raise ResultsError if it cannot be written or must not be overwritten."""
     target = Path(path)
     if not target.name.lower().endswith(suffixes):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")

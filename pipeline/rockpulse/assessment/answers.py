@@ -36,7 +36,7 @@ class Motions:
     index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
     events: list[str]  # earthquakes of the motions
     kind: str  # "record", "pair" or "sequence"
-    any_azimuth: bool = False  # whether a pair counts by its mean over directions: those of the bodies are unknown
+    any_azimuth: bool = False  # whether a pair counts by its mean over directions (bodies of unknown direction)
 
     @property
     def event_count(self) -> int:
@@ -56,7 +56,7 @@ class Motions:
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return whether the mask `so` (records, ...) is True in any direction; it is `missing` if not assessed."""
+        """Return whether `so` (records, ...) is True in any direction of a motion; if not assessed it is `missing`."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
@@ -125,8 +125,8 @@ class Margin(NamedTuple):
     smallest: float
     median: float
     bounds: tuple[bool, bool]  # whether smallest and median are lower bounds, as the model gives no result there
-    open: bool  # whether the smallest is an upper bound, as a direction of its motion has no result
-    limit: float  # end of the search if no factor was found; NaN if one was found for all motions
+    open: bool  # whether the smallest is an upper bound, as a direction of the motion has no result
+    limit: float  # end of the search if no factor was found; NaN if a factor was found for all motions
     place: int  # index of the motion with the smallest scale factor; -1 for none
     unknown: int  # number of motions without a result in any direction
     partial: int  # number of motions with results in some directions only
@@ -301,7 +301,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """Return a stored variable for one model; the last dimensions are bodies and, at demands, demands."""
+    """Return a stored variable for one model; the last dimensions are bodies and, in some variables, demands."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
@@ -366,7 +366,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Return the median of the known values in every column; NaN if there are none."""
+    """Return the median of the known values in every column; NaN without known values."""
     count = (~np.isnan(values)).sum(axis=0)
     ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):

@@ -28,7 +28,7 @@ from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record and its vertical channel, and return the input of the models; RockpulseError if impossible."""
+    """Condition a record and its vertical channel, and return the model input; RockpulseError if either is rejected."""
     up = None if vertical is None else conditioned(vertical, config)
     return extract(conditioned(record, config), config, up)
 
@@ -68,7 +68,7 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
-    """Return each motion and the indices of the bodies that feel it; RecordRefused if it needs a missing channel."""
+    """Return each motion and the indices of the bodies that feel it; RecordRefused if a needed channel is missing."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -128,7 +128,7 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks as they face the record; a block that may face it either way is repeated as its mirror image."""
+    """Blocks as they face the record; a block that may face the record either way is repeated as its mirror image."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored
@@ -139,7 +139,7 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return for each block the worse response of its two senses; worst is overturning, then no result."""
+        """Return for each block the worse response of its two senses: overturning, no result, or larger rotation."""
         if self.both.size == 0:
             return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)

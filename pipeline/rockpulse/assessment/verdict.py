@@ -1,4 +1,4 @@
-"""The verdict on every body over all records: the probability of overturning, and its grade."""
+"""The verdict on every body over all records: the probability of overturning, and the grade."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -52,7 +52,7 @@ class Grade(IntEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """The results for one body over the records, as recorded or scaled to one demand."""
+    """The results for one body under all records, as recorded or scaled to one demand."""
 
     demand: str  # name of the demand; empty for the records as recorded
     grade: Grade
@@ -147,7 +147,7 @@ def _grade(share: Share, bound: bool) -> Grade:
 
 
 def _findings(answers: Answers, demand: str | None) -> list[Finding]:
-    """Return the results for every body over the records, as recorded or scaled to one demand."""
+    """Return the results for every body under all records, as recorded or scaled to one demand."""
     motions, far = answers.motions, too_far(answers, demand)
     left_out = far | weak(answers, demand)[:, np.newaxis]
     kept, near = motions.kept(left_out), motions.kept(far)
@@ -270,7 +270,7 @@ def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
 
 
 class Sliding(NamedTuple):
-    """A body that may slide: `above` of `total` records require more than its `friction`; the largest is `most`."""
+    """A body that may slide: `above` of `total` records require more than its `friction`, up to `most`."""
 
     body: Body
     above: int

@@ -301,7 +301,7 @@ class BlockSettings(Section):
         return min((one.support / one.height for one in self.loads if one.support is not None), default=math.inf)
 
     def block(self) -> Block:
-        """Make the block, or one for each restitution of a list, and log its warnings; raise ConfigError if invalid."""
+        """Make the block, or a block for each restitution of a list, and log warnings; raise ConfigError if invalid."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}

@@ -16,7 +16,7 @@ from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 
-#: Largest ratio of the mass of a body to the mass of its floor at which it hardly changes the floor's motion [-].
+#: Largest ratio of the masses of body and floor at which the body hardly changes the floor's motion [-].
 LIGHT = 0.05
 
 

@@ -95,7 +95,7 @@ class RecordSettings(Section):
             )
 
     def for_all(self, units: str | None, dt: float | None) -> RecordSettings:
-        """Return these settings with the given unit and interval [s], which also replace those of [[records.file]]."""
+        """Return these settings with the given unit and interval [s], also in place of those in [[records.file]]."""
         rows = []
         for row in self.files:
             own = row.units if units is None else None, row.dt if dt is None else None
@@ -257,7 +257,7 @@ class DemandSettings(Section):
         object.__setattr__(self, "value", in_si)
 
     def _in_si(self, value: str) -> tuple[str, float]:
-        """Return a value with its unit as text, and in SI; raise ConfigError if either is wrong."""
+        """Return a value with its unit as text, and in SI; raise ConfigError if value or unit is wrong."""
         known, found = ROWS[self.measure].known_units, _WITH_UNIT.fullmatch(value.strip())
         unit = (found[2] or "").strip() if found else "?"
         if found is not None and unit in known and (size := float(found[1])) > 0.0:

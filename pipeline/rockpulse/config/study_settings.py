@@ -35,7 +35,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def _are_numbers(value: Any, count: int = 0) -> bool:
-    """Return whether a value is a list of positive numbers, at least one or exactly `count`."""
+    """Return whether a value is a list of positive numbers, of at least one or exactly `count` numbers."""
     numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
     return numbers and (len(value) == count if count else bool(value))
 
@@ -213,7 +213,7 @@ class HazardSettings(Section):
     """The hazard of the site, as a file of hazard curves or a power law k0 x^-k, and the exposure time.
 
     `longitude` and `latitude` select the site in a file of several sites. `measure` and `unit` (by default SI) apply to
-    the power law; a file states its own. `soil_factor` converts levels on rock to levels on the ground of the site; its
+    the power law; a file states both. `soil_factor` converts levels on rock to levels on the ground of the site; the
     default is S of [site] ag and ground, or 1.
 
     Raises
@@ -344,7 +344,7 @@ class ReportSettings(Section):
 
 
 def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
-    """Read the logo, whose path is relative to a folder; raise ConfigError if it is missing, too large or not a PNG."""
+    """Read the logo, whose path is relative to a folder; raise ConfigError if missing, too large or not a PNG."""
     if report.logo is None:
         return b""
     path = folder / report.logo

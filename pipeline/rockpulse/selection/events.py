@@ -50,7 +50,7 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
     for members in _grouped(
         free, lambda index: (records[index].format, event) if (event := records[index].event_id) else None
     ):
-        groups = _grouped(members, lambda index: (records[index].origin_time,))  # `_may_be_one` depends only on this
+        groups = _grouped(members, lambda index: (records[index].origin_time,))  # as for `_may_be_one`
         yield from chain.from_iterable(map(pairwise, groups))
         for one, other in combinations(_ends(groups), 2):
             if _may_be_one(records[one], records[other]):
@@ -287,7 +287,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """Return the most frequent title, preferably one with words; the alphabetically first of several."""
+    """Return the most frequent title, preferably one with words; if several, the first in the alphabet."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

@@ -125,7 +125,7 @@ def _factors(path: Path, where: str, state: int) -> dict[str, float]:
 
 
 def given_table(given: str, config: Config, where: str, columns: str) -> Path:
-    """Return the path of a table that the configuration names; raise ConfigError if it does not exist."""
+    """Return the path of a table that the configuration names; raise ConfigError if the file does not exist."""
     path = located(given, config.folder)
     if not path.exists():
         raise ConfigError(f"{where}: {path}: no such file; expected a CSV table with the columns {columns}")

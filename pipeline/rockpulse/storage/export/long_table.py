@@ -33,7 +33,7 @@ CHUNK = 50_000
 class TableColumn:
     """A column of a long table: where its values are stored, and what they mean."""
 
-    name: str  # its heading
+    name: str  # heading of the column
     units: str
     long_name: str
     words: dict[int, str]  # word for each value of a flag; empty for other variables
@@ -145,7 +145,7 @@ def results_table(
     path : str or Path
         Results file of any kind.
     group : str, optional
-        Group of the file; by default the main one (`summary` of an assessment).
+        Group of the file; by default the main group (`summary` of an assessment).
     dims : sequence of str, optional
         Dimensions of the rows: ``["record"]`` gives one row per record; by default each result has a row.
     columns : sequence of str, optional

@@ -115,7 +115,7 @@ def variables_of(group: h5py.Group) -> list[Variable]:
 
 
 def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
-    """Return the attributes of a group or variable except internal ones; an array of one value becomes the value."""
+    """Return the attributes of a group or variable, without internal ones; an array of one value becomes a scalar."""
     held = item.attrs
     return {name: _plain(held[name]) for name in held if name not in HIDDEN}
 

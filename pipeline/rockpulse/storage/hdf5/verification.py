@@ -35,7 +35,7 @@ class Verification:
     variables: int  # number of checksums that were compared
     inputs: int  # number of input files that were found and read
     absent: tuple[str, ...]  # input files that are missing
-    differences: tuple[str, ...]  # one sentence each; empty if file and inputs are unchanged
+    differences: tuple[str, ...]  # one sentence for each change; empty without changes
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield each of the sorted files with its SHA-256, an error if it is unreadable, or None if it is missing."""
+    """Yield the files, sorted, each with its SHA-256, the error on reading it, or None if the file is missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

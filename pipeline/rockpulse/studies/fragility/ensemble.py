@@ -70,7 +70,7 @@ class Ensemble:
     measures: np.ndarray  # (n, k, m) intensity measures of the unscaled records
     qualities: np.ndarray  # (n, c) properties in the order of QUALITIES
     facts: dict[str, np.ndarray]  # (n,) properties of earthquake and site by name
-    factors: np.ndarray  # (n, s, m) first scale factors that reach a state, or (n, r, m) all of them [-]
+    factors: np.ndarray  # (n, s, m) first scale factors that reach a state, or (n, r, m) all scale factors [-]
     step: np.ndarray | None  # (n, m) ratio of successive scale factors in the search for the first
     reached: np.ndarray | None  # (n, s, r, m) 1 if the limit state was reached, 0 if not, or NOT_KNOWN
     weight: np.ndarray | None  # (n, r) weight of each scale factor [-]

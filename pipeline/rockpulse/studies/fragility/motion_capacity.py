@@ -29,7 +29,7 @@ from rockpulse.storage.variables.summary import FACTS, facts_of
 
 #: Value for a result that the model cannot resolve.
 NOT_KNOWN = -1
-#: A half-wave is strong if its impulse is above this share of the largest one.
+#: A half-wave is strong if its impulse is above this share of the largest impulse.
 STRONG_SHARE = 0.5
 
 
@@ -42,7 +42,7 @@ def scale_capacities(
     computed at `points` scale factors up to `factor_max`. If the model cannot resolve a scale factor (free flight), the
     limit state counts as reached.
 
-    Returns the scale factors (s, m), inf if none reaches the state; a larger one may not reach it. The step (m,) is the
+    Returns the scale factors (s, m), inf if none reaches the state; a larger factor may not. The step (m,) is the
     ratio of successive scale factors [-]: an interval narrower than the step may be missed, which makes the first scale
     factor larger. The step is 1 for uplift alone.
     """

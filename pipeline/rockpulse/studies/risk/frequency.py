@@ -3,7 +3,7 @@
 .. note:: lambda = integral of P(x) (-dH/dx) dx; the shares from levels outside the range of the records or of the
    hazard are reported. In PGA, levels below the uplift PGA of a body on the ground contribute nothing. A body that
    overturns lambda times a year survives T years with the probability exp(-lambda T). At a confidence q, survival
-   allows frequencies up to -ln(1 - q)/T; a larger one contradicts the hazard, to which it is proportional.
+   allows frequencies up to -ln(1 - q)/T; a larger frequency contradicts the hazard, as it is proportional to that.
 """
 
 import math
@@ -58,7 +58,7 @@ def several_events(count: int) -> str:
 
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
-    """Return the warnings on a hazard in words, with the ground and the component to which it must refer."""
+    """Return the warnings on a hazard in words, with the ground and the component to which the hazard must refer."""
     wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 

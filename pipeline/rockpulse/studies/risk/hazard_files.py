@@ -162,7 +162,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if one is invalid."""
+    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if a site is invalid."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)

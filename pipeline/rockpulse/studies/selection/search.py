@@ -1,7 +1,7 @@
 """Searches for a set of spectra whose mean fits a target, by greedy choice from several starts and exchange of members.
 
-.. note:: Each spectrum has a scale factor of its own, with which the mean over the periods of its ratio to the target
-   is 1, so that every member is as strong as the target. The search minimises max/min over the periods of the mean
+.. note:: The scale factor of each spectrum makes the mean over the periods of its ratio to the target equal to 1, so
+   that every member is as strong as the target. The search minimises max/min over the periods of the mean
    ratio of the set. Finally all scale factors are multiplied by a common factor, which centres the deviations.
 """
 

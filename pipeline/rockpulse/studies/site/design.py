@@ -4,8 +4,8 @@
    by their parameters (Casapulla & Maione 2017, section 4), but by the rotations that they cause. Hence the design has
    the median shape, and the smallest I at which the sequence covers the quantile of the recorded rotations of the
    blocks that it does not overturn; its coverage is tested on records left out. Blocks that the design overturns are
-   excluded: it covers every record for them, so that the quantile would not apply to the blocks that are safe under the
-   design (docs/decisions/011).
+   excluded: the design covers every record for them, so that the quantile would not apply to the blocks that are safe
+   under the design (docs/decisions/011).
 """
 
 import math
@@ -112,7 +112,7 @@ def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
 
 
 def _range(sample: SiteSample) -> tuple[float, float]:
-    """Return the weakest main impulse of the grid, and one that is sufficient to overturn every block.
+    """Return the weakest main impulse of the grid, and a main impulse that overturns every block.
 
     Secondary impulses reduce the speed by at most half, unless they act at the same instant (spacing "start").
     """

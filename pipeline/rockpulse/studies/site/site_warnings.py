@@ -77,7 +77,7 @@ def _tail(records: int, quantile: float) -> WarningText:
 
 
 def _coverage_warning(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[WarningText]:
-    """Return a warning if the coverage is based on few earthquakes, or its interval is wide."""
+    """Return a warning if the coverage is based on few earthquakes or has a wide interval."""
     groups = []
     for reason in dict.fromkeys(unjudged.values()):
         every = [name for name, why in unjudged.items() if why == reason]
