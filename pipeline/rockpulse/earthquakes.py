@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: Confidence level of the interval of a probability [-]; fewest earthquakes that allow conclusions on others.
+#: Confidence level of the interval of a probability [-]; smallest number of earthquakes without a special warning.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
 #: Weight of each of the two prior earthquakes in the interval of a mean probability, in earthquakes.
@@ -24,19 +24,19 @@ LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return whether each of g earthquakes, sorted by label, contains each of n records, (g, n)."""
+    """Return a mask (g, n) of the records that belong to each of g earthquakes, sorted by label."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
 
 def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return weights (g, n) with which n records are averaged to one mean for each of g earthquakes."""
+    """Return weights (g, n) of n records in the means of each of g earthquakes."""
     own = members(events)
     return np.asarray(own / own.sum(axis=1, keepdims=True))
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Draw random resamples and return how often each contains each earthquake, (resamples, events)."""
+    """Return how often each random resample contains each earthquake, (resamples, events)."""
     return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
@@ -51,12 +51,12 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the interval of the mean of the probabilities (g, ...) of g earthquakes; NaN is unknown.
+    """Return both ends of the interval of the mean of probabilities (g, ...) of g earthquakes; NaN if unknown.
 
     The Bayesian bootstrap (Rubin 1981, doi:10.1214/aos/1176345338) gives the earthquakes random weights, with two prior
     earthquakes of weight PRIOR, of probability 0 and 1, so that equal values do not give a certain mean. The ends are
     quantiles of the beta distribution with the mean and the variance of the weighted mean, which is exact for values of
-    0 and 1. `count` is the number of earthquakes if some of the g groups do not count as one.
+    0 and 1. `count` is the number of earthquakes if it is not g.
 
     >>> [round(float(end), 3) for end in probability_interval(np.zeros(10))]
     [0.0, 0.171]
@@ -83,7 +83,7 @@ def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Return the confidence limits of an estimate from its values in resamples; `sizes` are the earthquakes' weights.
+    """Return the confidence limits of an estimate from its values in resamples; `sizes` are weights of earthquakes.
 
     The limits are the estimate +- t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g
     earthquakes gives a variance that is too small by the factor (g - 1)/g and neglects the uncertainty of this variance

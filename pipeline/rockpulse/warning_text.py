@@ -24,7 +24,7 @@ WARNINGS = {
     "interval of {interval:.6g} s",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; check that it is in s",
     "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
-    "vertical_by_code": "the channel code {channel} means vertical, the header states {told}; used as vertical",
+    "vertical_by_code": "the channel code {channel} means vertical, the header states {stated}; used as vertical",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
     # the samples of a channel
     "noise_only": "no earthquake, but noise or a dead channel: {reason}",
@@ -156,7 +156,7 @@ def find(warnings: Iterable[str], code: str) -> WarningText | None:
 
 
 def has_warning(codes: str, *wanted: str) -> bool:
-    """Return whether stored codes contain a `wanted` one, alone or as a part of a nested code."""
+    """Return whether stored codes contain a `wanted` code, alone or as a part of a nested code."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 

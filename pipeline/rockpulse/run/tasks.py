@@ -63,7 +63,7 @@ class Task:
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """Read the planned motion with its samples, as in the survey; it raises the errors of `Located.read`."""
+        """Read the planned motion with its samples, as in the survey; raise the errors of `Located.read`."""
         planned = self.planned
         channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
         vertical, partner = (
@@ -89,10 +89,10 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
     for one in planned:
         compared = [record for comparison in one.comparisons for record in comparison.records]
         acting = [record for record in (*one.channels, one.vertical, one.partner, *compared) if record is not None]
-        told = [text for record in acting for text in _facts_of(record, places[record.id])]
+        facts = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
-        fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *told, *confirmed])
+        fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *facts, *confirmed])
         tasks.append(Task(one, {record.id: places[record.id] for record in acting}, fingerprint))
     return tasks
 

@@ -46,7 +46,7 @@ CAUSES = {
 class Comparison:
     """Another record with which a channel of a planned motion is compared."""
 
-    # a duplicate; a record that may be the same with a wrong clock; the other component of the instrument
+    # a duplicate; a record that may be the same motion with a wrong clock; the other component of the instrument
     kind: Literal["duplicate", "clock", "component"]
     channel: int  # index of the channel in the planned motion
     other: Record  # as read
@@ -94,13 +94,13 @@ def likeness(record: Record, other: Record) -> Likeness:
 
 
 def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
-    """Return channels as read, with a warning on each of them that a comparison makes doubtful."""
+    """Return channels as read; a channel that a comparison makes doubtful gets a warning."""
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
-        told = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
-        if told is not None:
-            found[one.channel] = found[one.channel].with_warning(told)
+        warning = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
+        if warning is not None:
+            found[one.channel] = found[one.channel].with_warning(warning)
     return found
 
 
@@ -109,7 +109,7 @@ def clock_twin(
 ) -> list[Failure]:
     """Return a failure row for each channel that repeats another record with a different clock time.
 
-    A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
+    Confirmed records are preferred to others, then processed records to raw records.
     """
 
     def place(record: Record) -> tuple[bool, int, str]:
@@ -139,27 +139,27 @@ def _duplicate(channel: Record, against: Comparison) -> WarningText | None:
     )
     said: list[str] = []
     if abs(like.correlation) < LEAST_CORRELATION:
-        told = f"the correlation is {like.correlation:.2f}"
+        unlike = f"the correlation is {like.correlation:.2f}"
         for other in against.beside:
             crosswise = likeness(channel, other)
             if abs(crosswise.correlation) >= LEAST_CORRELATION:
-                told += (
+                unlike += (
                     f", and {crosswise.correlation:.2f} with {other.id}: the labels of the components may be swapped"
                 )
                 break
-        said.append(told)
+        said.append(unlike)
     elif like.correlation * expected < 0.0:
         said.append("the sign is opposite: one of them may be positive the other way")
     if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
         said.append(": ".join(filter(None, (f"it is {_ratio(like.ratio)}", _cause(like.ratio)))))
     if not said:
         return None
-    told = "; ".join(said)
+    differences = "; ".join(said)
     return WarningText(
         "twin_differs",
         other=against.other.id,
         source=PurePath(against.other.source).name,
-        differences=told,
+        differences=differences,
         decides=True,
     )
 
@@ -170,11 +170,11 @@ def _ratio(ratio: float) -> str:
 
 def _cause(ratio: float) -> str:
     size = max(ratio, 1.0 / ratio)
-    return next((told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
+    return next((cause for factor, cause in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if a component copies the other, or its peak differs greatly and no defect explains it."""
+    """Return a warning if one component is a copy of the other, or their peaks differ greatly without a defect."""
     mine, others = (outline_of(one) for one in (channel, other))
     if not mine or not others or any(deciding(with_defects(one)) for one in (channel, other)):
         return None
@@ -194,7 +194,7 @@ def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of each channel with the other of its pair if peaks differ greatly or both may be equal."""
+    """Yield a comparison of a channel with its partner if their peaks differ greatly, or one may copy the other."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
@@ -214,12 +214,12 @@ def _between(one: Record, other: Record) -> float:
 
 
 def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
-    """Return the other channel of the pair for each horizontal channel, which is identified by ``id(channel)``."""
+    """Return the other channel of the pair of each horizontal channel, by ``id(channel)``."""
     return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return, by ``id(record)``, another record that may be the same one with a wrong clock, if there is one."""
+    """Return, by ``id(record)``, another record that may be the same motion with a wrong clock, if one exists."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

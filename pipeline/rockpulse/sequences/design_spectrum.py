@@ -87,12 +87,12 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Return the scale factor (m,) of the design that overturns each block; ValueError outside the spectrum."""
+        """Return the scale factor (m,) on the design at which each block overturns; ValueError outside the spectrum."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """Return sequences for (m,) blocks, each with the same effect as the design; ValueError outside the spectrum.
+        """Return for each of (m,) blocks a sequence with the effect of the design; ValueError outside the spectrum.
 
         The sequence model overturns a block at the scale factor of the spectrum. Use the sequences with
         ``sequence_response(..., paired=True)``.
@@ -121,7 +121,7 @@ def critical_main(block: Block, ratio: ArrayLike, interval: float, main_count: i
 
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Interpolate values (a, c, ...) in ln p (a,) and C (c,) at the p and C of (m,) blocks; return (m, ...)."""
+    """Return values (m, ...) at the p and C of blocks, interpolated in `values` (a, c, ...) over ln p and C."""
     places = []
     for at, axis in ((np.log(block.p), np.log(p)), (block.restitution, restitution)):
         places.append(np.clip(np.broadcast_to(at, block.shape), axis[0], axis[-1]))

@@ -60,19 +60,21 @@ def held_lengths_of_units(units: Sequence[str]) -> list[str]:
     return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
 
 
-def contradictory(said: Direction, told: Direction) -> bool:
+def contradictory(said: Direction, other: Direction) -> bool:
     """Return whether two directions contradict each other; an unknown direction contradicts no other."""
-    if "unknown" in (said.orientation, told.orientation):
+    if "unknown" in (said.orientation, other.orientation):
         return False
-    turn = abs((said.azimuth - told.azimuth + 180.0) % 360.0 - 180.0)
-    return said.orientation != told.orientation or said.sign != told.sign or turn > _TURN
+    turn = abs((said.azimuth - other.azimuth + 180.0) % 360.0 - 180.0)
+    return said.orientation != other.orientation or said.sign != other.sign or turn > _TURN
 
 
-def held_direction(said: Direction, told: Direction, note: str) -> Direction:
-    """Return the more precise of two directions; if they contradict each other, an unknown one with warning `note`."""
-    if contradictory(said, told):
-        return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
-    return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said
+def held_direction(said: Direction, other: Direction, note: str) -> Direction:
+    """Return the more precise of two directions, or an unknown direction with warning `note` if they contradict."""
+    if contradictory(said, other):
+        return Direction(
+            "horizontal" if said.orientation == other.orientation == "horizontal" else "unknown", note=note
+        )
+    return other if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(other.azimuth)) else said
 
 
 def surplus(
@@ -124,7 +126,7 @@ def repeated_marker(first: int, last: int) -> tuple[str, ...]:
 def distinct_sections(
     lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
 ) -> tuple[list[Span], tuple[str, ...]]:
-    """Return the sections of a file that do not repeat an earlier one, and a warning about each copy left out."""
+    """Return the sections of a file that repeat no earlier section, and a warning about each copy left out."""
     first: dict[tuple[str, ...], Span] = {}
     notes = []
     for span in spans:
@@ -139,7 +141,7 @@ def distinct_sections(
 class Counted(NamedTuple):
     """A channel, its recorder, and the number of channels that the header states for this recorder."""
 
-    line: int  # number of its first line, from 1
+    line: int  # number of the channel's first line, from 1
     recorder: str
     number: str
     counted: int  # number of channels of the recorder; 0 if it is not stated

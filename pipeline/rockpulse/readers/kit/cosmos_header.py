@@ -92,7 +92,7 @@ class CosmosHeader:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Return the direction from text line 9 and integer 54; unknown, with a warning in it, if they differ."""
+        """Return the direction from text line 9 and integer 54; an unknown direction with a warning if they differ."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -103,8 +103,8 @@ class CosmosHeader:
         seed, both = self.codes()[3], (said, coded)
         if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
-            told = f"{words!r} and {code} (integer header 54)"
-            return replace(upright, note=WarningText("vertical_by_code", channel=seed, told=told))
+            stated = f"{words!r} and {code} (integer header 54)"
+            return replace(upright, note=WarningText("vertical_by_code", channel=seed, stated=stated))
         if contradictory(said, coded):
             return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
         return coded if np.isnan(said.azimuth) else said
@@ -115,7 +115,7 @@ class CosmosHeader:
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
-        """Return the UTC time of the first sample (None if it is unknown), and warnings about it."""
+        """Return the UTC time of the first sample (None if it is unknown), and warnings about this time."""
         year, month, day, hour, minute = (self.integer(number) for number in (40, 42, 43, 44, 45))
         if year is None or month is None or day is None or hour is None or minute is None:
             return None, []

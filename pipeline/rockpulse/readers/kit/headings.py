@@ -73,9 +73,9 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Column
         headings = _headings(names, units) if len(names) == layout.width else ()
         if headings and _are_headings(headings, own):
             return headings, rows[-1]
-    told = stated_columns(header, layout.width) if layout.width > 1 else []
-    if told:
-        return _headings(told, units), len(header)
+    stated = stated_columns(header, layout.width) if layout.width > 1 else []
+    if stated:
+        return _headings(stated, units), len(header)
     return (_headings([""] * layout.width, units), prose) if any(units) else ((), len(header))
 
 

@@ -45,7 +45,7 @@ def _comment(config: Config) -> str:
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
     """Declare a variable and the two ends of its 90 % interval."""
-    told = {
+    meanings = {
         name: long_name,
         f"{name}_low": f"lower end of the interval of 90 % of {name}",
         f"{name}_high": f"upper end of the interval of 90 % of {name}",
@@ -54,7 +54,7 @@ def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredV
         key: real(
             words, take=_of_lanes(key), of_ground=True, explanation=explanation if key == name else "", comment=_comment
         )
-        for key, words in told.items()
+        for key, words in meanings.items()
     }
 
 

@@ -29,7 +29,7 @@ def measured_value(name: str, record: Record, config: Config) -> float:
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Return the factor [-] that scales a record to the configured target; RecordRefused if its measure is zero."""
+    """Return the factor [-] that scales a record to the configured target; RecordRefused for a measure of zero."""
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
@@ -47,7 +47,7 @@ def scaled(record: Record, factor: float) -> Record:
 
 
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """Return the record scaled to the target, and the factor [-]; raise RecordRefused if it cannot be scaled."""
+    """Return the record scaled to the target, and the factor [-]; raise RecordRefused if scaling is impossible."""
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS

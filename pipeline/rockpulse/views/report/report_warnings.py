@@ -27,7 +27,7 @@ from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
 
-#: Grades of warnings: those that may change a verdict, that limit it, and that only explain it.
+#: Grades of warnings: may change a verdict, limits its use, or only explains it.
 GRADES = ("decides", "limits", "notes")
 
 
@@ -47,7 +47,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Return the warnings on the verdicts, the most serious first; `components` is that option of [records]."""
+    """Return the warnings on the verdicts, the most serious first; `components` is an option of [records]."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -76,7 +76,7 @@ def warnings(
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers) -> list[str]:
-    """Return the lines on the limits of the verdict: decisive warnings, no demand or few earthquakes, what is left."""
+    """Return the lines on the limits of the verdicts: decisive warnings, missing data, and effects not covered."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
@@ -119,7 +119,7 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _most(events: int) -> str:
-    """Return the upper end of the interval of a probability that is 0 for all of some earthquakes."""
+    """Return the upper confidence limit of the probability as text if P is 0 for all of the earthquakes."""
     return share(float(probability_interval(np.zeros(events))[1]))
 
 
