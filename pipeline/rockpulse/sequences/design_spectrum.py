@@ -57,7 +57,7 @@ class DesignSpectrum:
     >>> design.factor(block).round(4)  # (g tan(alpha)/p)/0.6
     array([0.82])
     >>> design.sequence(block).main.round(3)
-    array([0.174])
+    array([0.177])
     """
 
     __repr__ = short_repr

@@ -69,9 +69,11 @@ def calibrate(
 
     Examples
     --------
-    >>> site = rp.calibrate(records, bodies={"pier": (1.0, 4.0)})
-    >>> site["site"]["site_warnings"].item()
-    'not enough earthquakes (2; at least 7 for the quantile 0.84)'
+    >>> site = rp.calibrate(records, config)["site"].dataset  # [calibration] quantile = 0.5
+    >>> [round(float(site[name]), 3) for name in ("ratio", "interval", "main_count")]
+    [0.767, 0.492, 4.0]
+    >>> site["main"].values.round(3).tolist()
+    [0.563, 0.392]
     """
     return run(SiteCalibration(given_config(config, units, dt), bodies), records, failures, progress)
 
