@@ -30,8 +30,8 @@ VERB = Verb(
     summary="check the bodies by building codes, from their geometry and a design spectrum",
     description="Check each body by the kinematic analysis of Italian practice (Circolare 617/2009, Circolare 7/2019) "
     "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone; with results, "
-    "also show the probability of overturning of the same body. A check is not a model of rocking: some bodies pass "
-    "and overturn, many fail and do not overturn.",
+    "also show the probability of overturning of the same body. A check is not a model of rocking: some bodies that "
+    "pass overturn, and many that fail do not.",
     options=(
         {
             "RESULTS": (

@@ -176,7 +176,7 @@ def test_a_trace_that_lost_its_codes_has_an_id_of_its_name(record):
     assert rp.from_trace(trace).id == "c.1"
     del trace.stats.rockpulse["codes"]
     back = rp.from_trace(trace, azimuth=370.0)
-    assert back.warnings[-1] == "the codes were unknown when the trace was made; the id was made anew"
+    assert back.warnings[-1] == "the codes were unknown when the trace was made; a new id was made"
     assert (back.azimuth, back.orientation, back.component) == (10.0, "horizontal", "")
 
 

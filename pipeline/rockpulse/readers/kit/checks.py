@@ -50,14 +50,14 @@ def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
     if len({UNITS[unit] for _, unit in stated}) < 2:
         return []
     listed = ", ".join(f"{unit} ({name})" for name, unit in stated)
-    return [f"the units of one file differ: {listed}; one of them is wrong, and with it a peak"]
+    return [f"the units of one file differ: {listed}; one of them is wrong, and so is the peak stated with it"]
 
 
 def held_lengths_of_units(units: Sequence[str]) -> list[str]:
     """Return a warning if the units of acceleration, velocity and displacement have different units of length."""
     if len({match[1].lower() for unit in units if (match := _LENGTH.match(unit))}) < 2:
         return []
-    return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
+    return [f"the header states the units {' and '.join(units)}, with different units of length; one of them is wrong"]
 
 
 def contradictory(said: Direction, other: Direction) -> bool:
@@ -134,7 +134,7 @@ def distinct_sections(
         copied = first.setdefault(content, span)
         if copied is not span:
             known = f"the {what} of line {copied[0] + 1}"
-            notes.append(f"line {span[0] + 1}: {known} stands in the file again; it was read once")
+            notes.append(f"line {span[0] + 1}: {known} is repeated in the file; it was read once")
     return list(first.values()), tuple(notes)
 
 

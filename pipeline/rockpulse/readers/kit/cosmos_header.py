@@ -132,7 +132,9 @@ class CosmosHeader:
             return None, ["the start time has no seconds; it was left out"]
         moment = instant((year, month, day), (hour, minute, seconds))
         if moment is None:
-            return None, [f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is no start time"]
+            return None, [
+                f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is not a valid start time"
+            ]
         return moment, []
 
 

@@ -126,8 +126,8 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     for alone, worst in worse_with_pedestal(answers, found):
         outcome = ", ".join(filter(None, (worst.grade.word, ratio(worst.share.value))))
         notes.append(
-            f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
-            f"({outcome}) and decides; simultaneous motions of both parts are not modelled."
+            f"{alone}: assessed alone and with its pedestal as one body; the assessment of {worst.body.name} is the "
+            f"worse of the two ({outcome}) and governs; simultaneous motions of both parts are not modelled."
         )
     notes += [
         f"{one.body.name}: slides under {one.above} of {several(one.total, 'record')}: the required friction "

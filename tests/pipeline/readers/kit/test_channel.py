@@ -38,12 +38,12 @@ def test_a_channel_of_zeros_is_dead_whatever_peak_its_header_states():
 @pytest.mark.parametrize(
     ("peak", "unit", "words"),
     [
-        (50.0, "g", r"peak 50 g in the unit g; the values would be 0.051 g if it were cm/s2"),
-        (6000.0, "cm/s2", r"peak 6.12 g in the unit cm/s2; the values would be 0.612 g if it were mm/s2"),
-        (5.01, "g", r"peak 5.01 g in the unit g; the values would be 0.511 g if it were m/s2"),
-        (9.9e-7, "g", r"peak 9.9e-07 g in the unit g; "),
-        (5e-7, "g", r"peak 5e-07 g in the unit g; the values would be 5.1e-08 g if it were m/s2, no ordinary"),
-        (5e-3, "mm/s2", r"peak 5.1e-07 g in the unit mm/s2; .*0.005 g if it were g"),
+        (50.0, "g", r"peak 50 g if the unit is g; 0.051 g if it is cm/s2"),
+        (6000.0, "cm/s2", r"peak 6.12 g if the unit is cm/s2; 0.612 g if it is mm/s2"),
+        (5.01, "g", r"peak 5.01 g if the unit is g; 0.511 g if it is m/s2"),
+        (9.9e-7, "g", r"peak 9.9e-07 g if the unit is g; "),
+        (5e-7, "g", r"peak 5e-07 g if the unit is g; 5.1e-08 g if it is m/s2, which is not an ordinary"),
+        (5e-3, "mm/s2", r"peak 5.1e-07 g if the unit is mm/s2; .*0.005 g if it is g"),
     ],
 )
 def test_a_peak_beyond_belief_is_printed_in_both_units(peak, unit, words):
@@ -98,11 +98,9 @@ def test_the_header_describes_the_peak_before_resampling():
 
 
 def test_the_unit_of_an_odd_peak():
-    assert "peak 10 g in the unit m/s2; the values would be 0.1 g if it were cm/s2" in odd_peak(10.0 * G, "", 7.0)
+    assert "peak 10 g if the unit is m/s2; 0.1 g if it is cm/s2" in odd_peak(10.0 * G, "", 7.0)
     # 200 G counts, which are 2 G m/s2 if a count is a cm/s2
-    assert "peak 100 g in the unit counts x 0.5 m/s2; the values would be 2 g if it were cm/s2" in odd_peak(
-        100.0 * G, "counts", -0.5
-    )
+    assert "peak 100 g if the unit is counts x 0.5 m/s2; 2 g if it is cm/s2" in odd_peak(100.0 * G, "counts", -0.5)
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,11 @@ def spans_of(*lines):
             ["line 1: the line is repeated up to line 2"],
         ),
         (["Title", "x", "/&", "", "/&", "Title 2"], [(0, 2), (5, 6)], ["line 3: the line is repeated up to line 5"]),
-        (["Title 1", "x", "/&", "Title 1", "x", "/&"], [(0, 2)], ["line 4: the channel of line 1 stands in the file"]),
+        (
+            ["Title 1", "x", "/&", "Title 1", "x", "/&"],
+            [(0, 2)],
+            ["line 4: the channel of line 1 is repeated in the file"],
+        ),
         (["Title 1"], [(0, 1)], []),
         (["Title 1", "Title 2", "x", "/&", "", "Title 3", "/&", "Title 4"], [(0, 1), (1, 3), (5, 6), (7, 8)], []),
     ],

@@ -145,7 +145,7 @@ def test_the_tables_agree():
     [
         ("rotations-history", {}, r'did you mean "rotation-history"\? There are: '),
         ("fragility", {}, "expected a file of 'rockpulse fragility', found an assessment file"),
-        ("accelerogram", {"block": "wall"}, r"no block to choose; it takes record \(--record\)"),
+        ("accelerogram", {"block": "wall"}, r"has no option block; its options: record \(--record\)"),
         ("accelerogram", {"record": "CI.CLC..HN"}, r"the nearest: CI\.CLC.*; there are: CI\.CLC"),
         ("accelerogram", {}, "expected one of 2 records, none was named"),
         ("accelerogram", {"record": "CI.CLC*"}, r"matches 2 .*, but the picture shows one: CI\.CLC.*, CI\.CLC"),
