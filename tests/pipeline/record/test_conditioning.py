@@ -368,5 +368,5 @@ def test_two_samples_can_be_conditioned():
 
 
 def test_corner_far_below_the_record_is_refused_before_its_pads_are_made():
-    with pytest.raises(ConfigError, match=r"pads of 3e\+14 samples, expected at most 1e\+07"):
+    with pytest.raises(ConfigError, match=r"needs 3e\+14 samples of padding at each end, expected at most 1e\+07"):
         condition(sine(1.0), "none", highpass_hz=1e-12)

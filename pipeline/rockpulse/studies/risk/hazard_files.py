@@ -154,9 +154,9 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:
         raise ConfigError(
-            f"{path}: one hazard curve without coordinates, so the sites of the bodies cannot be looked up in it; give a "
-            "file of several sites (OpenQuake's hazard curves or the grid of NTC 2008), or remove longitude and latitude "
-            "from the table of bodies"
+            f"{path}: one hazard curve without coordinates, so the sites of the bodies cannot be looked up in it; "
+            "give a file of several sites (OpenQuake's hazard curves or the grid of NTC 2008), or remove longitude and "
+            "latitude from the table of bodies"
         )
     rows, distance = nearest_places(sheet.path, sheet.places, asked)
     keys = np.stack([rows, of_each(soil_factor, len(asked), "soil factor")], axis=1)

@@ -165,8 +165,8 @@ class SelectionAnalysis(Analysis):
             f"[selection] records: expected {asked.records} {asked.components} that can be selected, at most "
             f"{asked.per_earthquake} of each earthquake, found {enough}. Of {len(events)} {asked.components}, "
             f"{usable.total()} (of {len(usable)} earthquake{'s' * (len(usable) != 1)}) can be scaled by "
-            f"{asked.factors[0]:g} to {asked.factors[1]:g}. Give more record files, or change the keys records, factors "
-            f"or per_earthquake{unknown}"
+            f"{asked.factors[0]:g} to {asked.factors[1]:g}. Give more record files, or change the keys records, "
+            f"factors or per_earthquake{unknown}"
         )
 
 

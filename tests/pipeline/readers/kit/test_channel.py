@@ -118,7 +118,7 @@ def test_the_unit_of_an_odd_peak():
 def test_a_channel_code_that_says_vertical_outweighs_a_horizontal_azimuth(known, orientation, told):
     one = record(**known)
     assert one.orientation == orientation
-    warnings = [f"the channel code {known['channel']} means vertical, the header states "] if told else []
+    warnings = [f"the channel code {known['channel']} means vertical, but the header states "] if told else []
     assert [warning[: len(warnings[0])] for warning in one.warnings] == warnings
     assert told in " ".join(one.warnings)
     assert np.isnan(one.azimuth) == (orientation == "unknown" or bool(told) or known["channel"] == "BNZ")

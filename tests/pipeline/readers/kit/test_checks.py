@@ -102,7 +102,7 @@ def test_one_unit_under_two_names_is_one():
 def test_one_length_in_several_spellings_is_one():
     assert held_lengths_of_units(["CMS/SEC/SEC", "cm/s", "cm"]) == []
     assert held_lengths_of_units(["mm/s/s", "CM/s"]) == [
-        "the header states mm/s/s beside CM/s: units of two lengths; one of them is wrong"
+        "the header states the units mm/s/s and CM/s, with different units of length; one of them is wrong"
     ]
 
 

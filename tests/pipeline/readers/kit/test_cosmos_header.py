@@ -281,7 +281,9 @@ def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
     assert (record.orientation, record.channel) == (orientation, "BNZ")
     assert np.sign(record.acceleration[strongest]) == sign * np.sign(pulse()[strongest])
     said = [
-        warning for warning in record.warnings if "the channel code BNZ means vertical, the header states " in warning
+        warning
+        for warning in record.warnings
+        if "the channel code BNZ means vertical, but the header states " in warning
     ]
     assert len(said) == bool(told)
     assert told in " ".join(said)
