@@ -70,8 +70,8 @@ def read_selection_table(path: Path, where: str = "[fragility] selection") -> Se
     kinds = [name for name in ("factor", "level") if name in header]
     if len(kinds) != 1:
         raise ConfigError(
-            f"{where}: {path}: expected either a column factor or a column level, found {' and '.join(kinds) or 'neither'} "
-            f"(columns: {', '.join(header)})"
+            f"{where}: {path}: expected either a column factor or a column level, found "
+            f"{' and '.join(kinds) or 'neither'} (columns: {', '.join(header)})"
         )
     found: dict[str, list[tuple[float, float]]] = {}
     for line, cells in lines:

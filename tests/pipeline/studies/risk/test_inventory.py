@@ -122,7 +122,7 @@ def test_sites_without_a_curve_are_refused(results, tmp_path):
     one = rp.load_site_hazards(path, [[13.0, 42.0]])
     with pytest.raises(rp.ConfigError, match="hazard: expected one for each of 2 bodies, got 1"):
         rp.inventory_frequency(results, models.Block(width=[0.4, 0.4], height=[3.0, 3.1]), one)
-    with pytest.raises(rp.ConfigError, match="expected a file with the curves of many places"):
+    with pytest.raises(rp.ConfigError, match="give a file with the hazard curves of several sites"):
         site_hazards_of(HazardSettings(k0=2e-3, k=2.0), np.array([[13.0, 42.0]]), None, 1, Path())
 
 
