@@ -57,7 +57,8 @@ VERB = Verb(
     name="export",
     summary="write results as a table",
     description="Write a group of a results file as a long table (CSV, a workbook, Parquet), one row for each result "
-    "and one column for each variable, and a README that gives every column its unit and meaning. Flags are written as words.",
+    "and one column for each variable, and a README that states the unit and the meaning of every column. Flags are "
+    "written as words.",
     options=(
         {
             "RESULTS": "results file of any kind",

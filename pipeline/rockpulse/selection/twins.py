@@ -46,7 +46,7 @@ CAUSES = {
 class Comparison:
     """Another record with which a channel of a planned motion is compared."""
 
-    # a duplicate; a record that may be the same with a wrong clock; the other component of the instrument
+    # a duplicate; a record that may be the same motion with a wrong clock; the other component of the instrument
     kind: Literal["duplicate", "clock", "component"]
     channel: int  # index of the channel in the planned motion
     other: Record  # as read
@@ -94,7 +94,7 @@ def likeness(record: Record, other: Record) -> Likeness:
 
 
 def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
-    """Return channels as read, with a warning on each of them that a comparison makes doubtful."""
+    """Return channels as read; a channel that a comparison makes doubtful gets a warning."""
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
@@ -109,7 +109,7 @@ def clock_twin(
 ) -> list[Failure]:
     """Return a failure row for each channel that repeats another record with a different clock time.
 
-    A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
+    Confirmed records are preferred to others, then processed records to raw records.
     """
 
     def place(record: Record) -> tuple[bool, int, str]:
@@ -174,7 +174,7 @@ def _cause(ratio: float) -> str:
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if a component copies the other, or its peak differs greatly and no defect explains it."""
+    """Return a warning if one component is a copy of the other, or their peaks differ greatly without a defect."""
     mine, others = (outline_of(one) for one in (channel, other))
     if not mine or not others or any(deciding(with_defects(one)) for one in (channel, other)):
         return None
@@ -194,7 +194,7 @@ def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of each channel with the other of its pair if peaks differ greatly or both may be equal."""
+    """Yield a comparison of a channel with the other of its pair if their peaks differ greatly or one may be a copy."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
@@ -214,12 +214,12 @@ def _between(one: Record, other: Record) -> float:
 
 
 def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
-    """Return the other channel of the pair for each horizontal channel, which is identified by ``id(channel)``."""
+    """Return the other channel of the pair of each horizontal channel, by ``id(channel)``."""
     return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return, by ``id(record)``, another record that may be the same one with a wrong clock, if there is one."""
+    """Return, by ``id(record)``, another record that may be the same motion with a wrong clock, if one exists."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

@@ -77,7 +77,7 @@ def coverage_of(
 
 
 def untested_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Return the code of the reason for each event that tests no design, or only designs that overturn every block."""
+    """Return a code, by index, for each event that tests no design, or only a design that overturns every block."""
     rests, lifts, counted = (
         counted_pairs(found.covered, sample).any(axis=1),
         ~np.isnan(sample.peaks),

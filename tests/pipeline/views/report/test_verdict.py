@@ -91,8 +91,8 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     shown = headed(answers(summary), verdict(summary))
     assert shown["verdict"] == "may overturn"
     assert (shown["P"], shown["records that overturn"], shown["capacity/ demand"]) == ("0.080", "1 of 5", "1.80")
-    assert (shown["median rotation"], shown["largest without overturning"]) == ("0.20", "0.30")
-    assert shown["top displ."] == "6.00"
+    assert (shown["median rotation"], shown["largest rotation without overturning"]) == ("0.20", "0.30")
+    assert shown["top displ. at that rotation"] == "6.00"
     told = sentence(answers(summary), verdict(summary))
     assert told.startswith("Probability of overturning 0.080, upper 90 % ")
     assert told.endswith(
