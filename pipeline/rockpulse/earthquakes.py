@@ -25,7 +25,7 @@ LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return a mask (g, n): which of n records each of g earthquakes, sorted by label, contains."""
+    """Return a mask (g, n) of the records that belong to each of g earthquakes, sorted by label."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 

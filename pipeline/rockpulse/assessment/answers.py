@@ -56,7 +56,7 @@ class Motions:
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return whether the mask `so` (records, ...) is True in any direction, with `missing` if not assessed."""
+        """Return whether `so` (records, ...) is True in any direction of a motion; if not assessed it is `missing`."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
@@ -301,7 +301,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """Return a stored variable for one model; the last dimensions are bodies and, at demands, demands."""
+    """Return a stored variable for one model; the last dimensions are bodies and, in some variables, demands."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
@@ -366,7 +366,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Return the median of the known values in every column; NaN if there are none."""
+    """Return the median of the known values in every column; NaN without known values."""
     count = (~np.isnan(values)).sum(axis=0)
     ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):

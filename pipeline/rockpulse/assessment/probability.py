@@ -31,7 +31,7 @@ def record_probability(
     """Compute the probability of overturning under a record, unscaled and at each demand, and the record's spectrum.
 
     Every variable of PROBABILITY and AT_DEMAND has a value for each block; NaN without a probability, or if the scale
-    factor to the demand is too large or small. This factor scales the mean of `channels`, by default the record.
+    factor to the demand is too large or small. It brings the mean intensity of `channels`, or of the record, to it.
     """
     count = len(bodies.names) * bodies.cases
     values = {name: np.full(count, np.nan) for name in PROBABILITY}

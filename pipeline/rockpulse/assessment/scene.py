@@ -11,9 +11,9 @@ from rocking.body.block import Block
 from rocking.body.supports import floor_motion
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals
-from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.model_table import RULE_POINT
@@ -28,7 +28,7 @@ from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record and its vertical channel, and return the input of the models; RockpulseError if impossible."""
+    """Condition a record and its vertical channel, and return the model input; RockpulseError if either is rejected."""
     up = None if vertical is None else conditioned(vertical, config)
     return extract(conditioned(record, config), config, up)
 
@@ -139,7 +139,7 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return for each block the worse response of its two senses; worst is overturning, then no result."""
+        """Return for each block the worse response of its two senses: overturning, no result, or larger rotation."""
         if self.both.size == 0:
             return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)

@@ -103,7 +103,7 @@ def overturning_spectrum(
 def stored_spectrum_values(
     spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
 ) -> dict[str, np.ndarray]:
-    """Return the values of a spectrum for a file by variable, at nominal restitutions (c,)."""
+    """Return the arrays that a file stores for a spectrum, by name of the variable, at nominal restitutions (c,)."""
     if np.any(outside := ~covered_range(restitution, spectrum.uncertainty, spectrum.lanes.between)):
         # The spectrum covers neither wide ranges around a low C, nor narrow ranges.
         sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}

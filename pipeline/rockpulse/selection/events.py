@@ -287,7 +287,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """Return the most frequent title, preferably one with words; the alphabetically first of several."""
+    """Return the most frequent title, preferably one with words; if several, the first in the alphabet."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

@@ -194,7 +194,7 @@ def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of a channel with the other of its pair if their peaks differ greatly or one may be a copy."""
+    """Yield a comparison of a channel with its partner if their peaks differ greatly, or one may copy the other."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:

@@ -250,5 +250,5 @@ def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
 
 
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
-    """Return PGA/(g tan alpha) (m,) [-]."""
+    """Return the ratio (m,) of the PGA to the acceleration g tan alpha that lifts each block [-]."""
     return np.max(np.abs(waves.peak), initial=0.0) / (block.gravity * np.tan(np.atleast_1d(block.alpha_c)))

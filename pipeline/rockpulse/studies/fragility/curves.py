@@ -76,7 +76,7 @@ def fit_capacities(
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:
-    """Fit a fragility curve to the capacities from an incremental dynamic analysis, truncated or not.
+    """Fit a fragility curve to the capacities from an incremental dynamic analysis, which may be truncated.
 
     Parameters
     ----------

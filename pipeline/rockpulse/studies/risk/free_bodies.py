@@ -37,7 +37,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Create the curves from spectra and `own`, the ln of the records' measures; ResultsError at missing C."""
+        """Create the curves from spectra and `own`, the ln of the records' measures; ResultsError if a C is missing."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -75,7 +75,7 @@ class BodyCurves(NamedTuple):
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Return the ln of the levels (m,) at which the mean probability over records, by `weights` (r,), is 1/2."""
+        """Return the ln of the levels (m,) at which the mean probability over records with `weights` (r,) is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)

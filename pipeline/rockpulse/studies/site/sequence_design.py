@@ -58,7 +58,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
 
 
 def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Return a mask (n, m) of the record-block pairs in the coverage; `standing` leaves out overturned blocks."""
+    """Return a mask (n, m) of the record-block pairs that are counted; `standing` leaves out overturned blocks."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
