@@ -195,8 +195,7 @@ class BlockSettings(Section):
     Raises
     ------
     ConfigError
-        If not exactly one of the three definitions is given, a size is not positive, an unusual size is not confirmed,
-        or a key is not allowed with the others.
+        If not exactly one of the three definitions is given, a value is invalid, or keys contradict each other.
 
     Examples
     --------
@@ -268,20 +267,15 @@ class BlockSettings(Section):
             )
         if not self.one_sided and (self.rebound is not None or self.facing is not None):
             raise ConfigError(
-                f"{self.where}: rebound and facing apply only to a body that stands against a wall; set "
-                "one_sided = true"
+                f"{self.where}: rebound and facing apply only to a body against a wall; set one_sided = true"
             )
         if self.one_sided and self.restitution != "housner":
-            raise ConfigError(
-                f"{self.where} restitution: does not apply to a one-sided body; remove it (rebound is the share of the "
-                "speed that remains after the impact on the wall)"
-            )
+            raise ConfigError(f"{self.where} restitution: not allowed for a one-sided body; give rebound instead")
         if self.azimuth is not None and self.facing is not None and math.remainder(self.azimuth - self.facing, 180.0):
             raise ConfigError(
-                f"{self.where} azimuth: a body that stands against a wall falls towards its facing, {self.facing:g} "
-                f"degrees, found azimuth {self.azimuth:g}; remove azimuth"
+                f"{self.where} azimuth: {self.azimuth:g} contradicts facing = {self.facing:g}; remove one"
             )
-        if self.pedestals and (self.one_sided or self.ties or self.loads or self.thrusts or self.p is not None):
+        if self.pedestals and (bound or self.p is not None):
             raise ConfigError(
                 f"{self.where}: a pedestal needs a free-standing body that is given by its sizes; found a body given "
                 "by p and alpha, against a wall, or with ties, loads or thrusts"
