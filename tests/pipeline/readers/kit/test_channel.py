@@ -278,6 +278,21 @@ def test_one_end_does_not_hide_the_other():
     assert note == "6 samples in a row at the largest value: the record may be clipped"
 
 
+@pytest.mark.parametrize(("lengths", "warned"), [((3, 3), True), ((3, 2, 2), False), ((4, 2, 3), True), ((4,), False)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_several_short_flat_crests_are_clipping_too(lengths, warned, sign):
+    crests = [np.r_[700, 300, -200, 300, 700, np.zeros(length), 700, 300] for length in lengths]
+    notes = clipping_warning(sign * (1000.0 - np.concatenate([[1001, 1000], *crests])), "g")
+    count = sum(length > 2 for length in lengths)
+    said = f"{count} crests are flat at the largest or smallest value: the record may be clipped"
+    assert notes == ([said] if warned else [])
+
+
+def test_crests_of_both_ends_count_together():
+    assert not clipping_warning(np.r_[0, 1, 500, 1000, 1000, 1000, 500, -400, -1000, -1000, -400, 0])
+    assert clipping_warning(np.r_[0, 1, 500, 1000, 1000, 1000, 500, -400, -1000, -1000, -1000, -400, 0])
+
+
 @pytest.mark.parametrize("amplitude", [20, 150, 1000, 30_000])
 @pytest.mark.parametrize("period", [50, 500, 5000])
 def test_a_smooth_crest_that_rounding_made_flat_is_no_clipping(amplitude, period):
