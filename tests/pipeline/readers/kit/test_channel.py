@@ -281,7 +281,7 @@ def test_one_end_does_not_hide_the_other():
 @pytest.mark.parametrize(("lengths", "warned"), [((3, 3), True), ((3, 2, 2), False), ((4, 2, 3), True), ((4,), False)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_several_short_flat_crests_are_clipping_too(lengths, warned, sign):
-    crests = [np.r_[700, 300, -200, 300, 700, np.zeros(length), 700, 300] for length in lengths]
+    crests = [np.r_[700, 300, 200, 300, 700, np.zeros(length), 700, 300] for length in lengths]
     notes = clipping_warning(sign * (1000.0 - np.concatenate([[1001, 1000], *crests])), "g")
     count = sum(length > 2 for length in lengths)
     said = f"{count} crests are flat at the largest or smallest value: the record may be clipped"

@@ -30,7 +30,6 @@ from rockpulse.readers.kit.csmip_layout import (
     real_header_value,
 )
 from rockpulse.readers.kit.direction import Direction, direction
-from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 TIMES = 0.01 * np.arange(1000)
@@ -176,24 +175,6 @@ def test_a_direction_in_words_and_as_an_integer(component, code, orientation, az
     assert facing.orientation == orientation
     assert facing.azimuth == pytest.approx(azimuth, nan_ok=True)
     assert bool(facing.note) is ((np.isnan(azimuth) and code in (45, 90)) or (component, code) == ("Up", 600))
-
-
-@pytest.mark.parametrize(
-    ("component", "code", "decides"),
-    [("Up", 90, True), ("90 Deg", 500, True), ("Up", 600, False), ("90 Deg", 45, False)],
-)
-def test_a_channel_that_may_be_vertical_must_be_confirmed(component, code, decides):
-    record = Record(np.sin(np.arange(50.0)), 0.01, id="a", warnings=(one_direction(component, code).note,))
-    assert bool(deciding(record)) is decides
-
-
-@pytest.mark.parametrize(
-    ("stated", "decides"), [("15", True), ("14.9", False), ("6.6", True), ("6.7", False), ("0", False)]
-)
-def test_a_length_that_differs_greatly_must_be_confirmed(stated, decides):
-    notes = held_length(stated, 1000, 0.01)
-    assert notes == [f"the header states {stated} s, 1000 samples at 0.01 s last 10 s"]
-    assert bool(deciding(Record(np.sin(np.arange(50.0)), 0.01, id="a", warnings=notes))) is decides
 
 
 def test_a_direction_that_another_line_repeats():

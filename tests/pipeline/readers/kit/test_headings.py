@@ -52,18 +52,6 @@ def test_words_of_a_header(line, kinds, units, steps, counts):
     assert [count.value for count in stated_counts([line])] == counts
 
 
-@pytest.mark.parametrize(
-    "heading", ["relative acceleration N", "PGA-normalised acc N", "acc N (normalized)", "accelerazione relativa N"]
-)
-def test_an_acceleration_that_is_not_of_the_ground_is_left_out(tmp_path, heading):
-    path = tmp_path / "a.csv"
-    rows = "".join(f"{0.01 * i:.2f},{value:.4f},{-value:.4f}\n" for i, value in enumerate(pulse(200)))
-    path.write_text(f"time [s],{heading} [m/s2],acc E [m/s2]\n{rows}", encoding="utf-8")
-    (record,) = read(path)
-    assert record.component == "E" or record.azimuth == 90.0
-    assert any("columns left out, no acceleration" in text for text in record.warnings)
-
-
 def test_statements_tell_their_lines_and_words():
     header = ["Station", "Acceleration", "Velocity [cm/s]", "acceleration [Gal]", "sampling rate = 50", "NPTS = 7"]
     assert stated_kinds(header) == {"acceleration": 2, "velocity": 3}
