@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: Confidence level of the interval of a probability [-]; fewest earthquakes that allow conclusions on others.
+#: Confidence level of the interval of a probability [-]; smallest number of earthquakes without a special warning.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
 #: Weight of each of the two prior earthquakes in the interval of a mean probability, in earthquakes.
@@ -25,19 +25,19 @@ LOST = 0.1
 
 
 def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return whether each of g earthquakes, sorted by label, contains each of n records, (g, n)."""
+    """Return a mask (g, n) of the records that belong to each of g earthquakes, sorted by label."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
 
 
 def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return weights (g, n) with which n records are averaged to one mean for each of g earthquakes."""
+    """Return weights (g, n) of n records in the means of each of g earthquakes."""
     own = members(events)
     return np.asarray(own / own.sum(axis=1, keepdims=True))
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Draw random resamples and return how often each contains each earthquake, (resamples, events)."""
+    """Return how often each random resample contains each earthquake, (resamples, events)."""
     return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
@@ -52,12 +52,12 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the interval of the mean of the probabilities (g, ...) of g earthquakes; NaN is unknown.
+    """Return both ends of the interval of the mean of probabilities (g, ...) of g earthquakes; NaN if unknown.
 
     The Bayesian bootstrap (Rubin 1981, doi:10.1214/aos/1176345338) gives the earthquakes random weights, with two prior
     earthquakes of weight PRIOR, of probability 0 and 1, so that equal values do not give a certain mean. The ends are
     quantiles of the beta distribution with the mean and the variance of the weighted mean, which is exact for values of
-    0 and 1. `count` is the number of earthquakes if some of the g groups do not count as one.
+    0 and 1. `count` is the number of earthquakes if it is not g.
 
     >>> [round(float(end), 3) for end in probability_interval(np.zeros(10))]
     [0.0, 0.171]
@@ -84,7 +84,7 @@ def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np
 def share_interval(
     hits: np.ndarray, weights: np.ndarray, events: np.ndarray, confidence: float
 ) -> tuple[float, float, float]:
-    """Return the weighted mean of hits (n,), each from 0 to 1, and its confidence limits; NaN for one earthquake.
+    """Return the weighted mean of hits (n,) from 0 to 1, and its confidence limits (NaN for a single earthquake).
 
     Korn and Graubard's interval (1998, Survey Methodology 24, 193-201) is Clopper and Pearson's interval for the
     effective number of independent trials, s(1 - s)/var s times (z/t_(g-1))^2, with the variance of the share s over
@@ -113,7 +113,7 @@ def share_interval(
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Return the confidence limits of an estimate from its values in resamples; `sizes` are the earthquakes' weights.
+    """Return the confidence limits of an estimate from its values in resamples; `sizes` are weights of earthquakes.
 
     The limits are the estimate +- t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g
     earthquakes gives a variance that is too small by the factor (g - 1)/g and neglects the uncertainty of this variance
@@ -245,7 +245,7 @@ def fit_lognormal(
 
     The squared dispersion is half the weighted mean of (x_i - x_j)^2 over pairs of records of different earthquakes:
     unlike the usual estimator it is unbiased for any split of the variance between and within earthquakes. For a single
-    earthquake, the pairs are those within it. The interval of the median is the :func:`bootstrap_interval` of the
+    earthquake, its own pairs of records are used. The interval of the median is the :func:`bootstrap_interval` of the
     logarithm; the interval of the dispersion is chi-square with degrees of freedom from the resamples.
     """
     once = np.ones((1, draws.shape[1]), dtype=int)

@@ -139,7 +139,7 @@ def _hidden(target: Path) -> Path:
 
 
 def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
-    """Return the path; raise ResultsError if it cannot be written, or exists and must not be overwritten."""
+    """Return the path of a file to write; raise ResultsError if it cannot be written or must not be overwritten."""
     target = Path(path)
     if not target.name.lower().endswith(suffixes):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")
@@ -158,7 +158,7 @@ def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[st
 
 
 def write_files(contents: Mapping[Path, bytes]) -> None:
-    """Write all files; if one of them fails, leave all as they were."""
+    """Write all files; if one cannot be written, leave all files as they were."""
     with FileSet() as files:
         for path, content in contents.items():
             files.add(path, content)
@@ -167,7 +167,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Return a context manager that puts the path of the target, not the temporary one, into errors."""
+    """Return a context manager that puts the path of the target, instead of the temporary path, into errors."""
     try:
         yield
     except OSError as fault:

@@ -66,7 +66,7 @@ class Section:
             object.__setattr__(self, item.name, allowed.convert(value))
 
     def keys(self) -> list[str]:
-        """Return the names of the keys in the order of the template."""
+        """Return the names of the keys, in the order of the template."""
         return [item.name for item in dataclasses.fields(self)]
 
     def __getitem__(self, key: str) -> Any:

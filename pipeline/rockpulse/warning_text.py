@@ -207,7 +207,7 @@ def find(warnings: Iterable[str], code: str) -> WarningText | None:
 
 
 def has_warning(codes: str, *wanted: str) -> bool:
-    """Return whether stored codes contain a `wanted` one, alone or as a part of a nested code."""
+    """Return whether stored codes contain a `wanted` code, alone or as a part of a nested code."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 

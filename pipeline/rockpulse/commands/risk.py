@@ -1,4 +1,4 @@
-"""``rockpulse risk``: compute annual frequencies from a hazard and fragility curves, or results and an inventory."""
+"""``rockpulse risk``: compute annual frequencies from a hazard and fragility curves, or an inventory and results."""
 
 import argparse
 import sys
@@ -30,7 +30,7 @@ def _run(args: argparse.Namespace) -> int:
             f"--age: expected --limit-state overturning, because the bodies are still standing, found {limit_state}"
         )
     files = [] if args.output is None else [Path(args.output)]
-    if files and args.bodies is None:  # share of each bin of levels
+    if files and args.bodies is None:  # the contributions of the hazard levels
         files.append(files[0].with_name(f"{files[0].stem}_levels{files[0].suffix}"))
     for path in files:
         check_file(path, args.overwrite)

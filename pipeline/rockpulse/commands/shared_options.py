@@ -99,7 +99,7 @@ SELECTION: Options = {
 
 
 def read_selection(args: argparse.Namespace) -> RowSelection:
-    """Return the rows that --record, --block and the options of SELECTION select; raise ResultsError if invalid."""
+    """Return the rows that --record, --block and the options of SELECTION select; raise ResultsError on bad values."""
     from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:

@@ -191,7 +191,7 @@ class BlockSettings(Section):
         Distance of the centre of mass of a rectangle from the middle of its base towards theta > 0 [m], and tilt to
         that side [rad].
     one_sided : bool
-        Whether the body leans on a wall and can fall only away from it.
+        Whether the body stands against a wall and can fall only away from it.
     rebound : float, str, tuple of float or None
         For a one-sided body, instead of the restitution: the share of speed that remains after the impact on the wall
         [-], or "sorrentino" (default).
@@ -205,7 +205,7 @@ class BlockSettings(Section):
     ties, loads, thrusts, floors, pedestals : tuple
         In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]. Floors are the
         modes of the building under the body; pedestals are the parts below it from top to bottom: the body is assessed
-        alone, and as one body with the first pedestal, with the first two, and so on.
+        alone, as one body with the first pedestal, as one body with the first two pedestals, and so on.
     confirm_size : bool
         Accept a body that is larger than 30 m, less than 5 cm high, less than 1 mm wide, or wider than high. For a body
         given by p and alpha these limits apply to the rectangle with its R and alpha.
@@ -213,7 +213,7 @@ class BlockSettings(Section):
     Raises
     ------
     ConfigError
-        If not exactly one of the three descriptions is given, a size is not positive, an unusual size is not confirmed,
+        If not exactly one of the three definitions is given, a size is not positive, an unusual size is not confirmed,
         or a key is not allowed with the others.
 
     Examples
@@ -296,7 +296,7 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """Make the block, or one for each restitution of a list, and log its warnings; raise ConfigError if invalid."""
+        """Make the block, or a block for each restitution of a list, and log warnings; raise ConfigError if invalid."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
@@ -320,7 +320,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """Return, by name, one body made of this body and its first pedestal, one with the first two, and so on."""
+        """Return by name this body joined with its first pedestal, with its first two pedestals, and so on."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}

@@ -33,8 +33,8 @@ def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "
 class SiteSettings(Section):
     """Name and description of the study, and the seismic action at the site.
 
-    `ag` is the peak acceleration on rock [g], `ground` the ground type. They are given once for the demand a_g S of
-    PGA (unless there are others), for the checks, and for the soil factor of the hazard (see :class:`Config`).
+    `ag` is the peak acceleration on rock [g], `ground` the ground type. Both determine the default demand (a PGA of
+    a_g S), the spectrum of the checks, and the soil factor of the hazard (see :class:`Config`).
 
     >>> rp.Config(site=rp.SiteSettings(name="Basilica of San Bernardino")).site
     SiteSettings(name='Basilica of San Bernardino')
@@ -49,7 +49,7 @@ class SiteSettings(Section):
 
 @dataclass(frozen=True)
 class RecordSettings(Section):
-    """The records to read, the unit of files that do not state it, and the groups of results to store.
+    """The records to read, the unit of files that do not state a unit, and the groups of results to store.
 
     `confirm` contains patterns of the ids of channels that are confirmed in spite of a doubt (a peak above 5 g, a
     defect, a duplicate that differs); `files` contains units and intervals of single files, in TOML [[records.file]].
@@ -95,7 +95,7 @@ class RecordSettings(Section):
             )
 
     def for_all(self, units: str | None, dt: float | None) -> RecordSettings:
-        """Return these settings with the given unit and interval [s], which also replace those of [[records.file]]."""
+        """Return these settings with the given unit and interval [s], also in place of those in [[records.file]]."""
         rows = []
         for row in self.files:
             own = row.units if units is None else None, row.dt if dt is None else None
@@ -214,8 +214,8 @@ class DemandSettings(Section):
     """The demand of the site in one limit state: the intensity to which records are scaled to assess bodies.
 
     `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
-    `selection` replaces them: a table with the columns record and factor, as :func:`rockpulse.select` makes it; each
-    record is scaled by its own factor.
+    `selection` replaces measure and value: a table with the columns record and factor, as :func:`rockpulse.select`
+    makes it; each record is scaled by its own factor.
 
     >>> rp.DemandSettings(measure="pgv", value="40 cm/s")
     DemandSettings(name='PGV 40 cm/s', measure='pgv', value=0.4)
@@ -257,7 +257,7 @@ class DemandSettings(Section):
         object.__setattr__(self, "value", in_si)
 
     def _in_si(self, value: str) -> tuple[str, float]:
-        """Return a value with its unit as text, and in SI; raise ConfigError if either is wrong."""
+        """Return a value with its unit as text, and in SI; raise ConfigError if value or unit is wrong."""
         known, found = ROWS[self.measure].known_units, _WITH_UNIT.fullmatch(value.strip())
         unit = (found[2] or "").strip() if found else "?"
         if found is not None and unit in known and (size := float(found[1])) > 0.0:
@@ -324,7 +324,7 @@ class CalibrationSettings(Section):
 
     @property
     def weighting(self) -> str:
-        """The weights in use: the given weights, or the default of the method."""
+        """The weights in use: the given word or table, or the default of the method."""
         if self.weights is not None:
             return self.weights
         return "event" if self.method == "spectrum" else "equal"

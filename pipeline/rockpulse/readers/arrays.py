@@ -15,7 +15,7 @@ from rockpulse.record.record import Record
 
 _WORKBOOKS = (".xlsx", ".xlsm")
 _SAVE = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
-_DELIMITER = ";"  # between the cells of the text; not a comma, which a cell may contain
+_DELIMITER = ";"  # delimiter of the cells in the text; not a comma, which a cell may contain
 #: Smallest number of rows of a sheet with samples (a shorter one may be a list), and of numbers in an array.
 _FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
 #: Words known to the reader of columns, for names of single numbers (in lower case).

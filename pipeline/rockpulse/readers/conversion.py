@@ -1,4 +1,4 @@
-"""Writes records to files for other programs; if one file cannot be written, none is."""
+"""Writes records to files for other programs; if one file cannot be written, no file is written."""
 
 import logging
 import os
@@ -195,7 +195,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """Yield the path of the StationXML of each file; raise an error if another miniSEED file would use it as well."""
+    """Yield the path of the StationXML of each file; raise an error if another miniSEED file uses the same path."""
     if writer.one is not None:
         return
     for path in targets:
@@ -209,7 +209,7 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
 
 
 def _shares_station_file(other: Path, path: Path) -> bool:
-    """Return whether `other` is a miniSEED file whose StationXML has the same name as that of `path`."""
+    """Return whether `other` is a miniSEED file whose StationXML has the same path as the StationXML of `path`."""
     if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
         return False
     if path.exists() and other.samefile(path):
@@ -285,7 +285,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Describe a direction or processing that reading changed or, if `whole` is true, lost; return "" if none."""
+    """Describe a change of direction or processing by reading, or if `whole` is true its loss; "" if there is none."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -300,7 +300,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of the state of processing by reading; return "" if it is unchanged."""
+    """Describe a change of the state of processing by reading; "" if there is none."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

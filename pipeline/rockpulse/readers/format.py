@@ -85,7 +85,7 @@ class ReadOptions:
 
     units: str | None = None  # unit of the accelerations, for formats that do not state one
     dt: float | None = None  # sampling interval [s], for columns without a time column
-    # "sensitivity": counts are divided by it; "remove": the full instrument response is removed
+    # "sensitivity": counts are divided by the sensitivity; "remove": the full instrument response is removed
     response: str = "sensitivity"
     # for some files, in place of the above; a property is taken from the last row that gives it and matches the file
     files: tuple[FileSettings, ...] = ()

@@ -63,7 +63,7 @@ class Task:
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """Read the planned motion with its samples, as in the survey; it raises the errors of `Located.read`."""
+        """Read the planned motion with its samples, as in the survey; raise the errors of `Located.read`."""
         planned = self.planned
         channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
         vertical, partner = (

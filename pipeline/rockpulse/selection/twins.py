@@ -48,7 +48,7 @@ CAUSES = {
 class Comparison:
     """Another record with which a channel of a planned motion is compared."""
 
-    # a duplicate; a record that may be the same with a wrong clock, or scaled; the other component of the instrument
+    # a duplicate; a record that may be the same motion with a wrong clock, or scaled; the other component
     kind: Literal["duplicate", "clock", "copy", "component"]
     channel: int  # index of the channel in the planned motion
     other: Record  # as read
@@ -96,7 +96,7 @@ def likeness(record: Record, other: Record) -> Likeness:
 
 
 def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
-    """Return channels as read, with a warning on each of them that a comparison makes doubtful."""
+    """Return channels as read; a channel that a comparison makes doubtful gets a warning."""
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
@@ -114,7 +114,7 @@ def clock_twin(
 ) -> list[Failure]:
     """Return a failure row for each channel that repeats another record with a different clock time.
 
-    A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
+    Confirmed records are preferred to others, then processed records to raw records.
     """
 
     def place(record: Record) -> tuple[bool, int, str]:
@@ -179,7 +179,7 @@ def _cause(ratio: float) -> str:
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if a component copies the other, or its interval or (without a defect) its peak differs."""
+    """Return a warning if one component copies the other, or their intervals or (without a defect) peaks differ."""
     if abs(channel.dt / other.dt - 1.0) > INTERVALS_APART:
         return WarningText("interval_apart", interval=channel.dt, other=other.id, stated=other.dt, decides=True)
     mine, others = (outline_of(one) for one in (channel, other))
@@ -206,7 +206,7 @@ def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of each channel with the other of its pair if both may be equal or one may be wrong."""
+    """Yield a comparison of a channel with its partner if peaks or intervals differ, or one may copy the other."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
@@ -227,7 +227,7 @@ def _between(one: Record, other: Record) -> float:
 
 
 def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
-    """Return the other channel of the pair for each horizontal channel, which is identified by ``id(channel)``."""
+    """Return the other channel of the pair of each horizontal channel, by ``id(channel)``."""
     return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
 
 
@@ -255,14 +255,15 @@ def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
             for others, other in (group[step] for step in range(place + 1, len(group))):
                 if others[0] - times[0] > 2.0 * dt:
                     break
-                if other.source != record.source and np.allclose(times, others, rtol=0.0, atol=2.0 * dt):
+                near = all(abs(one - two) <= 2.0 * dt for one, two in zip(times, others, strict=True))
+                if near and other.source != record.source:
                     found.setdefault(id(record), other)
                     found.setdefault(id(other), record)
     return found
 
 
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return, by ``id(record)``, another record that may be the same one with a wrong clock, if there is one."""
+    """Return, by ``id(record)``, another record that may be the same motion with a wrong clock, if one exists."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

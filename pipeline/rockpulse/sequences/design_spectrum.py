@@ -69,7 +69,7 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Return the scale factor (m,) of the design that overturns each block; ValueError outside the spectrum."""
+        """Return the scale factor (m,) on the design at which each block overturns; ValueError outside the spectrum."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
@@ -78,9 +78,9 @@ class DesignSpectrum:
         return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """Return sequences for (m,) blocks, each with the same effect as the design; ValueError outside the spectrum.
+        """Return for each of (m,) blocks a sequence with the effect of the design; ValueError outside the spectrum.
 
-        I_s/I and the number of main impulses are those at the nearest p; the spacing is "continuous". Use the sequences
+        I_s/I and the number of main impulses are taken at the nearest p; the spacing is "continuous". Use the sequences
         with ``sequence_response(..., paired=True)``.
         """
         one, nearest = block.lanes(), self.nearest(block)
@@ -92,7 +92,7 @@ class DesignSpectrum:
 
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Interpolate values (a, c, ...) in ln p (a,) and C (c,) at the p and C of (m,) blocks; return (m, ...)."""
+    """Return values (m, ...) at the p and C of blocks, interpolated in `values` (a, c, ...) over ln p and C."""
     places = []
     for at, axis in ((np.log(block.p), np.log(p)), (block.restitution, restitution)):
         places.append(np.clip(np.broadcast_to(at, block.shape), axis[0], axis[-1]))

@@ -68,7 +68,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the last header line, which names the number of points and the interval; None if missing."""
+    """Return the index of the last header line, which states the number of points and the interval, else None."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -78,7 +78,7 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def _names_both(lines: Sequence[str]) -> int | None:
-    """Return the index of the line that states the values of both number of points and interval; None if missing."""
+    """Return the index of the line with the values of both the number of points and the interval, else None."""
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
@@ -146,7 +146,7 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
-    """Return event, station name, component and its direction from the lines of the title.
+    """Return event, station name, component, and direction of the component from the lines of the title.
 
     The component is the last part of the second line that is a direction; a network in brackets, perhaps truncated, may
     follow.
@@ -178,13 +178,13 @@ def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
 
 
 def _component_direction(words: str) -> kit.Direction:
-    """Return the direction of a component; a number is an azimuth also without leading zeros (9 for 009)."""
+    """Return the direction of a component; a number is an azimuth even without leading zeros (9 for 009)."""
     facing = kit.direction(words.zfill(3) if words.isdecimal() else words)
     return facing if facing.orientation != "unknown" else kit.heading_direction(words)
 
 
 def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
-    """Return the direction from title or file name; vertical, with a warning, if only one of them says so."""
+    """Return the direction from title or file name, and warnings; it is vertical if title or name says so."""
     if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
         return titled, []
     named = kit.name_direction(file)
@@ -251,7 +251,7 @@ def _unit(file: kit.SourceFile, header: Sequence[str], station: str, given: str 
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Return samples and warnings; numbers are separated by blanks or, if they touch, by their width."""
+    """Return samples and warnings; numbers are separated at blanks or, if they touch, by the width of the fields."""
     block = lines[first:]
     try:
         values = kit.free_numbers(block, first + 1, name)
@@ -295,7 +295,7 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
 
 
 def _list_entry(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]:
-    """Return event, station, magnitude and Vs30 from PEER's list in the folder, and a warning if unreadable."""
+    """Return event, station, magnitude and Vs30 from PEER's list in the folder, and a warning if it is unreadable."""
     try:
         content = file.beside(_LIST)
         rows = {} if content is None else _rows(content)

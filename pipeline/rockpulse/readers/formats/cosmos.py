@@ -47,7 +47,7 @@ _VELOCITY_SENSORS = range(1001, 2000)
 
 @dataclass(frozen=True)
 class _Series:
-    """The heading of a series: index of its line, number of samples, kind of motion, unit and code of the unit."""
+    """The heading of a series: line index, number of samples, kind of motion, unit, and code of the unit."""
 
     at: int
     count: int
@@ -192,7 +192,7 @@ def _unit(series: _Series, where: str) -> str:
 
 
 def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], list[str]]:
-    """Return the peak [m/s2] from text or else real header value 64, half a unit of its last digit, and warnings."""
+    """Return the stated peak with half a unit of its last digit [m/s2], and warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
@@ -232,7 +232,7 @@ def _per_count(header: CosmosHeader, where: str) -> float:
 
 
 def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[str]]:
-    """Return the sampling interval [s] and warnings; if real header values 62 and 34 differ, the length decides."""
+    """Return the sampling interval [s] that fits the stated length, and warnings."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
     where = f"{name}:{header.start + 1}"

@@ -55,7 +55,7 @@ def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[kit.Record, int]:
-    """Read the component that begins at index `start`; return it and the index of the line after its values."""
+    """Read the component that begins at index `start`; return the record and the index of the line after its values."""
     end = f"{file.name}:{len(lines)}"
     kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
     text, integer_line, first = lines[start : start + _TEXT_LINES], start + _TEXT_LINES, start + _HEADER_LINES
@@ -117,7 +117,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
 
 
 def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int, int]:
-    """Return the number of accelerations, and of rows in all blocks; raise an error if text and integers differ."""
+    """Return the numbers of accelerations and of rows in all blocks; raise an error if text and integers differ."""
     points, where = _POINTS.match(line), f"{name}:{start + 10}"
     blocks = [int(value) for value in integers[33:36]]
     if not points or int(points[1]) != blocks[0]:

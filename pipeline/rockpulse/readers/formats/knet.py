@@ -19,7 +19,7 @@ _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
 
 
 def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the only channel of the file; its offset is the mean over the whole record."""
+    """Read the only channel of the file, and subtract the mean of the whole record as its offset."""
     lines = kit.text_lines(file.content)
     kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
     header = [line[: kit.LONGEST_LINE] for line in lines[:_HEADER_LINES]]

@@ -75,7 +75,7 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
 
 
 def _held_rate(rate: float, channel: Any) -> list[str]:
-    """Return a warning if the StationXML states another sampling rate [1/s] than the data."""
+    """Return a warning if the sampling rate [1/s] in the StationXML differs from that of the data."""
     stated = rate if channel.sample_rate is None else float(channel.sample_rate)
     if abs(stated - rate) <= _RATE_TOLERANCE * rate:
         return []

@@ -129,7 +129,7 @@ def _block(
 
 
 def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the maximum or minimum in real header values 29-32, or its time, contradicts the samples."""
+    """Return warnings if real header values 29-32 (maximum, minimum and their times) contradict the samples."""
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # the fields were not filled in
         return notes
@@ -143,7 +143,7 @@ def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """Return the direction from its words, and from integers 13 (angle from the vertical) and 14 (azimuth)."""
+    """Return the direction from `component`, and from integers 13 (angle from the vertical) and 14 (azimuth)."""
     upright, azimuth = integers[12], integers[13]
     coded = kit.Direction()
     if upright in (0.0, 180.0):

@@ -186,7 +186,7 @@ def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Recor
 
 
 def with_copy_warnings(records: Sequence[Record]) -> list[Record]:
-    """Return the records, with a warning on those whose samples are equal, or equal with the opposite sign."""
+    """Return the records, with a warning on records whose samples are equal, or equal with the opposite sign."""
     notes: dict[int, list[WarningText]] = {}
     for (at, one), (behind, other) in combinations(enumerate(records), 2):
         if one.component == other.component or one.npts != other.npts or not one.acceleration.any():

@@ -80,7 +80,7 @@ def doubted_direction(said: Direction, other: Direction, note: str) -> str:
 
 
 def held_direction(said: Direction, other: Direction, note: str) -> Direction:
-    """Return the more precise of two directions; if they contradict each other, an unknown one with warning `note`."""
+    """Return the more precise of two directions, or an unknown direction with warning `note` if they contradict."""
     if contradictory(said, other):
         if said.orientation == other.orientation == "horizontal":
             return Direction("horizontal", note=note)
@@ -137,7 +137,7 @@ def repeated_marker(first: int, last: int) -> tuple[str, ...]:
 def distinct_sections(
     lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
 ) -> tuple[list[Span], tuple[str, ...]]:
-    """Return the sections of a file that do not repeat an earlier one, and a warning about each copy left out."""
+    """Return the sections of a file that repeat no earlier section, and a warning about each copy left out."""
     first: dict[tuple[str, ...], Span] = {}
     notes = []
     for span in spans:
@@ -152,7 +152,7 @@ def distinct_sections(
 class Counted(NamedTuple):
     """A channel, its recorder, and the number of channels that the header states for this recorder."""
 
-    line: int  # number of its first line, from 1
+    line: int  # number of the channel's first line, from 1
     recorder: str
     number: str
     counted: int  # number of channels of the recorder; 0 if it is not stated

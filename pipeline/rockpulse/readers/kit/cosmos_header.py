@@ -92,7 +92,7 @@ class CosmosHeader:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Return the direction from text line 9 and integer 54; unknown, with a warning in it, if they differ."""
+        """Return the direction from text line 9 and integer 54; an unknown direction with a warning if they differ."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -116,7 +116,7 @@ class CosmosHeader:
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
-        """Return the UTC time of the first sample (None if it is unknown), and warnings about it."""
+        """Return the UTC time of the first sample (None if it is unknown), and warnings about this time."""
         year, month, day, hour, minute = (self.integer(number) for number in (40, 42, 43, 44, 45))
         if year is None or month is None or day is None or hour is None or minute is None:
             return None, []

@@ -134,7 +134,7 @@ class SeriesHeading:
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """Return the lines of a file, the span of lines of each channel, and warnings; each begins with a `title`."""
+    """Return the lines of a file, the span of lines of each channel, and warnings; a channel begins with a `title`."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
@@ -188,7 +188,7 @@ def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: in
 
 
 def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
-    """Read the header of one channel; its lines begin with 'Uncorrected Accelerogram Data'."""
+    """Read the header of one channel, which begins with the title 'Uncorrected Accelerogram Data'."""
     text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
     component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")

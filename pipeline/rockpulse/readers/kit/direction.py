@@ -114,7 +114,7 @@ _FREE_FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Direction:
-    """The direction of a component; `note` is a warning about it."""
+    """The direction of a component; `note` is a warning about this direction."""
 
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
@@ -163,7 +163,7 @@ def means_vertical(code: str) -> bool:
 
 
 def vertical_if_so(facing: Direction, code: str) -> Direction:
-    """Return `facing`, but vertical with a warning if it is horizontal and the channel code means vertical."""
+    """Return `facing`; if it is horizontal but the channel code means vertical, a vertical direction with a warning."""
     if facing.orientation != "horizontal" or not means_vertical(code):
         return facing
     stated = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"

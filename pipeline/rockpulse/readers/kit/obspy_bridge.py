@@ -238,7 +238,7 @@ def _overlap(one: Any, other: Any) -> bool:
 
 
 def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
-    """Return the name of the first property in which two channels differ, and both values; None if they agree."""
+    """Return the name and the two values (as one text) of the first property in which two channels differ, or None."""
     if full and one.response != other.response:
         return "responses", ""
     states = {True: "corrected", False: "raw", None: "unknown"}

@@ -68,7 +68,7 @@ def other_kind(where: str, kind: str) -> OtherKind:
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
-    """Return a group of a pattern that matches the start of a text; empty if it does not match."""
+    """Return a group of a pattern matched at the start of a text; empty if the pattern does not match."""
     match = pattern.match(text)
     return (match[group] or "") if match else ""
 
@@ -113,7 +113,7 @@ def text_lines(content: bytes) -> list[str]:
 
 
 def printed_number(text: str) -> tuple[float, float]:
-    """Return a number and half a unit of its last digit: 39.1 and 0.05 for "3.91E+1"; else NaN and 0."""
+    """Return a number and half a unit of its last digit: 39.1 and 0.05 for "3.91E+1"; NaN and 0 for other text."""
     mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
     value = float(text.lower().replace("d", "e") or "nan")
     # int() rejects texts of thousands of digits.

@@ -129,7 +129,7 @@ class RowSelection:
 
 
 def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Return the indices of labels that match a pattern (of all labels without patterns); `what` is their kind."""
+    """Return the indices of labels that match a pattern (all without patterns); `what` is the kind of label."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}

@@ -144,7 +144,7 @@ def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) 
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each of them."""
+    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each pedestal."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 

@@ -169,7 +169,7 @@ CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], 
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Combine the checks of both directions of rotation: the worse acceleration and the worse displacement check."""
+    """Combine the checks of both directions of rotation: return the worse acceleration and displacement checks."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:

@@ -3,7 +3,7 @@
 .. note:: lambda = integral of P(x) (-dH/dx) dx; the shares from levels outside the range of the records or of the
    hazard are reported. In PGA, levels below the uplift PGA of a body on the ground contribute nothing. A body that
    overturns lambda times a year survives T years with the probability exp(-lambda T). At a confidence q, survival
-   allows frequencies up to -ln(1 - q)/T; a larger one contradicts the hazard, to which it is proportional.
+   allows frequencies up to -ln(1 - q)/T; a larger frequency contradicts the hazard, as it is proportional to that.
 """
 
 import math
@@ -34,7 +34,7 @@ COMPONENTS = {
     "sweep": "an arbitrary horizontal component, not the larger of two",
 }
 
-#: Description of the data of a fragility, for each value of [fragility] data.
+#: Description of the data of a fragility analysis, for each value of [fragility] data.
 DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
@@ -58,7 +58,7 @@ def several_events(count: int) -> str:
 
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
-    """Return the warnings on a hazard in words, with the ground and the component to which it must refer."""
+    """Return the warnings on a hazard in words, with the ground and the component to which the hazard must refer."""
     wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 
@@ -174,7 +174,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of one frequency; its data cover the levels with logarithms from `low` to `high`."""
+    """Return the variables of one frequency; the data cover levels with logarithms from `low` to `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -264,7 +264,7 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     -------
     xarray.Dataset
         Over the bodies: survival probability `chance` = exp(-frequency age) with `chance_low` and `chance_high`,
-        `largest`, the frequency at which it is 1 - confidence [1/year], the `factor` on the hazard that gives this
+        `largest`, the frequency with `chance` = 1 - confidence [1/year], the `factor` on the hazard that gives this
         frequency, and `contradicted`.
 
     Raises

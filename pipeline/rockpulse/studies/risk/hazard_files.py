@@ -1,4 +1,4 @@
-"""Readers of hazard curves for one or many points: rates or probabilities of levels, OpenQuake, return periods."""
+"""Readers of hazard curves of one or many points: rates or probabilities, OpenQuake's files, or return periods."""
 
 import re
 from collections.abc import Callable
@@ -37,7 +37,7 @@ OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """The content of a hazard file: levels in the file's unit and annual rates [1/year], for one or n points."""
+    """The content of a hazard file: levels in the file's unit and annual rates [1/year], for one point or n points."""
 
     path: str
     measure: str
@@ -66,7 +66,7 @@ class _Sheet(NamedTuple):
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """Return the row of the point nearest to a site, and its distance as a warning; ConfigError if none is near."""
+        """Return the row of the point nearest to a site, and its distance as a warning; ConfigError if too far."""
         if self.places is None:
             if site is None:
                 return 0, ()
@@ -162,7 +162,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if one is invalid."""
+    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if a site is invalid."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)
@@ -185,7 +185,7 @@ def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """Return the hazards of `count` bodies; [hazard] replaces `sites` or `soil_factor` that are None."""
+    """Return the hazards of `count` bodies; `sites` or `soil_factor` that are None are taken from [hazard]."""
     for key, stated, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil != 1.0, soil_factor),

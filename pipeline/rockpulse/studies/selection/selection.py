@@ -76,7 +76,7 @@ def select(
 
 
 class SelectionAnalysis(Analysis):
-    """The selection: computes the spectrum of every record, and searches the set whose mean fits the target."""
+    """The selection: computes the spectrum of every record, and searches for the set whose mean fits the target."""
 
     name = "select"
     doing = "computing spectra"
@@ -109,7 +109,7 @@ class SelectionAnalysis(Analysis):
         return {"record": none, "event": none, "spectrum": np.zeros((0, PERIODS))}
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Search the set of records, and return its tree."""
+        """Search for the set of records, and return the tree of results."""
         asked, rows = self.config.selection, joined([self.empty_part, *parts])
         place = {str(name): row for row, name in enumerate(rows["record"])}
         groups = [[row] for row in place.values()]

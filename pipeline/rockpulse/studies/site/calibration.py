@@ -189,7 +189,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     Raises
     ------
     ResultsError
-        For a file of another kind, or one with too few earthquakes for a design.
+        For a file of another kind, or a site file with too few earthquakes for a design.
     OSError
         If the file cannot be opened.
 

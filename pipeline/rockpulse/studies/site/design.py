@@ -4,8 +4,8 @@
    by their parameters (Casapulla & Maione 2017, section 4), but by the rotations that they cause. Hence the design has
    the median shape, and the smallest I at which the sequence covers the quantile of the recorded rotations of the
    blocks that it does not overturn; its coverage is tested on records left out. Blocks that the design overturns are
-   excluded: it covers every record for them, so that the quantile would not apply to the blocks that are safe under the
-   design (docs/decisions/011).
+   excluded: the design covers every record for them, so that the quantile would not apply to the blocks that are safe
+   under the design (docs/decisions/011).
 """
 
 import math
@@ -49,7 +49,7 @@ class SiteSample:
 
     @property
     def counted(self) -> np.ndarray:
-        """Mask (n, m) of the record-block pairs that count: the record has weight and lifts the block."""
+        """Mask (n, m) of the record-block pairs that count: the record has a weight above 0 and lifts the block."""
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> "SiteSample":
@@ -90,7 +90,7 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
 
 
 def _medians(sample: SiteSample) -> np.ndarray:
-    """Return the median (5,) of each parameter, lognormal except for the number of main impulses."""
+    """Return the median (5,) of each parameter: lognormal, but a sample median for the number of main impulses."""
     once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
     medians = np.exp(log_moments(sample.logarithms, sample.weights, sample.events, once)[0][0])
     medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
@@ -112,7 +112,7 @@ def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
 
 
 def _range(sample: SiteSample) -> tuple[float, float]:
-    """Return the weakest main impulse of the grid, and a main impulse that overturns every block at once.
+    """Return the weakest main impulse of the grid, and a main impulse that overturns every block.
 
     Secondary impulses reduce the speed by at most half, unless they act at the same instant (spacing "start").
     """
@@ -134,7 +134,7 @@ def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> n
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the weights (g, q) of covered and all rotations by event and sequence; `stands` excludes fallen blocks."""
+    """Return the weights (g, q) of the covered and of all rotations; only blocks in the mask `stands` (q, m) count."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
@@ -146,7 +146,7 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
 
 
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
-    """Return whether the covered rotations have less weight than the quantile requires; False if the total is zero."""
+    """Return whether the weight `hits` is below the share `quantile` of the weight `total`; False if both are zero."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
 
 

@@ -58,7 +58,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
 
 
 def counted_pairs(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Return a mask (n, m) of the record-block pairs in the coverage; `standing` leaves out overturned blocks."""
+    """Return a mask (n, m) of the record-block pairs that are counted; `standing` leaves out overturned blocks."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -77,7 +77,7 @@ def coverage_of(
 
 
 def untested_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Return the code of the reason for each event that tests no design, or only designs that overturn every block."""
+    """Return a code, by index, for each event that tests no design, or only a design that overturns every block."""
     rests, lifts, counted = (
         counted_pairs(found.covered, sample).any(axis=1),
         ~np.isnan(sample.peaks),

@@ -39,7 +39,7 @@ def measured_value(name: str, record: Record, config: Config) -> float:
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Return the factor [-] that scales a record to the configured target; RecordRefused if its measure is zero."""
+    """Return the factor [-] that scales a record to the configured target; RecordRefused for a measure of zero."""
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
@@ -71,7 +71,7 @@ def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
 def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
     """Scale a record, derive its sequence and apply the record to (m,) blocks; return arrays (1, ...) by name.
 
-    "value" (1, 5) are the parameters of the sequence; NaN for a parameter that it does not have. "peaks" (1, m) are the
+    "value" (1, 5) are the parameters of the sequence; NaN for a parameter without a value. "peaks" (1, m) are the
     peak rotations theta_max/alpha_c under the record: inf if overturned, 0 at rest, NaN if unresolved. Raises
     ValueError if the record cannot be scaled or has no sequence, TooWeak if it moves no block.
     """
@@ -107,7 +107,7 @@ def empty_site_record(blocks: Block) -> Part:
 
 
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """Return the record scaled to the target, and the factor [-]; raise RecordRefused if it cannot be scaled."""
+    """Return the record scaled to the target, and the factor [-]; raise RecordRefused if scaling is impossible."""
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
@@ -150,7 +150,7 @@ def parameters_of(sequence: ImpulseSequence) -> list[float]:
 
 
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
-    """Return the rms error of the sequence in ln peak rotation, and the share of lifted blocks that are not covered."""
+    """Return the rms error of the sequence in ln peak rotation, and the share of lifted blocks not covered."""
     reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
     needed = rotation_to_cover(peaks)
     lifted = ~np.isnan(needed) & ~np.isnan(reached)

@@ -69,7 +69,7 @@ def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
 
 
 def _tail(records: int, quantile: float) -> WarningText:
-    """Return a text that states how many records are expected beyond a quantile."""
+    """Return the number of records expected beyond a quantile, in words."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
         return WarningText(f"tail_{side}", beyond=float(beyond), quantile=quantile)
@@ -77,7 +77,7 @@ def _tail(records: int, quantile: float) -> WarningText:
 
 
 def _coverage_warning(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[WarningText]:
-    """Return a warning if the coverage is based on few earthquakes, or its interval is wide."""
+    """Return a warning if the coverage is based on few earthquakes or has a wide interval."""
     groups = []
     for reason in dict.fromkeys(unjudged.values()):
         every = [name for name, why in unjudged.items() if why == reason]

@@ -116,7 +116,7 @@ def has_spectra(tree: xr.DataTree) -> bool:
 
 
 def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[str] | None = None) -> xr.Dataset:
-    """Return the spectra in the file; otherwise compute those of few records with any motion, at the nearest C."""
+    """Return the spectra in the file or, if it has none, spectra computed from the records at the nearest C."""
     if "spectra" in tree.children:
         stored = tree["spectra"].to_dataset()
         return stored if records is None else stored.sel(record=list(records))
@@ -176,8 +176,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     **options
         Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or several
         names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
-        "housner"). None is the default. A record or a body may be omitted if there is only one; instead of a name, a
-        pattern (* and ?) that matches one name may be given.
+        "housner"); None means the default. A record or a body may be omitted if there is only one; instead of a name,
+        a pattern (* and ?) that matches one name may be given.
 
     Returns
     -------

@@ -23,7 +23,7 @@ LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """Return the name along a dimension that matches a name or pattern; ResultsError unless exactly one matches."""
+    """Return the name along a dimension that matches a name or pattern; raise ResultsError unless one matches."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]

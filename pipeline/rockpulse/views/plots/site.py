@@ -32,14 +32,14 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     tree : xarray.DataTree
         Result of :func:`rockpulse.calibrate`.
     axes : array_like of six matplotlib Axes, optional
-        Axes to draw on; by default a new figure. A site with a spectrum uses the first one.
+        Axes to draw on; by default a new figure. A site with a spectrum uses the first Axes.
 
     Returns
     -------
     (6,) ndarray of Axes
         Main impulse, I_s/I, interval, number of main impulses, duration, and the legend. Each step of a distribution is
         a record, with its weight as height; an interval from the calibration of a single record is a horizontal line.
-        (1,) for a site with a spectrum.
+        The shape is (1,) for a site with a spectrum.
 
     Examples
     --------

@@ -28,7 +28,7 @@ from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
 
-#: Grades of warnings: those that may change a verdict, that limit it, and that only explain it.
+#: Grades of warnings: may change a verdict, limits its use, or only explains it.
 GRADES = ("decides", "limits", "notes")
 
 
@@ -48,7 +48,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Return the warnings on the verdicts, the most serious first; `components` is that option of [records]."""
+    """Return the warnings on the verdicts, the most serious first; `components` is an option of [records]."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -77,7 +77,7 @@ def warnings(
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers) -> list[str]:
-    """Return the lines on the limits of the verdict: decisive warnings, no demand or few earthquakes, what is left."""
+    """Return the lines on the limits of the verdicts: decisive warnings, missing data, and effects not covered."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
@@ -120,7 +120,7 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _most(events: int) -> str:
-    """Return the upper end of the interval of a probability that is 0 for all of some earthquakes."""
+    """Return the upper confidence limit of the probability as text if P is 0 for all of the earthquakes."""
     return share(float(probability_interval(np.zeros(events))[1]))
 
 
@@ -163,7 +163,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Return bodies that overturn within the interval of the main impulse, and bodies that site records overturn."""
+    """Return bodies that overturn in the confidence interval of the main impulse, and bodies that records overturn."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [(one.body.name, one.deciding.margin.smallest) for one in standing]
     sign = factor_heading("safety_factor")
@@ -177,7 +177,7 @@ def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[li
 
 
 def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Return bodies that overturn within the interval of the spectrum, and bodies that site records overturn."""
+    """Return bodies that overturn in the confidence interval of the spectrum, and bodies that records overturn."""
     names = [str(name) for name in site["block"].values]
     of = {name: site.isel(block=place) for place, name in enumerate(names)}
     own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}

@@ -42,7 +42,7 @@ NAMED = 6
 
 @dataclass(frozen=True, eq=False)
 class MatchedFile:
-    """A site file or fragility file in the report, limited to bodies of the results, and its differences from them."""
+    """A site or fragility file in the report, limited to bodies of the results, and its differences from them."""
 
     tree: xr.DataTree
     missing: tuple[str, ...]  # bodies only in the results
@@ -67,7 +67,7 @@ class MatchedFile:
 
 
 def matched_file(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> MatchedFile:
-    """Compare a site or fragility file with the results; ResultsError if bodies with equal names or designs differ."""
+    """Compare a site or fragility file with the results; raise ResultsError if bodies or designs contradict."""
     summary = results["summary"].to_dataset()
     site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
     kept, missing, foreign = _bodies(summary, site, kind, name)
@@ -181,7 +181,7 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
 
 
 def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Return whether all numbers agree within the tolerance; pairs with a NaN are not compared."""
+    """Return whether all numbers agree within the tolerance; a NaN agrees with every number."""
     known = ~np.isnan(np.add(one, other))
     return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
 

@@ -160,7 +160,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def counted_by(answers: Answers) -> str:
-    """Explain how probability or share are computed, and which values separate the verdicts."""
+    """Explain how probability or share is computed, and which values separate the verdicts."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)

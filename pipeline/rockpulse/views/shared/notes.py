@@ -37,7 +37,7 @@ def uncertain(answers: Answers) -> str:
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """Explain the columns of the scale factors; `swept` if each factor is the smallest over all directions."""
+    """Explain the columns of scale factors; `swept` is true if a factor is the smallest over all directions."""
     if not answers.has_factor:
         return []
     factor = answers[answers.factor]
@@ -67,7 +67,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
 
 
 def none_found(answers: Answers) -> str:
-    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are none."""
+    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are no such bodies."""
     factor = answers[answers.factor]
     if not np.isinf(factor).any():
         return ""

@@ -86,7 +86,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return a table as text: below the heading of each record, its body rows; `table` has their further cells."""
+    """Return a table as text, with a row for each body below the heading of each record; `table` has further cells."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -173,7 +173,7 @@ def _under(answers: Answers) -> str:
 
 
 def worst_motions(answers: Answers, most: int) -> str:
-    """Return the records most likely to overturn a body, unscaled or at the worst demand, with body, P and factor."""
+    """Return the records most likely to overturn a body, unscaled or at the worst demand, with P and scale factor."""
     motions, found = answers.motions, [one.deciding for one in verdicts(answers)]
     if not motions.names or not found:
         return ""

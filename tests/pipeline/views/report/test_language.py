@@ -113,7 +113,7 @@ def test_stored_texts_are_translated_with_their_numbers():
         assert result_texts("a note of the user, 0.5 m") == "a note of the user, 0.5 m"
     assert "-0,96 m/s, con una componente lenta (deriva) di 0,31 m/s" in first
     assert second == "HNE: tutti i campioni sono uguali: canale non funzionante"
-    begins = "linea di base, linea di base, rastremazione, filtro, ricampionamento"
+    begins = "linea di base, linea di base, finestratura, filtro, ricampionamento"
     assert ", ".join(step.partition(":")[0] for step in steps) == begins
     assert not re.search(r"\d\.\d", " ".join(steps))
 
