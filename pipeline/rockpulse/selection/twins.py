@@ -250,10 +250,10 @@ def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
             groups[record.npts, record.dt].append((outline[2:], record))
     found: dict[int, Record] = {}
     for (_, dt), group in groups.items():
-        group.sort(key=lambda one: (one[0], one[1].id))
+        group.sort(key=lambda one: (one[0][2], one[1].id))
         for place, (times, record) in enumerate(group):
             for others, other in (group[step] for step in range(place + 1, len(group))):
-                if others[0] - times[0] > 2.0 * dt:
+                if others[2] - times[2] > 2.0 * dt:
                     break
                 near = all(abs(one - two) <= 2.0 * dt for one, two in zip(times, others, strict=True))
                 if near and other.source != record.source:

@@ -60,7 +60,7 @@ def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, ro
     gap = abs(stated - peak)
     if gap > PEAK_TOLERANCE * max(peak, stated) and gap > rounding:
         if max(peak, stated) >= OTHER_PEAK * min(peak, stated):
-            warnings.append(WarningText("header_peak", stated=stated / g, found=peak / g))
+            warnings.append(WarningText("header_peak", stated=stated / g, found=peak / g, decides=stated > 0.0))
         else:
             sense, share = "less" if peak < stated else "more", 100.0 * gap / stated
             warnings.append(

@@ -12,6 +12,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.channel import build_record, clipping_warning, odd_peak, usable_channels
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY as G
 from rockpulse.warning_text import code_of
 
@@ -27,6 +28,11 @@ def test_two_samples_are_a_record_and_one_is_none():
     assert record(samples=np.array([0.1, 0.2])).npts == 2
     with pytest.raises(RecordFormatError, match="expected at least 2 samples, found 1"):
         record(samples=np.array([0.1]))
+
+
+@pytest.mark.parametrize(("stated", "decides"), [(0.45, True), (0.44, False), (0.2, True), (0.21, False), (0.0, False)])
+def test_a_peak_that_differs_greatly_from_the_header_must_be_confirmed(stated, decides):
+    assert bool(deciding(record(header_peak=(stated, 0.0)))) is decides
 
 
 def test_a_channel_of_zeros_is_dead_whatever_peak_its_header_states():
