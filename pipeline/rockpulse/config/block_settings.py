@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import logging
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocking.body.limits import LARGEST_SIZE, radius_of_rectangle, size_problem
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, choice, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
 
 logger = logging.getLogger("rockpulse")
+#: kappa of a cantilever [-]: 2 pi sqrt(12)/1.8751^2 of the beam with distributed mass, rounded as in the circular.
+CANTILEVER = 6.2
 #: An unusually large size is assumed to be in millimetres above this number, and in centimetres below it.
 _MILLIMETRES = 500.0
 
@@ -68,7 +70,7 @@ class _OfModel(Section):
         import rocking
 
         cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))
-        return cls(**{name: value for name, value in {**self}.items() if value is not None})
+        return cls(**{name: value for name, value in {**self}.items() if value is not None and name != "support"})
 
 
 @dataclass(frozen=True)
@@ -91,26 +93,10 @@ class TieSettings(_OfModel):
 
 
 @dataclass(frozen=True)
-class FloorSettings(Section):
-    """A mode of the building under a body (as in :func:`rocking.floor_motion`), and the mass of the floor.
-
-    `level` is the height of the floor divided by the height of the building [-], needed for code checks.
-
-    >>> rp.FloorSettings(period=0.4).damping, rp.FloorSettings(period=0.4).participation
-    (0.05, 1.0)
-    """
-
-    heading = "[[block.floor]]"
-    period: float = number(dataclasses.MISSING, low=0.01, high=20.0, unit="s")
-    damping: float = number(0.05, low=0.0, high=0.99, above=True)
-    participation: float = number(1.0)
-    mass: float | None = number(None, low=0.0, above=True, unit="kg")
-    level: float | None = number(None, low=0.0, high=1.0)
-
-
-@dataclass(frozen=True)
 class LoadSettings(_OfModel):
     """A roof or floor that rests on a body (:class:`rocking.Load`).
+
+    `support` is the length over which its beams rest on the body [m], used in code checks.
 
     >>> rp.LoadSettings(weight=20e3, height=3.0, friction=0.4).made()
     Load(weight=20000.0, height=3.0, friction=0.4)
@@ -121,6 +107,7 @@ class LoadSettings(_OfModel):
     height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
     friction: float | None = number(None, low=0.0, above=True)
     distance: float | None = number(None, low=0.0, unit="m")
+    support: float | None = number(None, low=0.0, above=True, unit="m")
 
 
 @dataclass(frozen=True)
@@ -153,16 +140,6 @@ class PedestalSettings(Section):
     height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
     mass: float = number(dataclasses.MISSING, low=0.0, above=True, unit="kg")
     friction: float | None = number(None, low=0.0, above=True)
-
-
-def floors_as_text(floors: Sequence[FloorSettings]) -> str:
-    """Return the modes of a building as JSON text; an empty text for a body on the ground."""
-    return json.dumps([vars(one) for one in floors]) if floors else ""
-
-
-def floors_from_text(text: str) -> list[FloorSettings]:
-    """Read modes from the text of :func:`floors_as_text`."""
-    return [FloorSettings(**one) for one in json.loads(text)] if text else []
 
 
 @dataclass(frozen=True)
@@ -202,6 +179,11 @@ class BlockSettings(Section):
         Coefficient of friction at the base, used to check sliding [-].
     mass, density, length : float or None
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
+    elastic_modulus : float or None
+        Young's modulus E of an element that is free to vibrate (parapet, pinnacle) [Pa], reduced for cracking; with
+        width, height and density. Code checks then take the demand at its period T_0.
+    kappa : float or None
+        Coefficient of T_0 [-] (Circolare 7/2019, C8.7.1.7); by default 6.2, a cantilever.
     ties, loads, thrusts, floors, pedestals : tuple
         In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]. Floors are the
         modes of the building under the body; pedestals are the parts below it from top to bottom: the body is assessed
@@ -245,6 +227,8 @@ class BlockSettings(Section):
     mass: float | None = number(None, low=0.0, above=True, unit="kg")
     density: float | None = number(None, low=0.0, above=True, unit="kg/m3")
     length: float | None = number(None, low=0.0, above=True, unit="m")
+    elastic_modulus: float | None = number(None, low=0.0, above=True, unit="Pa")
+    kappa: float | None = number(None, low=0.0, above=True)
     confirm_size: bool = boolean(False)
     ties: tuple[TieSettings, ...] = entries(TieSettings)
     loads: tuple[LoadSettings, ...] = entries(LoadSettings)
@@ -274,6 +258,14 @@ class BlockSettings(Section):
                 f"{self.where}: mass, ties, loads and thrusts need a body with sizes, by width and height or by "
                 "b_1, b_2, centre and gyration; found one by p and alpha"
             )
+        if self.kappa is not None and self.elastic_modulus is None:
+            raise ConfigError(f"{self.where} kappa: it belongs to elastic_modulus; give both, or remove kappa")
+        bound = self.one_sided or self.ties or self.loads or self.thrusts
+        if self.elastic_modulus is not None and (self.width is None or self.density is None or bound):
+            raise ConfigError(
+                f"{self.where} elastic_modulus: the period of an element that is free to vibrate needs width, height "
+                "and density, and no wall, ties, loads or thrusts; change these keys, or remove elastic_modulus"
+            )
         if not self.one_sided and (self.rebound is not None or self.facing is not None):
             raise ConfigError(
                 f"{self.where}: rebound and facing apply only to a body before a wall; set one_sided = true"
@@ -294,6 +286,19 @@ class BlockSettings(Section):
             )
         if not self.confirm_size and (doubt := _doubt(self)):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
+
+    @property
+    def initial_period(self) -> float:
+        """T_0 = kappa (height/width) height sqrt(density/E) [s], Circolare 7/2019, (C8.7.1.7); 0 without E."""
+        if self.elastic_modulus is None or self.width is None or self.height is None or self.density is None:
+            return 0.0
+        kappa = CANTILEVER if self.kappa is None else self.kappa
+        return kappa * self.height**2 / self.width * math.sqrt(self.density / self.elastic_modulus)
+
+    @property
+    def unsupported(self) -> float:
+        """Rotation at which the beams of a load lose their support [rad]; inf if no support is given."""
+        return min((one.support / one.height for one in self.loads if one.support is not None), default=math.inf)
 
     def block(self) -> Block:
         """Make the block, or a block for each restitution of a list, and log warnings; raise ConfigError if invalid."""

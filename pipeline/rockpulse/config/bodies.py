@@ -11,7 +11,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from rocking.body.block import Block
-from rockpulse.config.block_settings import BlockSettings, FloorSettings, require_pairs
+from rockpulse.config.block_settings import BlockSettings, require_pairs
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 

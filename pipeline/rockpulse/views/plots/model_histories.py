@@ -11,7 +11,7 @@ from rocking.body.block import Block
 from rocking.pictures import short_repr
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
 from rockpulse.assessment.scene import acting, floor_record
-from rockpulse.config.block_settings import floors_from_text
+from rockpulse.config.floor_settings import floors_from_text
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ResultsError
 from rockpulse.model_row import Scene
