@@ -16,6 +16,7 @@ WARNINGS = {
     # a channel when it is read
     "dead_channel": "all samples are equal: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
+    "clipped_crests": "{count:d} crests are flat at the largest or smallest value: the record may be clipped",
     "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
     "clipped",
     "header_peak": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g; check the unit and that "
@@ -31,6 +32,8 @@ WARNINGS = {
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; check that it is in s",
     "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
     "vertical_by_code": "the channel code {channel} means vertical, but the header states {stated}; used as vertical",
+    "may_be_vertical": "{stated}, and the channel may be vertical",
+    "length_differs": "the header states {stated:g} s, {count:d} samples at {interval:g} s last {found:g} s",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
     # the samples of a channel
     "noise_only": "no earthquake, but noise or a dead channel: {reason}",
@@ -51,6 +54,8 @@ WARNINGS = {
     # comparison with other records of the same ground motion
     "twin_differs": "{other} of {source} should be a record of the same ground motion, but {differences}",
     "components_apart": "its peak is {ratio} than that of {other}, the other component of its instrument: {cause}",
+    "interval_apart": "its sampling interval is {interval:g} s, that of {other}, the other component of its "
+    "instrument, {stated:g} s: one of them may be wrong",
     # conditioning and scaling of a record
     "on_structure": "recorded on a structure, assessed as ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",

@@ -12,6 +12,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.channel import build_record, clipping_warning, odd_peak, usable_channels
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY as G
 from rockpulse.warning_text import code_of
 
@@ -27,6 +28,11 @@ def test_two_samples_are_a_record_and_one_is_none():
     assert record(samples=np.array([0.1, 0.2])).npts == 2
     with pytest.raises(RecordFormatError, match="expected at least 2 samples, found 1"):
         record(samples=np.array([0.1]))
+
+
+@pytest.mark.parametrize(("stated", "decides"), [(0.45, True), (0.44, False), (0.2, True), (0.21, False), (0.0, False)])
+def test_a_peak_that_differs_greatly_from_the_header_must_be_confirmed(stated, decides):
+    assert bool(deciding(record(header_peak=(stated, 0.0)))) is decides
 
 
 def test_a_channel_of_zeros_is_dead_whatever_peak_its_header_states():
@@ -274,6 +280,21 @@ def test_one_end_does_not_hide_the_other():
     assert note == "6 samples in a row at the smallest value: the record may be clipped"
     (note,) = clipping_warning(-np.r_[spread, np.full(6, -300), 0])
     assert note == "6 samples in a row at the largest value: the record may be clipped"
+
+
+@pytest.mark.parametrize(("lengths", "warned"), [((3, 3), True), ((3, 2, 2), False), ((4, 2, 3), True), ((4,), False)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_several_short_flat_crests_are_clipping_too(lengths, warned, sign):
+    crests = [np.r_[700, 300, 200, 300, 700, np.zeros(length), 700, 300] for length in lengths]
+    notes = clipping_warning(sign * (1000.0 - np.concatenate([[1001, 1000], *crests])), "g")
+    count = sum(length > 2 for length in lengths)
+    said = f"{count} crests are flat at the largest or smallest value: the record may be clipped"
+    assert notes == ([said] if warned else [])
+
+
+def test_crests_of_both_ends_count_together():
+    assert not clipping_warning(np.r_[0, 1, 500, 1000, 1000, 1000, 500, -400, -1000, -1000, -400, 0])
+    assert clipping_warning(np.r_[0, 1, 500, 1000, 1000, 1000, 500, -400, -1000, -1000, -1000, -400, 0])
 
 
 @pytest.mark.parametrize("amplitude", [20, 150, 1000, 30_000])
