@@ -50,12 +50,14 @@ def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: expected {what} in UTF-8, found byte {error.start} outside it") from None
+        raise ConfigError(
+            f"{path}: expected {what} in UTF-8, found an invalid byte at position {error.start}; is it the right file?"
+        ) from None
 
 
 def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
     """Parse a TOML text called `name`; raise `error` for invalid TOML, deep nesting and very large integers."""
-    deep = f"{name}: sections and arrays are nested deeper than {DEEPEST} times, the limit"
+    deep = f"{name}: sections and arrays are nested more than {DEEPEST} deep; flatten them"
     large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
     try:
         document = tomllib.loads(text)

@@ -122,7 +122,7 @@ def boolean(default: bool) -> Any:
 
 def choice(default: str | None, words: tuple[str, ...], most: int = 0) -> Any:
     """Declare a key that accepts one of `words`, or an integer from 1 to `most`."""
-    expected = f"one of {_listed(words)}" + (f" or an integer from 1 to {most}" if most else "")
+    expected = f"{_listed(words)} or an integer from 1 to {most}" if most else f"one of {_listed(words)}"
 
     def accepts(value: Any) -> bool:
         return value in words if isinstance(value, str) else _is_count(value, 1) and value <= most

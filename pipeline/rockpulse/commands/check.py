@@ -31,8 +31,8 @@ VERB = Verb(
     description="Check each body by the kinematic analysis of Italian practice (Circolare 617/2009, Circolare 7/2019) "
     "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone. With results, "
     "also show the probability of overturning of the same body and, with a [[demand]], check the rotations under the "
-    "records (C8.7.1.2.1.9). A check by a spectrum is not a model of rocking: some bodies pass "
-    "and overturn, many fail and do not overturn.",
+    "records (C8.7.1.2.1.9). A check by a spectrum is not a model of rocking: some bodies that pass overturn, and many "
+    "that fail do not.",
     options=(
         {
             "RESULTS": (

@@ -195,8 +195,7 @@ class BlockSettings(Section):
     Raises
     ------
     ConfigError
-        If not exactly one of the three definitions is given, a size is not positive, an unusual size is not confirmed,
-        or a key is not allowed with the others.
+        If not exactly one of the three definitions is given, a value is invalid, or keys contradict each other.
 
     Examples
     --------
@@ -246,7 +245,7 @@ class BlockSettings(Section):
         names = ("width", "height", "p", "alpha", "radius", *_CORNERS)
         given = {name for name in names if self[name] is not None}
         if given not in ({"width", "height"}, {"p", "alpha"}, {"p", "alpha", "radius"}, set(_CORNERS)):
-            found = " and ".join(sorted(given)) if given else "neither"
+            found = ", ".join(sorted(given)) or "none of these"
             raise ConfigError(
                 f"{self.where}: expected width and height [m], or p [1/s] and alpha [rad], the latter with or without "
                 f"radius [m], or b_1, b_2, centre and gyration [m]; found {found}"
@@ -255,8 +254,8 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: offset, lean, density and length can be given with width and height only")
         if self.p is not None and (self.ties or self.loads or self.thrusts or self.mass):
             raise ConfigError(
-                f"{self.where}: mass, ties, loads and thrusts need a body with sizes, by width and height or by "
-                "b_1, b_2, centre and gyration; found one by p and alpha"
+                f"{self.where}: mass, ties, loads and thrusts need a body given by width and height, or by b_1, "
+                "b_2, centre and gyration; found one given by p and alpha"
             )
         if self.kappa is not None and self.elastic_modulus is None:
             raise ConfigError(f"{self.where} kappa: it belongs to elastic_modulus; give both, or remove kappa")
@@ -268,18 +267,21 @@ class BlockSettings(Section):
             )
         if not self.one_sided and (self.rebound is not None or self.facing is not None):
             raise ConfigError(
-                f"{self.where}: rebound and facing apply only to a body before a wall; set one_sided = true"
+                f"{self.where}: rebound and facing apply only to a body against a wall; set one_sided = true"
             )
+        if self.one_sided and self.restitution != "housner":
+            raise ConfigError(f"{self.where} restitution: not allowed for a one-sided body; give rebound instead")
         if self.azimuth is not None and self.facing is not None and math.remainder(self.azimuth - self.facing, 180.0):
             raise ConfigError(
-                f"{self.where} azimuth: a body before a wall falls towards its facing, {self.facing:g} degrees, found "
-                f"azimuth {self.azimuth:g}; give facing alone"
+                f"{self.where} azimuth: {self.azimuth:g} contradicts facing = {self.facing:g}; remove one"
             )
-        if self.pedestals and (self.one_sided or self.ties or self.loads or self.thrusts or self.p is not None):
+        if self.pedestals and (bound or self.p is not None):
             raise ConfigError(
-                f"{self.where}: a pedestal needs a free body with sizes; found one by p and alpha, before a wall, or "
-                "with ties, loads or thrusts"
+                f"{self.where}: a pedestal needs a free-standing body that is given by its sizes; found a body given "
+                "by p and alpha, against a wall, or with ties, loads or thrusts"
             )
+        if self.pedestals and not (self.mass or self.density):
+            raise ConfigError(f"{self.where}: a body on a pedestal needs a mass; give mass, or density and length")
         if self.alpha is not None and self.alpha >= math.pi / 2:
             raise ConfigError(
                 f"{self.where} alpha: expected an angle below pi/2 rad, found {self.alpha:g}; is it in degrees?"
@@ -347,8 +349,8 @@ def require_pairs(blocks: Iterable[BlockSettings], records: RecordSettings) -> N
     own = [block.where for block in blocks if block.azimuth is not None]
     if own and records.components == "horizontal":
         raise ConfigError(
-            f"{own[0]} azimuth: a direction of its own needs pairs of channels; give [records] components = "
-            '"azimuth" with the direction of the other bodies, "strongest" or "sweep"'
+            f"{own[0]} azimuth: a body with its own direction needs pairs of channels; set [records] components to "
+            '"strongest", "sweep", or "azimuth" (with [records] azimuth for the other bodies)'
         )
 
 

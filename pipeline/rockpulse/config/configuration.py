@@ -262,7 +262,8 @@ def _section(cls: type[Section], values: Any) -> Any:
             raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, list(known), otherwise)}")
     for key, item in known.items():
         if item.default is dataclasses.MISSING and key not in values:
-            raise ConfigError(f"{cls.heading} {key}: this key is required, found only {', '.join(values) or 'nothing'}")
+            found = f"found only {', '.join(values)}" if values else "found no keys"
+            raise ConfigError(f"{cls.heading} {key}: this key is required, {found}")
     return cls(**{item.name: _given(item, key, values[key]) for key, item in known.items() if key in values})
 
 

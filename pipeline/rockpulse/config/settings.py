@@ -163,9 +163,11 @@ class IntensePhaseSettings(Section):
         super().__post_init__()
         if self.method != "window" and (self.start_s is not None or self.end_s is not None):
             raise misplaced(self, "start_s, end_s", "method", '"window"', "remove them or change the method")
-        if self.end_s is not None and (self.start_s is None or self.start_s >= self.end_s):
+        if self.end_s is not None and self.start_s is None:
+            raise ConfigError("[intense_phase] end_s: expected start_s as well, the start of the window; give both")
+        if self.start_s is not None and self.end_s is not None and self.start_s >= self.end_s:
             raise ConfigError(
-                f"[intense_phase] end_s: expected a time after start_s = {self.start_s}, found {self.end_s:g}"
+                f"[intense_phase] end_s: expected a time after start_s = {self.start_s:g}, found {self.end_s:g}"
             )
         if self.level is not None and self.method != "bracketed":
             raise misplaced(self, "level", "method", '"bracketed"', "remove it or change the method")
@@ -240,13 +242,13 @@ class DemandSettings(Section):
             return
         if self.value is None:
             raise ConfigError(
-                f'{self.where} {self.name}: expected value, such as "0.35 g" for a PGA, or selection, found none'
+                f'{self.where} {self.name}: expected the key value (such as "0.35 g" for a PGA) or '
+                "selection, found neither"
             )
         if (self.period is None) == bool(ROWS[self.measure].periods):
-            found = "found none" if self.period is None else f'found measure = "{self.measure}"'
-            raise ConfigError(
-                f"{self.where} {self.name}: period belongs to measure = {quoted(PERIODIC)}, and only to it; {found}"
-            )
+            needed = f'measure = "{self.measure}" needs period [s], the period of the oscillator'
+            extra = f'period applies only to measure = {quoted(PERIODIC)}, found measure = "{self.measure}"; remove it'
+            raise ConfigError(f"{self.where} {self.name}: {needed if self.period is None else extra}")
         measure = ROWS[self.measure].at(self.period)
         shown, in_si = f"{self.value:g}" if isinstance(self.value, float) else self.value, self.value
         if isinstance(self.value, str):
@@ -262,10 +264,8 @@ class DemandSettings(Section):
         unit = (found[2] or "").strip() if found else "?"
         if found is not None and unit in known and (size := float(found[1])) > 0.0:
             return f"{found[1]} {unit}".strip(), size * known[unit]
-        units = " or ".join(filter(None, known)) or "no unit"
-        raise ConfigError(
-            f'{self.where} value: expected a positive number and its unit ({units}) of {self.measure}, found "{value}"'
-        )
+        units = ", ".join(filter(None, known)) or "no unit"
+        raise ConfigError(f'{self.where} value: expected a positive number and its unit ({units}), found "{value}"')
 
     @property
     def strength(self) -> float:

@@ -69,7 +69,7 @@ def _is_distribution(value: Any) -> bool:
         return (
             known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 2.0 - MOST_DEVIATIONS * value["deviation"]
         )
-    return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0
+    return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0 and (len(value) > 2 or value[0] <= value[1])
 
 
 def _distribution(value: Any) -> tuple[float, ...]:
@@ -82,8 +82,8 @@ def _distribution(value: Any) -> tuple[float, ...]:
 
 
 _RANGE = KeyType(
-    "values of C over the nominal C, above 0 and at most 2: [lowest, highest] of a uniform distribution, more measured "
-    "values, or {mean = 0.98, deviation = 0.03} of a normal distribution",
+    "values of C over the nominal C, above 0 and at most 2: [lowest, highest] of a uniform distribution, three or more "
+    "measured values, or {mean = 0.98, deviation = 0.03} of a normal distribution",
     _is_distribution,
     _distribution,
 )
@@ -242,11 +242,11 @@ class HazardSettings(Section):
     def __post_init__(self) -> None:
         super().__post_init__()
         if (self.k0 is None) != (self.k is None):
-            raise ConfigError("[hazard] k0, k: expected both of the power law k0 x^-k, found one")
+            raise ConfigError("[hazard] k0, k: the power law k0 x^-k needs both keys, found one; give the other")
         if self.file is not None and self.k0 is not None:
-            raise ConfigError("[hazard]: expected a file or the power law k0, k, found both")
+            raise ConfigError("[hazard]: expected a file or the power law k0, k, found both; remove one of them")
         if (self.longitude is None) != (self.latitude is None):
-            raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
+            raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one; give the other")
 
     @property
     def soil(self) -> float:

@@ -53,7 +53,9 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
             faults.append(fault)
     if not records:
         named = [fault for fault in faults if not isinstance(fault, Unrecognised)]
-        beside = f"{file.name}: no columns of samples in the file; it is taken for a table beside the records"
+        beside = (
+            f"{file.name}: no columns of samples in the file; it is treated as a table that accompanies the records"
+        )
         raise (named or [TableOfResults(beside)])[0]
     return [replace(record, source_sha256=file.sha256) for record in records]
 

@@ -203,7 +203,7 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
         twin = next((other for other in path.parent.iterdir() if _shares_station_file(other, path)), None)
         if twin is not None:
             raise ConfigError(
-                f"{path}: its StationXML, {own.name}, would serve {twin.name} as well; choose another name"
+                f"{path}: its StationXML, {own.name}, would also be read with {twin.name}; choose another name"
             )
         yield own
 
@@ -249,7 +249,7 @@ def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[di
     try:
         content, metadata, names = miniseed_bytes(records, beside)
     except RecordFormatError as fault:
-        raise RecordRefused(f"{path}: a StationXML in its folder is damaged ({fault}); mend or remove it") from fault
+        raise RecordRefused(f"{path}: a StationXML in its folder is damaged ({fault}); repair or remove it") from fault
     return {path: content, own: metadata}, names
 
 

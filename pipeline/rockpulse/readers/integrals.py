@@ -59,7 +59,7 @@ def _integrals(group: Sequence[ColumnRecord]) -> dict[int, Failure]:
         other = int(np.argmax(alike))
         # Of two sines, each is the slope of the other.
         if alike[other] > _ALIKE and abs(slopes[other] @ values[place]) <= _ALIKE:
-            cause = f"no acceleration: its derivative is {PurePath(group[other].source).name}"
+            cause = f"not an acceleration: its derivative is {PurePath(group[other].source).name}"
             reason = f"{record.source}: {cause}, so it holds a velocity or a displacement; name the files by their kind"
             rows[id(record)] = Failure(record.source, "read", reason, "skipped")
     return rows

@@ -140,7 +140,7 @@ def from_trace(
     changed = [step for step in _steps(stats) if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
     if changed and (units is None or units == "counts"):
         asked = f"say which unit of acceleration they have, one of {', '.join(UNITS)}"
-        raise UnitError(f"{where}: the values are no longer what they were: {changed[0]}; {asked}")
+        raise UnitError(f"{where}: the processing of the trace changed the unit of its values: {changed[0]}; {asked}")
     kept = stats.get("rockpulse")
     if kept is None:
         ReadOptions(response=response)  # rejects an unknown value of `response`
@@ -185,7 +185,7 @@ def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) ->
     codes = (record.network, record.station, record.location, record.channel)
     record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
     old = "unknown" if before is None else ".".join(before[code] for code in _CODES)
-    note = f"the codes were {old} when the trace was made; the id was made anew"
+    note = f"the codes were {old} when the trace was made; a new id was made"
     if before is not None and before["channel"] == record.channel:
         return record.with_warning(note)
     orientation: Orientation = "structural" if record.orientation == "structural" else "unknown"

@@ -164,7 +164,7 @@ def _unpack(name: str, packed: BinaryIO, size: int, count: int) -> bytes:
 
 def _check_size(name: str, content: bytes) -> bytes:
     if len(content) > FILE_LIMIT:
-        raise RecordRefused(f"{name}: larger than {FILE_LIMIT} bytes, the most that is read; cut the record")
+        raise RecordRefused(f"{name}: expected a file of at most {FILE_LIMIT} bytes; cut the record")
     return content
 
 
@@ -187,8 +187,8 @@ def _folder_file(folder: Path) -> Neighbour:
 def check_link(path: Path) -> None:
     """Raise FileNotFoundError, with the name of the target, if a symbolic link leads to a missing file."""
     if path.is_symlink() and not path.exists():
-        found = f"the symbolic link points nowhere, {path.readlink()} does not exist"
-        raise FileNotFoundError(f"{path}: {found}; mend the link or remove it")
+        found = f"the target of the symbolic link, {path.readlink()}, does not exist"
+        raise FileNotFoundError(f"{path}: {found}; correct the link or remove it")
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:

@@ -262,8 +262,8 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
     pad = math.ceil(PAD_PERIODS * order / (highpass or lowpass or rate) * rate)
     if pad > LONGEST_PAD:
         raise ConfigError(
-            f"condition: corner {highpass or lowpass:g} Hz: pads of {pad:.3g} samples, expected at most "
-            f"{LONGEST_PAD:g}; use a higher corner, {record.id} is {record.duration:g} s long"
+            f"condition: the corner {highpass or lowpass:g} Hz needs {pad:.3g} samples of padding at each end, "
+            f"expected at most {LONGEST_PAD:g}; use a higher corner ({record.id} is {record.duration:g} s long)"
         )
     filtered = signal.sosfiltfilt(np.concatenate(sections), np.pad(record.acceleration, pad), padtype=None)
     cut = replace(record, acceleration=filtered[pad : pad + record.npts])
@@ -285,8 +285,8 @@ def _resample(record: Record, interval: float) -> Record:
     up, down = ratio.numerator, ratio.denominator
     if up > RESAMPLING_LIMIT or not math.isclose(up / down, record.dt / interval, rel_tol=1e-9):
         raise ConfigError(
-            f"condition: resample_s: {interval!r} s is in no ratio of whole numbers up to {RESAMPLING_LIMIT} to the "
-            f"{record.dt!r} s of {record.id}; choose a simpler interval"
+            f"condition: resample_s: the ratio of {interval!r} s to the interval of {record.id}, {record.dt!r} s, is "
+            f"not a ratio of whole numbers up to {RESAMPLING_LIMIT}; choose a simpler interval"
         )
     lower = 1.0 / max(up, down)  # the lower Nyquist frequency, as a share of that of the interpolated series
     taps, beta = signal.kaiserord(RESAMPLING_ATTENUATION, RESAMPLING_TRANSITION * lower)

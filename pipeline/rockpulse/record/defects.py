@@ -26,6 +26,9 @@ DEFECTS = (
     "velocity_drift",
     "twin_differs",
     "components_apart",
+    "interval_apart",
+    "may_be_vertical",
+    "length_differs",
     "same_samples",
     "same_direction",
 )

@@ -189,7 +189,7 @@ def check_angle(pair: Pair) -> None:
     if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
         raise RecordRefused(
             f"{first.id}, {second.id}: expected azimuths at least {math.degrees(math.asin(SMALLEST_SINE)):.3g} degrees "
-            f"from parallel, found {first.azimuth:g} and {second.azimuth:g} degrees: they are no horizontal pair; "
+            f"from parallel, found {first.azimuth:g} and {second.azimuth:g} degrees: they are not a horizontal pair; "
             'components = "horizontal" assesses them as they were recorded'
         )
 
@@ -275,7 +275,7 @@ def _check_overlap(channel: Record, other: Record, samples: int) -> None:
     if samples < 2:
         raise RecordRefused(
             f"{channel.id}, {other.id}: expected two samples or more in the time that both have, found "
-            f"{max(samples, 0)}; they are no pair"
+            f"{max(samples, 0)}; they are not a pair"
         )
 
 

@@ -22,7 +22,9 @@ from rockpulse.selection.twins import (
     clock_candidates,
     compared,
     component_comparisons,
+    copy_candidates,
     partners,
+    uneven_partners,
 )
 from rockpulse.warning_text import WarningText
 
@@ -173,14 +175,17 @@ def _with_comparisons(
     by_id: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
         by_id[twin.accepted.id].append(twin)
-    partner, clocks = partners(horizontal), clock_candidates(horizontal)
+    partner, clocks, copies = partners(horizontal), clock_candidates(horizontal), copy_candidates(horizontal)
     found = []
+    near = partner | uneven_partners(horizontal, partner)
     for one in planned:
-        comparisons = list(component_comparisons(one.channels, partner))
+        comparisons = list(component_comparisons(one.channels, near))
         for place, channel in enumerate(one.channels):
             comparisons += [Comparison("duplicate", place, twin.rejected, twin.beside) for twin in by_id[channel.id]]
             if id(channel) in clocks:
                 comparisons.append(Comparison("clock", place, clocks[id(channel)]))
+            elif id(channel) in copies and copies[id(channel)] is not partner.get(id(channel)):
+                comparisons.append(Comparison("copy", place, copies[id(channel)]))
         found.append(replace(one, comparisons=tuple(comparisons)))
     return found
 

@@ -264,7 +264,7 @@ def events_by_id(
         return found, []
     reason = (
         f"[records] events names records that were not read: {some(unknown, 5)}; the records read are such as "
-        f"{some(ids, 3)}: if these are no records of the files that failed, correct the names"
+        f"{some(ids, 3)}: correct the names, unless they are records of the files that failed"
     )
     return found, [Failure("[records] events", "events", reason, "failed")]
 

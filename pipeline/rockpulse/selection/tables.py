@@ -70,8 +70,8 @@ def read_selection_table(path: Path, where: str = "[fragility] selection") -> Se
     kinds = [name for name in ("factor", "level") if name in header]
     if len(kinds) != 1:
         raise ConfigError(
-            f"{where}: {path}: expected one of the columns factor and level, found {' and '.join(kinds) or 'neither'} "
-            f"among {', '.join(header)}"
+            f"{where}: {path}: expected either a column factor or a column level, found "
+            f"{' and '.join(kinds) or 'neither'} (columns: {', '.join(header)})"
         )
     found: dict[str, list[tuple[float, float]]] = {}
     for line, cells in lines:
@@ -168,8 +168,7 @@ def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], li
     header = rows[0][1]
     if missing := [name for name in columns if name not in header]:
         raise ConfigError(
-            f"{where}: {path}: expected the columns {named}; "
-            f"no column {' and '.join(missing)} among {', '.join(header)}"
+            f"{where}: {path}: expected the columns {named}; missing: {', '.join(missing)}; found: {', '.join(header)}"
         )
     found = []
     for line, row in rows[1:]:

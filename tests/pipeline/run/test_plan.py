@@ -258,7 +258,7 @@ def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
 
 def test_unit_and_interval_of_some_files_change_the_fingerprints_of_these_only(tmp_path):
     for name in ("a.g3", "b.g3", "c.txt"):
-        (tmp_path / name).write_text("\n".join(f"{value:.6f}" for value in pulse(peak=0.3 + 0.1 * ord(name[0]))))
+        (tmp_path / name).write_text("\n".join(f"{value:.6f}" for value in pulse(300 + ord(name[0]))))
     rows = (FileSettings(match="*", units="g", dt=0.01), FileSettings(match="b.*", units="cm/s2"))
     before, units = (fingerprints(tmp_path, config(files=rows[:count])) for count in (1, 2))
     assert fingerprints(tmp_path, config(units="g", dt=0.01)) == before

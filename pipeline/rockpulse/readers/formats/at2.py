@@ -220,7 +220,7 @@ def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tu
         found, advice = f"{behind[0][:60].strip()!r}, the beginning of another record", kit.OWN_FILE
         raise kit.unexpected(f"{name}:{stop + 1}", "the end of the file", found, advice)
     rows = sum(bool(_VALUE.match(line)) for line in behind)
-    found = f"line {stop + 1}: the numbers stop at {behind[0][:60].strip()!r}; {rows} rows of numbers behind it"
+    found = f"line {stop + 1}: the numbers stop at {behind[0][:60].strip()!r}; {rows} rows of numbers after it"
     return stop, [f"{found} were left out"] if rows else []
 
 
@@ -271,11 +271,11 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     surplus, row = values.size - count, len(block[0].split())
     rows = sum(1 for line in block if line.strip())
     if row > 1 and rows == count:
-        found = f"{rows} rows of {row}: columns, such as time and acceleration, and not one series"
+        found = f"{rows} rows of {row}: columns, such as time and acceleration, instead of one series"
         advice = "remove the lines above the numbers and read the file as columns, or keep the column of acceleration"
         raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     if surplus > row:
-        found, advice = f"{values.size}, more than a row too many", "find out which is right and repair the header"
+        found, advice = str(values.size), "find out which is right and repair the header"
         raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     notes = [f"{surplus} values beyond the NPTS= {count} of the header were left out"] if surplus else []
     return values[:count], notes

@@ -271,10 +271,10 @@ def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complet
         return (f"line {line}: {stop}, and the header does not state how many there are; is the file whole?",)
     kinds = kit.stated_kinds(behind[: rows.index(True)])
     if complete or (kinds and "acceleration" not in kinds):
-        return (f"line {line}: {stop}; {sum(rows)} rows of numbers behind it were left out",)
+        return (f"line {line}: {stop}; {sum(rows)} rows of numbers after it were left out",)
     raise RecordFormatError(
         f"{name}:{line}: expected {layout.width} finite numbers, or the end of the numbers, found "
-        f"{behind[0].strip()[:_SHOWN]!r} and {sum(rows)} rows of numbers behind it; repair the line, write a second "
+        f"{behind[0].strip()[:_SHOWN]!r} and {sum(rows)} rows of numbers after it; repair the line, write a second "
         "record into a file of its own, or state the number of values in the header (NPTS = ...)"
     )
 

@@ -209,7 +209,7 @@ def _unit_and_peak(
             stated = kit.canonical_unit(re.sub(r"^cms\b", "cm", match[2], flags=re.IGNORECASE), f"{where}:{at}")
             return heading.unit or stated, kit.printed_number(match[1]), kit.UNITS[stated]
     if not heading.unit:
-        expected = "expected the unit of acceleration in the heading or behind 'Peak acceleration = N', found none"
+        expected = "expected the unit of acceleration in the heading or after 'Peak acceleration = N', found none"
         raise UnitError(f"{where}:{heading.at + 1}: {expected}; correct the header")
     return heading.unit, kit.printed_number(""), 1.0
 

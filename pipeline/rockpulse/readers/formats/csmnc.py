@@ -118,7 +118,7 @@ def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, lis
     facing = kit.direction(word)
     if named and kit.contradictory(kit.direction(named[1]), facing):
         note = f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
-        facing = kit.Direction(note=note)
+        facing = kit.Direction(note=kit.doubted_direction(kit.direction(named[1]), facing, note))
     return word, facing, []
 
 

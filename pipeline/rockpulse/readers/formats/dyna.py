@@ -217,7 +217,7 @@ def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
     """Return warnings if the header contradicts the samples."""
     count = samples.size
     notes = [
-        f"line {header[key].line}: {key} is no number that can be: {header.text(key)[:40]!r}"
+        f"line {header[key].line}: {key} is not a valid number: {header.text(key)[:40]!r}"
         for key in _HELD
         if header.text(key) and not _DECIMAL.fullmatch(header.text(key))
     ]

@@ -78,7 +78,8 @@ def _component(file: kit.SourceFile, channel: str) -> tuple[str, list[str]]:
     named = _DIRECTIONS.search(file.path.name)
     component = named[1].upper() + named[2] if named else channel
     note = f"the header says {channel}, the file name {component}; the file name is used"
-    warnings = [] if component == channel else [note]
+    doubted = kit.doubted_direction(kit.direction(channel.rstrip("12")), kit.direction(component.rstrip("12")), note)
+    warnings = [] if component == channel else [doubted]
     if component.endswith("1"):
         warnings.append("KiK-net borehole sensor: motion at depth, not at the ground surface")
     return component, warnings

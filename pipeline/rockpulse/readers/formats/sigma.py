@@ -58,7 +58,7 @@ def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     if pga and _DECIMAL.fullmatch(pga):
         pga_unit = kit.canonical_unit(header["pga"].aside or unit_text, header.where("pga"))
     elif pga:
-        notes.append(f"line {header['pga'].line}: the peak is no number that can be: {pga[:40]!r}")
+        notes.append(f"line {header['pga'].line}: the peak is not a valid number: {pga[:40]!r}")
         pga = ""
     component, network = header.text("orientation"), header.text("network").partition("(")[0]
     station, _, place = header.text("station code / name").partition("/")

@@ -164,7 +164,9 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
     start = kit.later(kit.instant((year, 1, 1), (hour, minute, second)), 86_400.0 * (day - 1) + 1e-3 * millisecond)
     if start is None or start.year != year or not 0 <= millisecond < 1000:
         words = " ".join(f"{value:.0f}" for value in moment)
-        return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
+        return None, [
+            f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is not a valid start time"
+        ]
     return kit.near_event(start, _origin(event)) if event else (start, [])
 
 

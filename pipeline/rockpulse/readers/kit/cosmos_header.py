@@ -7,7 +7,7 @@ from datetime import datetime
 
 import numpy as np
 
-from rockpulse.readers.kit.checks import Counted, contradictory, held_length, held_peak_time
+from rockpulse.readers.kit.checks import Counted, contradictory, doubted_direction, held_length, held_peak_time
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
 from rockpulse.readers.kit.facts import instant
 from rockpulse.readers.kit.text import LONGEST_LINE, check_count, fixed_width, free_numbers, matched, unexpected
@@ -106,7 +106,8 @@ class CosmosHeader:
             stated = f"{words!r} and {code} (integer header 54)"
             return replace(upright, note=WarningText("vertical_by_code", channel=seed, stated=stated))
         if contradictory(said, coded):
-            return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
+            note = f"the text says {words!r}, integer header 54 says {code}: the direction is unknown"
+            return Direction(note=doubted_direction(said, coded, note))
         return coded if np.isnan(said.azimuth) else said
 
     def structural(self) -> bool:
@@ -132,7 +133,9 @@ class CosmosHeader:
             return None, ["the start time has no seconds; it was left out"]
         moment = instant((year, month, day), (hour, minute, seconds))
         if moment is None:
-            return None, [f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is no start time"]
+            return None, [
+                f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is not a valid start time"
+            ]
         return moment, []
 
 

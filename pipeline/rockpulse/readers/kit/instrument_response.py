@@ -92,7 +92,7 @@ def sensitivity_notes(response: Any) -> list[str]:
 
 
 def _turned(sensitivity: Any) -> list[str]:
-    note = f"the sensitivity is negative, {float(sensitivity.value):g}: a sign is turned"
+    note = f"the sensitivity is negative, {float(sensitivity.value):g}: the polarity is reversed"
     return [note] if float(sensitivity.value) < 0.0 else []
 
 

@@ -98,12 +98,14 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
     """Raise an error if it is unclear whether commas in the rows separate columns or mark decimals."""
     points = any("." in row for row in rows)
     if layout.delimiter == "," and layout.width > 1 and not points and (layout.width == 2 or not named):
-        expected = "to know whether a comma separates columns or marks decimals"
-        advice = "write decimal points, or separate the columns with ';'"
-        raise unexpected(f"{name}:{first}", expected, f"{rows[0].strip()[:_SHOWN]!r} and no point in any row", advice)
+        raise RecordFormatError(
+            f"{name}:{first}: cannot tell whether the comma separates columns or marks decimals: "
+            f"{rows[0].strip()[:_SHOWN]!r}, and no row contains a decimal point; write decimal points, or separate the "
+            "columns with ';'"
+        )
     if layout.decimal == "," and points:
         at = next(index for index, row in enumerate(rows) if "." in row)
-        expected, found = "commas as decimal marks like in other rows", f"a point in {rows[at].strip()[:_SHOWN]!r}"
+        expected, found = "decimal commas, as in other rows", f"a point in {rows[at].strip()[:_SHOWN]!r}"
         raise unexpected(f"{name}:{first + at}", expected, found, "write one decimal mark throughout")
 
 

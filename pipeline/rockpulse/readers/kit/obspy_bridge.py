@@ -15,6 +15,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.kit.checks import doubted_direction
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical
 from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
@@ -119,7 +120,8 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
             return Direction("vertical", note=WarningText("vertical_by_code", channel=code, stated=stated))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
             both = f"the channel code says {code!r}, the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
-            return Direction(note=f"the direction is unknown: {both}")
+            note = doubted_direction(named, Direction(lies), f"the direction is unknown: {both}")
+            return Direction(note=note)
     if lies == "vertical" and dip is not None:
         return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
     if lies != "horizontal" or azimuth is None:

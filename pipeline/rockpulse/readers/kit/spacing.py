@@ -286,7 +286,7 @@ def time_column_step(
     if falls or (declared is None and not rising):
         at, advice = int(np.argmin(steps)), "repair the times"
         if not falls:
-            advice += ", or give the interval (option dt) if they are rounded more coarsely than it"
+            advice += ", or give the interval (option dt) if they are rounded to more than one interval"
         found = f"{first[at + 1]:g} after {first[at]:g}"
         raise unexpected(f"{name}:{start + at + 2}", f"increasing times in the {column}", found, advice)
     at = int(np.argmax(np.abs(steps - np.median(steps))))

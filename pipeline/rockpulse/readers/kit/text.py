@@ -63,7 +63,7 @@ def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELER
 
 def other_kind(where: str, kind: str) -> OtherKind:
     """Return the error for a file whose name alone says that it contains velocity or displacement."""
-    advice = f"{ACCELERATION_FILE}, or give the file another name if it holds accelerations"
+    advice = f"{ACCELERATION_FILE}, or rename the file if it contains accelerations"
     return OtherKind(f"{where}: {kind}, as its name says, expected accelerations; {advice}")
 
 
@@ -257,8 +257,8 @@ def other_readings(peak: float, unit: str = "") -> str:
     own = UNITS.get(unit)
     others = {name: factor for name, factor in UNITS.items() if name != "gal" and factor != own}
     readings = {name: peak * factor / STANDARD_GRAVITY for name, factor in others.items()}
-    fitting = [f"{value:.3g} g if it were {name}" for name, value in readings.items() if low <= value <= high]
+    fitting = [f"{value:.3g} g if it is {name}" for name, value in readings.items() if low <= value <= high]
     if fitting:
         return " or ".join(fitting)
     nearest = (max if max(readings.values()) < low else min)(readings, key=lambda name: readings[name])
-    return f"{readings[nearest]:.3g} g if it were {nearest}, no ordinary acceleration either"
+    return f"{readings[nearest]:.3g} g if it is {nearest}, which is not an ordinary acceleration either"

@@ -38,8 +38,8 @@ def _comment(config: Config) -> str:
     shares = known.of_draws().restitution
     return (
         f"nonlinear model; scale factor lognormal ({100.0 * known.factor:g} %), C between {min(shares):.3g} and "
-        f"{max(shares):.3g} times nominal, at most 1, critical angle reduced by {100.0 * known.geometry:g} % |N|; "
-        f"scale factors up to {config.search.factor_max:g}"
+        f"{max(shares):.3g} times nominal, at most 1, critical angle reduced by |N| times "
+        f"{100.0 * known.geometry:g} % (N standard normal); scale factors up to {config.search.factor_max:g}"
     )
 
 

@@ -25,7 +25,7 @@ RISK: Declared = {
         above=real("share of the frequency from levels above all that were analysed"),
         events=whole("earthquakes of the fragility"),
         status=flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
-        statement=text("why there is no frequency or no band, and what is to be known of the band"),
+        statement=text("why there is no frequency or no band, and what limits the band"),
         warning=text("share of the frequency from levels that were not analysed, in words; empty up to a tenth"),
     ),
     **along(

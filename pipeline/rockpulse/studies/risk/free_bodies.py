@@ -42,8 +42,8 @@ class BodyCurves(NamedTuple):
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
             raise ResultsError(
-                "results: the spectra have no values at the C of these bodies, for [uncertainty] restitution is no "
-                "range or a narrow one; assess again with a range such as [0.95, 1.05]"
+                "results: the spectra have no values at the C of these bodies, because [uncertainty] restitution is "
+                "not a range, or too narrow a range; assess again with a range such as [0.95, 1.05]"
             )
         stored = spectra["probability"].transpose("p", "restitution", "record", "level").values
         floor = np.log(block.gravity * np.tan(block.alpha_c))

@@ -166,8 +166,8 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
     if not math.isfinite(whole.frequency):
         return found | {
             "status": RiskStatus.NO_LIMIT,
-            "statement": "no frequency: towards small levels the fragility falls less than the hazard rises; the "
-            "frequency would depend on levels that were not analysed",
+            "statement": "no frequency: towards small levels the fragility decreases more slowly than the hazard "
+            "increases; the frequency would depend on levels that were not analysed",
         }
     found |= _frequency(whole, low, high, asked)
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})

@@ -71,18 +71,19 @@ class _Sheet(NamedTuple):
             if site is None:
                 return 0, ()
             raise ConfigError(
-                f"{self.path}: one curve without a place, but a site was named; expected OpenQuake's hazard curves or "
-                "the grid of NTC 2008, or no longitude and latitude"
+                f"{self.path}: one hazard curve without coordinates, so no site can be looked up in it; remove the "
+                "longitude and latitude of the site, or give a file of several sites (OpenQuake's hazard curves or the "
+                "grid of NTC 2008)"
             )
         if site is not None:
             rows, distance = nearest_places(self.path, self.places, _checked_sites([site]))
             return int(rows[0]), (f"{1e-3 * distance[0]:.1f} km from the site",)
         if len(self.places) > 1:
             raise ConfigError(
-                f"{self.path}: curves of {len(self.places)} sites; name one by its longitude and latitude ([hazard] "
+                f"{self.path}: curves of {len(self.places)} sites; select one by its longitude and latitude ([hazard] "
                 "longitude, latitude, or --site)"
             )
-        return 0, ("the only place of the file",)
+        return 0, ("the only site in the file",)
 
 
 def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_factor: float = 1.0) -> HazardCurve:
@@ -153,8 +154,9 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:
         raise ConfigError(
-            f"{path}: one curve without a place, but the bodies have sites; expected OpenQuake's hazard curves or the "
-            "grid of NTC 2008, or a table of bodies without longitude and latitude"
+            f"{path}: one hazard curve without coordinates, so the sites of the bodies cannot be looked up in it; "
+            "give a file of several sites (OpenQuake's hazard curves or the grid of NTC 2008), or remove longitude and "
+            "latitude from the table of bodies"
         )
     rows, distance = nearest_places(sheet.path, sheet.places, asked)
     keys = np.stack([rows, of_each(soil_factor, len(asked), "soil factor")], axis=1)
@@ -191,14 +193,14 @@ def site_hazards_of(
         ("soil_factor", settings.soil != 1.0, soil_factor),
     ):
         if stated and own is not None:
-            raise ConfigError(f"[hazard] {key}: the bodies have their own; expected one of the two, found both")
+            raise ConfigError(f"[hazard] {key}: also given for each body; remove it here or in the table of bodies")
     factors = of_each(settings.soil if soil_factor is None else soil_factor, count, "soil factor")
     if sites is None:
         return SiteHazards.distinct(factors[:, np.newaxis], _of_factor(settings, folder))
     if settings.file is None:
         raise ConfigError(
-            "[hazard] file: the bodies have sites of their own, so expected a file with the curves of many places, "
-            "found none; or remove longitude and latitude from the table of bodies"
+            "[hazard] file: each body has its own site; give a file with the hazard curves of several sites, or remove "
+            "longitude and latitude from the table of bodies"
         )
     return load_site_hazards(folder / settings.file, sites, factors)
 

@@ -162,10 +162,11 @@ class SelectionAnalysis(Analysis):
             return
         unknown = "; name the earthquakes of the records in the table [records] events" if usable[UNKNOWN] else ""
         raise ConfigError(
-            f"[selection] records: expected {asked.records} {asked.components}, at most {asked.per_earthquake} of one "
-            f"earthquake, found {enough}: of {len(events)}, {usable.total()} of {len(usable)} earthquakes have a scale "
-            f"factor between {asked.factors[0]:g} and {asked.factors[1]:g}; give more records, change records, factors "
-            f"or per_earthquake{unknown}"
+            f"[selection] records: expected {asked.records} {asked.components} that can be selected, at most "
+            f"{asked.per_earthquake} of each earthquake, found {enough}. Of {len(events)} {asked.components}, "
+            f"{usable.total()} (of {len(usable)} earthquake{'s' * (len(usable) != 1)}) can be scaled by "
+            f"{asked.factors[0]:g} to {asked.factors[1]:g}. Give more record files, or change the keys records, "
+            f"factors or per_earthquake{unknown}"
         )
 
 

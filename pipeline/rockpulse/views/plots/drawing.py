@@ -206,9 +206,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     given = {name: value for name, value in options.items() if value is not None}
     for name in list(given):
         if name not in row.options:
-            flags = ", ".join(OPTIONS[option] for option in row.options)
-            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
-            raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
+            takes = ", ".join(f"{option} ({OPTIONS[option]})" for option in row.options) or "none"
+            raise ResultsError(f'the picture "{kind}" has no option {name}; its options: {takes}')
         if name in SEVERAL:
             value = given.pop(name)
             given[f"{name}s"] = [value] if isinstance(value, str) else value
@@ -294,7 +293,7 @@ def _first(tree: xr.DataTree) -> str:
     for kind in FIRST.get(found, ()):
         if kind != "spectrum" or has_spectra(tree):
             return kind
-    raise ResultsError(f"plot: there is no picture of {kind_in_words(found)}")
+    raise ResultsError(f"plot: {kind_in_words(found)} cannot be drawn")
 
 
 #: Functions that draw an object, by its type.

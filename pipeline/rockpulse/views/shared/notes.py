@@ -124,10 +124,11 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """Return a sentence for every body on a pedestal and for every body that may slide."""
     notes = []
     for alone, worst in worse_with_pedestal(answers, found):
-        outcome = ", ".join(filter(None, (worst.grade.word, ratio(worst.share.value))))
+        value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
+        outcome = ", ".join(filter(None, (worst.grade.word, value)))
         notes.append(
-            f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
-            f"({outcome}) and decides; simultaneous motions of both parts are not modelled."
+            f"{alone}: assessed alone and as one body with its pedestal; the worse result governs: {worst.body.name} "
+            f"({outcome}); simultaneous motions of both parts are not modelled."
         )
     notes += [
         f"{one.body.name}: slides under {one.above} of {several(one.total, 'record')}: the required friction "

@@ -83,7 +83,7 @@ def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Return the marks of doubt of a record, from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or has_warning(codes, "header_peak")
-    found = (peak, has_warning(codes, "clipped", "full_scale"), has_warning(codes, *DEFECTS))
+    found = (peak, has_warning(codes, "clipped", "clipped_crests", "full_scale"), has_warning(codes, *DEFECTS))
     return tuple(mark for mark, marked in zip(DOUBTS, found, strict=True) if marked)
 
 

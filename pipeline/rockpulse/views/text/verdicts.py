@@ -168,7 +168,7 @@ def _under(answers: Answers) -> str:
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
     named = answers.demands.items()
-    demands = " and ".join(name if name.startswith(one.title) else f"{name} ({one.words})" for name, one in named)
+    demands = " and ".join(f"“{name}”" + f" ({one.words})" * (not name.startswith(one.title)) for name, one in named)
     return f"{counted_motions(motions)} scaled to the demand {demands}"
 
 
@@ -218,7 +218,7 @@ def worst_motions(answers: Answers, most: int) -> str:
     note += " PGA and PGV: as recorded." if demand is not None else ""
     if np.isinf(values["near"]).any() and not math.isnan(limit):
         note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest scale factor tried."
-    scaled = "unscaled" if demand is None else f"scaled to the demand {demand}"
+    scaled = "unscaled" if demand is None else f"scaled to the demand “{demand}”"
     return "\n".join(
         [f"{which} {what} ({scaled}), worst first:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
     )

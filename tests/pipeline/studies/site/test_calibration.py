@@ -151,7 +151,7 @@ def test_a_table_of_weights_and_events_is_used(tmp_path):
         ("record,weight\nrecord00,1\n\nrecord01,1,2\n", "row 4: expected the 2 cells of the header, found 3"),
         ("record,weight\n" + "".join(f"record0{n},1,2\n" for n in range(8)), "row 2: expected the 2 cells"),
         ("record,weight\nrecord00,\n", "row 2: expected a record and its weight, found an empty cell"),
-        ("id,weight\nrecord00,1\n", "no column record among id, weight"),
+        ("id,weight\nrecord00,1\n", "missing: record; found: id, weight"),
         ("", "expected a CSV table"),
     ],
 )

@@ -132,8 +132,8 @@ def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
     summary = tree["summary"].to_dataset().sel(model=["resonance"])
     parts = {"/": tree.to_dataset(), "/summary": summary, "/failures": tree["failures"].to_dataset()}
     words = Page(report_page(xr.DataTree.from_dict(parts))).text
-    assert "resonance model (upper-bound type input, no prediction)" in words
-    assert "judged by an upper-bound type input" in words
+    assert "resonance model (upper-bound input, no prediction)" in words
+    assert "judged by an upper-bound input" in words
 
 
 def test_cases_of_restitution_are_bodies_of_their_own():
