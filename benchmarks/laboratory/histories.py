@@ -7,11 +7,13 @@ cases of each check, and writes them as CSV and as a picture.
    channel itself: a_g S is its PGA, and S_e its spectrum with 5 % damping. The ratio of a check decreases as the scale
    factor on the record increases, so one number for each case gives the largest scale factor that the check allows. A
    case overturns if the probability of overturning is 0.5 or more (from `factor_50`). Missed cases overturn and pass;
-   false cases survive and fail. Intervals come from resampling earthquakes (BCa).
+   false cases survive and fail. Intervals come from resampling earthquakes (BCa). The checks of elements that are free
+   to vibrate are those of the same bodies of masonry (E and density below) at their period T_0.
 """
 
 import argparse
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,9 +22,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.stats import bootstrap
 
-from laboratory.ensemble import StrongMotion, add_record_arguments, blocks, read_strong
+from laboratory.ensemble import RADII, StrongMotion, add_record_arguments, blocks, read_strong
+from laboratory.record_criterion import demand_cases, record_verdicts, verdict_counts, verdict_overview
 from laboratory.tables import plain, write_tables
-from rockpulse.assessment.spectra import overturning_factors, overturning_spectrum
+from rocking.spectrum.overturning import OverturningSpectrum
+from rocking.spectrum.slender_lanes import spectrum_lanes
+from rockpulse.config.block_settings import CANTILEVER
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
@@ -41,7 +46,12 @@ ALLOWED = {
     "nonlinear": "the nonlinear check of Circolare 617/2009",
     "both": "the linear and the nonlinear check of Circolare 617/2009",
     "displacement": "the displacement check of Circolare 7/2019 (SLV)",
+    "free": "the linear check of Circolare 7/2019 of elements free to vibrate",
+    "free_displacement": "the displacement check of Circolare 7/2019 (SLV) of elements free to vibrate",
 }
+
+#: Half of Young's modulus of a brick masonry (1500 MPa, for cracking) [Pa], and its density [kg/m3].
+MODULUS, DENSITY = 0.75e9, 1800.0
 
 #: Periods at which the displacement spectrum of a record is looked at [s].
 PERIODS = np.geomspace(0.05, 8.0, 120)
@@ -72,7 +82,7 @@ class _OwnSpectrum:
         self.largest = np.maximum.accumulate(moved)
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        return spectral_acceleration(self.record, period) * damping_factor(damping)
+        return spectral_acceleration(self.record, period) * damping_factor(damping) if period > 0.0 else self.ground
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
         """The largest S_De [m] up to a period [s], which may be one of those in between."""
@@ -81,24 +91,37 @@ class _OwnSpectrum:
         return max(own, damping_factor(damping) * float(self.largest[before - 1])) if before else own
 
 
-def motion_cases(motion: StrongMotion, settings: CheckSettings) -> pd.DataFrame:
+def spectrum_at_bodies(motion: StrongMotion) -> OverturningSpectrum:
+    """The overturning spectrum of a channel at the frequency parameters of the bodies, without interpolation."""
+    rates = np.sqrt(0.75 * STANDARD_GRAVITY / np.array(sorted(RADII, reverse=True)))
+    return OverturningSpectrum(spectrum_lanes(motion.record.acceleration, motion.record.dt, rates))
+
+
+def motion_cases(
+    motion: StrongMotion, settings: CheckSettings, overturning: OverturningSpectrum | None = None
+) -> pd.DataFrame:
     """A row for each body under a strong motion.
 
     `uplift_factor`, above which the record lifts the body, `factor_10` and `factor_50`, at which it overturns with a
     probability of 0.1 and 0.5, and by the names of :data:`ALLOWED` the largest factor that each check allows [-].
     """
     bodies, spectrum = blocks(), _OwnSpectrum(motion.record)
-    factors = overturning_factors(overturning_spectrum(motion.record), bodies)
+    factors = (overturning or spectrum_at_bodies(motion)).factors(bodies)
+    heights = 2.0 * bodies.half_height
+    periods = CANTILEVER * bodies.slenderness * heights * np.sqrt(DENSITY / MODULUS)
     rows = []
     for lane in range(bodies.shape[0]):
         (mechanism,) = senses_of(bodies.lane(lane))  # free blocks, whose senses are alike
         older, newer = (check(mechanism, spectrum, (), settings) for check in (circolare_2009, circolare_2019))
+        free = circolare_2019(replace(mechanism, initial_period=float(periods[lane])), spectrum, (), settings)
         rows.append(
             {
                 "linear": older.activation_ratio,
                 "nonlinear": older.displacement_ratio,
                 "both": min(older.activation_ratio, older.displacement_ratio),
                 "displacement": newer.displacement_ratio,
+                "free": free.activation_ratio,
+                "free_displacement": free.displacement_ratio,
             }
         )
     return pd.DataFrame(
@@ -108,8 +131,8 @@ def motion_cases(motion: StrongMotion, settings: CheckSettings) -> pd.DataFrame:
             "slenderness": bodies.slenderness,
             "radius": bodies.radius,
             "uplift_factor": STANDARD_GRAVITY * np.tan(bodies.alpha_c) / motion.record.pga,
-            "factor_10": factors["factor_10"],
-            "factor_50": factors["factor_50"],
+            "factor_10": factors.factor_10,
+            "factor_50": factors.factor_50,
         }
     ).join(pd.DataFrame(rows))
 
@@ -267,11 +290,13 @@ def main() -> None:
         print(f"not used ({row.kind}): {row.reason}")
     if not motions:
         parser.exit(1, "no strong channel among the records\n")
-    cases = pd.concat([motion_cases(motion, settings) for motion in motions], ignore_index=True)
-    rates = check_rates(cases, args.seed)
-    write_tables(args.output, {"code_check": cases, "rates": rates})
+    spectra = [(motion, spectrum_at_bodies(motion)) for motion in motions]
+    cases = pd.concat([motion_cases(one, settings, own) for one, own in spectra], ignore_index=True)
+    verdicts = record_verdicts(pd.concat([demand_cases(*one) for one in spectra], ignore_index=True), args.seed)
+    rates, counts = check_rates(cases, args.seed), verdict_counts(verdicts)
+    write_tables(args.output, {"code_check": cases, "rates": rates, "record_verdicts": verdicts, "verdicts": counts})
     (args.output / "code-check.png").write_bytes(picture_bytes(draw(cases, settings), "png"))
-    print(overview(cases, rates, settings))
+    print(overview(cases, rates, settings), verdict_overview(counts), sep="\n\n")
 
 
 if __name__ == "__main__":

@@ -115,7 +115,7 @@ class Failure:
 
     @property
     def place(self) -> str:
-        """The beginning of the reason that names file and line, or record; otherwise the name of the file."""
+        """The start of the reason if it names file and line, or record; otherwise the name of the file."""
         if self.reason.startswith(f"{self.file}:"):
             line = _LINE.match(self.reason, len(self.file))
             return self.reason[: line.end()] if line else self.file
@@ -137,7 +137,7 @@ def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
 
 
 def reasons_in_words(group: Sequence[Failure]) -> str:
-    """Return the reason of a group of rows as text, with the file of a single row, or with the number of rows."""
+    """Return the common reason of a group of rows as text, with the file of a single row, or the number of rows."""
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line number
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"

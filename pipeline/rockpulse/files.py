@@ -50,12 +50,14 @@ def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: expected {what} in UTF-8, found byte {error.start} outside it") from None
+        raise ConfigError(
+            f"{path}: expected {what} in UTF-8, found an invalid byte at position {error.start}; is it the right file?"
+        ) from None
 
 
 def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
     """Parse a TOML text called `name`; raise `error` for invalid TOML, deep nesting and very large integers."""
-    deep = f"{name}: sections and arrays are nested deeper than {DEEPEST} times, the limit"
+    deep = f"{name}: sections and arrays are nested more than {DEEPEST} deep; flatten them"
     large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
     try:
         document = tomllib.loads(text)
@@ -139,7 +141,7 @@ def _hidden(target: Path) -> Path:
 
 
 def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
-    """Return the path; raise ResultsError if it cannot be written, or exists and must not be overwritten."""
+    """Return the path of a file to write; raise ResultsError if it cannot be written or must not be overwritten."""
     target = Path(path)
     if not target.name.lower().endswith(suffixes):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")
@@ -158,7 +160,7 @@ def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[st
 
 
 def write_files(contents: Mapping[Path, bytes]) -> None:
-    """Write all files; if one of them fails, leave all as they were."""
+    """Write all files; if one cannot be written, leave all files as they were."""
     with FileSet() as files:
         for path, content in contents.items():
             files.add(path, content)
@@ -167,7 +169,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Return a context manager that puts the path of the target, not the temporary one, into errors."""
+    """Return a context manager that puts the path of the target, instead of the temporary path, into errors."""
     try:
         yield
     except OSError as fault:

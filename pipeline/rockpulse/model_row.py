@@ -23,7 +23,7 @@ Equation = Literal["linear", "nonlinear"]
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A conditioned record with the quantities extracted from it and the options: the input of the models."""
+    """The input of the models: a conditioned record, the quantities extracted from it, and the models' options."""
 
     record: Record
     vertical: np.ndarray | None  # (n,) on the samples of the record [m/s2], for models that use it
@@ -36,7 +36,7 @@ class Scene:
     factor_max: float = 10.0  # key of [search]
     points: int = 256  # key of [search]
     step: float = 1.005  # key of [search]
-    rule: str = ""  # variant of the rule for paired models; empty if they use the sequence
+    rule: str = ""  # variant of the rule for paired models; empty if these use the sequence
 
 
 def loaded_rule(point: str) -> Rule:
@@ -67,32 +67,32 @@ class Model:
     cycles: Literal["", "main", "main and secondary"] = ""
     #: Equation of motion of :func:`rocking.recorded_response`; None for impulse models.
     equation: Equation | None = None
-    #: Whether it is the full equation of motion, which is the reference for other models and gives the probability of
-    #: overturning.
+    #: Whether the model is the full equation of motion, which is the reference for other models and gives the
+    #: probability of overturning.
     full: bool = False
-    #: Whether it is used by default.
+    #: Whether the model is used by default.
     default: bool = False
-    #: Whether it uses the vertical acceleration.
+    #: Whether the model uses the vertical acceleration.
     vertical: bool = False
-    #: Whether it is valid only for a slenderness of at least 3 (the linear motion of Eqs. 1-2).
+    #: Whether the model is valid only for a slenderness of at least 3 (the linear motion of Eqs. 1-2).
     slender: bool = True
-    #: Features of bodies that it can treat, from :data:`rocking.body.block_lanes.FEATURES`.
+    #: Features of bodies that the model can treat, from :data:`rocking.body.block_lanes.FEATURES`.
     knows: tuple[str, ...] = ()
-    #: Whether the model applies the variant of the rule that has its name.
+    #: Whether the model applies the variant of the rule that has the name of the model.
     fitted: bool = False
-    #: Whether it uses the sequence from `[sequence] method`, which may differ from body to body.
+    #: Whether the model uses the sequence from `[sequence] method`, which may differ from body to body.
     paired: bool = False
-    #: Whether its sequence must be finite, with a number of main impulses or a duration.
+    #: Whether the sequence must be finite, with a number of main impulses or a duration.
     needs_end: bool = False
     #: Key of [search] that sets how densely scale factors are scanned; empty for closed forms.
     grid: Literal["", "step", "points"] = ""
-    #: Reason why its input is an upper bound, in which case overturning only means that a body may be unsafe; otherwise
+    #: Reason why the input is an upper bound, in which case overturning only means that a body may be unsafe; otherwise
     #: empty.
     upper_bound: str = ""
 
     @property
     def searched(self) -> bool:
-        """Whether its scale factors need hundreds of runs, and are only computed with `[search] intervals`."""
+        """Whether the scale factors need hundreds of runs, and are only computed with `[search] intervals`."""
         return self.grid == "points"
 
     def rule(self, scene: Scene) -> Rule | None:
@@ -101,7 +101,7 @@ class Model:
         return loaded_rule(point) if point else None
 
     def vertical_of(self, scene: Scene) -> np.ndarray | None:
-        """Return the vertical acceleration of the scene if the model uses it."""
+        """Return the vertical acceleration of the scene; None if the model does not use it."""
         return scene.vertical if self.vertical else None
 
     def answers(self, block: rocking.Block, scene: Scene) -> np.ndarray:

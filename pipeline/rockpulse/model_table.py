@@ -14,7 +14,7 @@ from rockpulse.model_row import Equation, Model, Scene, loaded_rule
 from rockpulse.option import Section, boolean, choice, choices, count, number
 
 #: Label of a model whose input is an upper bound.
-UPPER_BOUND = "upper-bound type input"
+UPPER_BOUND = "upper-bound input"
 
 
 def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:

@@ -66,15 +66,15 @@ class Section:
             object.__setattr__(self, item.name, allowed.convert(value))
 
     def keys(self) -> list[str]:
-        """Return the names of the keys in the order of the template."""
+        """Return the names of the keys, in the order of the template."""
         return [item.name for item in dataclasses.fields(self)]
 
     def __getitem__(self, key: str) -> Any:
         return getattr(self, key)
 
 
-def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
-    """Return ``; did you mean "x"?`` if a known word resembles the wrong one, ignoring case; then the text `told`.
+def hint(wrong: str, known: Iterable[str], advice: str = "") -> str:
+    """Return ``; did you mean "x"?`` if a known word resembles the wrong one, ignoring case; then the text `advice`.
 
     >>> hint("wdth", ["width"], "known keys: width"), hint("x", ["width"], "known keys: width")
     ('; did you mean "width"? Known keys: width', '; known keys: width')
@@ -82,8 +82,8 @@ def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
     spelt = {word.lower(): word for word in known}
     close = [spelt[word] for word in difflib.get_close_matches(wrong.lower(), list(spelt), n=1)]
     if not close:
-        return told and f"; {told}"
-    return f'; did you mean "{close[0]}"?' + (told and f" {told[0].upper()}{told[1:]}")
+        return advice and f"; {advice}"
+    return f'; did you mean "{close[0]}"?' + (advice and f" {advice[0].upper()}{advice[1:]}")
 
 
 def is_number(value: Any) -> bool:
@@ -122,7 +122,7 @@ def boolean(default: bool) -> Any:
 
 def choice(default: str | None, words: tuple[str, ...], most: int = 0) -> Any:
     """Declare a key that accepts one of `words`, or an integer from 1 to `most`."""
-    expected = f"one of {_listed(words)}" + (f" or an integer from 1 to {most}" if most else "")
+    expected = f"{_listed(words)} or an integer from 1 to {most}" if most else f"one of {_listed(words)}"
 
     def accepts(value: Any) -> bool:
         return value in words if isinstance(value, str) else _is_count(value, 1) and value <= most

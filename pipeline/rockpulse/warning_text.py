@@ -5,24 +5,19 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-#: Template of a warning on intervals from few earthquakes.
-_WIDE = (
-    "the intervals are wide (those of two or three events may be narrow by chance) and assume lognormal parameters; "
-    "correlations of so few events mean little; use records of more earthquakes"
-)
-
 #: Template for each code of a warning on a record or of a processing step.
 WARNINGS = {
     # a channel when it is read
     "dead_channel": "all samples are equal: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
+    "clipped_crests": "{count:d} crests are flat at the largest or smallest value: the record may be clipped",
     "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
     "clipped",
     "header_peak": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g; check the unit and that "
     "the file is whole",
     "header_peak_near": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % "
     "{sense}",
-    "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
+    "odd_peak": "peak {peak:.3g} g if the unit is {unit}; {readings}",
     "scale_stated": "the header states a scale factor of {factor:g}; the samples are used as they are in the file",
     "same_direction": "channels {first} and {second} have the same direction; check their names",
     "same_samples": "the samples are those of {other}{turned}: one of them is a copy",
@@ -30,7 +25,9 @@ WARNINGS = {
     "interval of {interval:.6g} s",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; check that it is in s",
     "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
-    "vertical_by_code": "the channel code {channel} means vertical, the header states {told}; used as vertical",
+    "vertical_by_code": "the channel code {channel} means vertical, but the header states {stated}; used as vertical",
+    "may_be_vertical": "{stated}, and the channel may be vertical",
+    "length_differs": "the header states {stated:g} s, {count:d} samples at {interval:g} s last {found:g} s",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
     # the samples of a channel
     "noise_only": "no earthquake, but noise or a dead channel: {reason}",
@@ -46,19 +43,21 @@ WARNINGS = {
     "0.5 s): its end is missing",
     "coarse_sampling": "{rate:.3g} samples per second: frequencies above {nyquist:.3g} Hz are missing, and peaks "
     "between samples are cut off",
-    "velocity_drift": "baseline drift or step in the samples as read: for any constant baseline, the slow part of the "
-    "ground velocity reaches {slow:.3g} m/s, the rest {rest:.3g} m/s",
+    "velocity_drift": "baseline drift or step in the samples as read: whatever constant is subtracted, the slow drift "
+    "of the ground velocity reaches {slow:.3g} m/s, the remaining motion {rest:.3g} m/s",
     # comparison with other records of the same ground motion
     "twin_differs": "{other} of {source} should be a record of the same ground motion, but {differences}",
     "components_apart": "its peak is {ratio} than that of {other}, the other component of its instrument: {cause}",
+    "interval_apart": "its sampling interval is {interval:g} s, that of {other}, the other component of its "
+    "instrument, {stated:g} s: one of them may be wrong",
     # conditioning and scaling of a record
     "on_structure": "recorded on a structure, assessed as ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
     "baseline_guessed": "the format does not state whether the record is processed: the mean was subtracted; set "
-    "[conditioning] baseline to keep or correct it",
-    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, with a slow part of {slow:.3g} "
-    "m/s, and the PGV of {pgv:.3g} m/s may be wrong by as much; compare with another [conditioning] baseline or a "
-    "highpass_hz",
+    "[conditioning] baseline to keep the offset or to remove it in another way",
+    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, its slow drift reaches "
+    "{slow:.3g} m/s, and the PGV of {pgv:.3g} m/s may be wrong by as much; compare with another "
+    "[conditioning] baseline or a highpass_hz",
     "start_assumed": "both channels are assumed to start together; their files state no times",
     "no_sequence": "no impulse sequence: {reason}",
     "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record represents no recorded "
@@ -67,9 +66,10 @@ WARNINGS = {
     "scaled_to_drift": "scaled to a PGV that is doubtful, because its baseline drifts",
     # the vertical channel of a record
     "vertical_acceleration": "vertical acceleration: {record}",
-    "vertical_missing": "no vertical channel of this station overlaps in time: taken as zero",
+    "vertical_missing": "no vertical channel of this station overlaps in time: its acceleration is taken as zero",
     "vertical_start_assumed": "vertical channel: assumed to start with this one; the files state no times",
-    "vertical_short": "vertical channel: taken as zero in the {missing:.4g} s that it does not cover",
+    "vertical_short": "vertical channel: its acceleration is taken as zero in the {missing:.4g} s that it does not "
+    "cover",
     # a design sequence
     "demand_not_compared": "a sequence has no PGA or other intensity that could be scaled to the demand of the site "
     "([[demand]]): nothing is compared with it",
@@ -87,49 +87,9 @@ STATEMENTS = {
     "event": "{count:d} event",
     "events": "{count:d} events",
     "interval": "{low:.3g} to {high:.3g}",
-    "and_more": "{names} and {count:d} more",
     # the calibration of a site
-    "one_event": "ONE EVENT ({event}): no event can be left out, so neither the coverage of other earthquakes nor an "
-    "interval clustered by event is known; the dispersion is that within this event. The design describes these "
-    "records, not the site",
-    "few_events": f"FEW EVENTS: {{count:d}}, fewer than {{needed:d}}: {_WIDE}",
-    "few_lifting_events": (
-        "FEW EVENTS: {count:d}, only {lifting:d} with a record that lifts a block, fewer than {needed:d}: " + _WIDE
-    ),
-    "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
-    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one "
-    "or two; use more records",
-    "tail_below": "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or "
-    "two; use more records",
-    "tail_among": "the quantile {quantile:g} lies among them, and is no better known than its interval; use more "
-    "records",
-    "unresolved_pairs": "{share:.1%} of the pairs of record and block are unresolved (a vertical acceleration that "
-    "cancels gravity, for example) and are counted as overturned, the only safe assumption",
-    "nothing_standing": "the design overturns every block that a record sets rocking: no rotation is left to be "
-    "covered, and nothing else can be concluded; use stockier blocks or a lower quantile",
-    "set_by": "I is set by the overturning of {name}: just below it the design covers {share:.0%} of the rotations of "
-    "the blocks left standing, and at it {left}; with stockier blocks in the list I may be larger",
-    "left_none": "no block is left",
-    "left_without": "it is no longer among them",
-    "open_interval": "the interval of I is open: in the resamples I stops where a block overturns, which depends on "
-    "the block and not on the records",
-    "coverage_unknown": "the coverage is not known: no event could be left out{without}",
-    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and "
-    "block of {judged:d} of {total:d} events{without}",
-    "no_interval": "no interval",
-    "share_interval": "{low:.0%} to {high:.0%}",
-    "hardly_known": ": hardly known",
-    "not_judged": "; events that could not be left out: {groups}",
-    "unlifted": "{names} (lifts no block)",
-    "no_design": "{names} (the others alone make no design)",
-    "overturning_design": "{names} (the design of the others overturns all that it lifts)",
-    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left "
-    "out, on blocks left standing, instead of {nominal:.0%}: the events differ more than the others show, or one shape "
-    "of sequence does not suit all blocks",
-    "few_lifted": "only {share:.1%} of the pairs of record and block are used, because in the others the record does "
-    "not lift the block: the design rests on few pairs",
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
-    "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another size",
+    "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another strength",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
     "outside_spectrum": "outside the spectrum, and without a design: {names}",
     "vertical_left_out": ("the vertical acceleration is left out: no spectrum is common to all bodies under it"),
@@ -148,8 +108,8 @@ STATEMENTS = {
     "nothing_reached": "no curve: none of {records} reached the limit state, at levels up to {level:.3g}",
     "nothing_reached_between": "no curve: none of {records} reached the limit state, at levels up to {low:.3g} to "
     "{high:.3g}",
-    "everything_reached": "no curve: all {records} reached the limit state at every level, from {level:.3g}; add "
-    "lower levels",
+    "everything_reached": "no curve: the limit state was reached by each of {records} at every level, from "
+    "{level:.3g}; add lower levels",
     "one_reached": "no curve: only one of {records:d} records reached the limit state (at {levels}); at least two are "
     "needed for a dispersion",
     "step": "a step at {level:.3g}: all known capacities are equal; there is no dispersion",
@@ -202,7 +162,7 @@ def find(warnings: Iterable[str], code: str) -> WarningText | None:
 
 
 def has_warning(codes: str, *wanted: str) -> bool:
-    """Return whether stored codes contain a `wanted` one, alone or as a part of a nested code."""
+    """Return whether stored codes contain a `wanted` code, alone or as a part of a nested code."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 

@@ -47,7 +47,9 @@ def test_a_file_is_read_up_to_its_limit(tmp_path):
     with pytest.raises(ConfigError, match=r"x\.csv: expected a table of at most 4 bytes, found more"):
         read_text(path, 4, "a table")
     path.write_bytes(b"abc\xff")
-    with pytest.raises(ConfigError, match=r"x\.csv: expected a text file in UTF-8, found byte 3 outside it"):
+    with pytest.raises(
+        ConfigError, match=r"x\.csv: expected a text file in UTF-8, found an invalid byte at position 3"
+    ):
         read_text(path)
 
 

@@ -44,7 +44,7 @@ def test_warnings_within_warnings_and_other_texts_are_stored_too():
     found, text = restored(as_stored(every))
     assert str(found) == str(every[0])
     assert str(found).endswith(
-        "could not be left out: a (lifts no block), b and 2 more (the others alone make no design)"
+        "could not be left out: a (lifts no block), b and 2 more (no design can be made from the others alone)"
     )
     assert found.values["without"].values["groups"][1].values["names"].code == "and_more"
     assert (text.code, str(text)) == ("plain", "another")

@@ -23,8 +23,8 @@ class Share(NamedTuple):
     value: float
     low: float  # ends of the 90 % interval
     high: float
-    least: float  # value if the records without a result do not overturn the body, and if they do
-    most: float
+    least: float  # value if no record without a result overturns the body
+    most: float  # value if every record without a result overturns the body
     unknown: int  # number of records without a result
 
 
@@ -36,7 +36,7 @@ class Motions:
     index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
     events: list[str]  # earthquakes of the motions
     kind: str  # "record", "pair" or "sequence"
-    any_azimuth: bool = False  # if the directions of bodies are unknown, a pair counts by its mean
+    any_azimuth: bool = False  # whether a pair counts by its mean over directions (bodies of unknown direction)
 
     @property
     def event_count(self) -> int:
@@ -44,7 +44,7 @@ class Motions:
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
-        """Return a mask (motions, bodies) of the motions that have at least one direction not `left_out`."""
+        """Return a mask (motions, bodies): True if at least one direction of a motion is not in the mask `left_out`."""
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
@@ -52,15 +52,15 @@ class Motions:
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
-        """Arrange values (records, ...) as (motions, directions, ...); `missing` fills directions not assessed."""
+        """Arrange values (records, ...) as (motions, directions, ...), with `missing` for directions not assessed."""
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return whether `so` (records, ...) is True in any direction of each motion; `missing` if not assessed."""
+        """Return whether `so` (records, ...) is True in any direction of a motion; if not assessed it is `missing`."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
-        """Return for each earthquake the mean (earthquakes, ...) of the known values of its motions."""
+        """Return the mean (earthquakes, ...) over the motions of each earthquake, without unknown values (NaN)."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -68,17 +68,17 @@ class Motions:
             return np.asarray(sums / counts)
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean over the earthquakes of the mean of the known values of each earthquake."""
+        """Return the mean over the earthquakes of their means over motions, without unknown values (NaN)."""
         found = self.of_earthquakes(values)
         known = ~np.isnan(found)
         with np.errstate(invalid="ignore"):
             return np.asarray(np.sum(found, axis=0, where=known) / known.sum(axis=0))
 
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
-        """Return the probability of overturning of each body, from probabilities (records, bodies) under the records.
+        """Return the mean probability of overturning of each body, from its probabilities (records, bodies).
 
-        Motions whose directions are all `left_out` (records, bodies) are excluded. The interval is for other
-        earthquakes like these (:func:`rockpulse.earthquakes.probability_interval`).
+        Motions whose directions are all in the mask `left_out` (records, bodies) are excluded. The interval applies to
+        other earthquakes of the same kind (:func:`rockpulse.earthquakes.probability_interval`).
         """
         table = self.over(probability, np.nan)
         # The worst direction of a pair counts, unless the direction of the body is unknown.
@@ -95,7 +95,7 @@ class Motions:
 
 
 def _others(events: list[str]) -> int:
-    """Return the number of different earthquakes; unknown ones count only if all are unknown, and then as one."""
+    """Return the number of different earthquakes, without unknown ones; 1 if all are unknown."""
     return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 
@@ -120,14 +120,14 @@ class Body(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """The smallest and the median scale factor, or capacity/demand, [-] over the motions; inf if none was found."""
+    """Smallest and median over the motions of the scale factor, or of its ratio to a demand [-]; inf if not found."""
 
     smallest: float
     median: float
-    bounds: tuple[bool, bool]  # whether each is a lower bound, as the model gives no result there
-    open: bool  # whether the smallest is an upper bound, as a direction of its motion has no result
-    limit: float  # end of the search if no factor was found; NaN if one was found for all motions
-    place: int  # index of the motion with the smallest; -1 for none
+    bounds: tuple[bool, bool]  # whether smallest and median are lower bounds, as the model gives no result there
+    open: bool  # whether the smallest is an upper bound, as a direction of the motion has no result
+    limit: float  # end of the search if no factor was found; NaN if a factor was found for all motions
+    place: int  # index of the motion with the smallest scale factor; -1 for none
     unknown: int  # number of motions without a result in any direction
     partial: int  # number of motions with results in some directions only
     weak: int  # number of motions for which the search ended below 1
@@ -177,7 +177,7 @@ class Answers:
 
     @cached_property
     def source(self) -> np.ndarray:
-        """Source of each probability in words (records, bodies)."""
+        """Source of each probability (records, bodies), in words."""
         return flags_as_words(self["probability_source"], dict(enumerate(SOURCES)))
 
     @property
@@ -202,7 +202,7 @@ class Answers:
 
     @property
     def bound(self) -> np.ndarray:
-        """Mask (records, bodies) of scale factors that are lower bounds, as the model gives no result at them."""
+        """Mask (records, bodies) of scale factors that are lower bounds, because the model gives no result there."""
         return np.asarray((self["factor_resolved"] == 0) & (not self.probable))
 
     @property
@@ -241,7 +241,7 @@ class Answers:
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
-        """The smallest scale factor over directions (motions, bodies), and its row in /summary, or -1 if none."""
+        """Smallest scale factor over directions, and its row in /summary or -1; both (motions, bodies)."""
         factor = self.motions.over(self[self.factor], np.nan)
         place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
         finite = np.isfinite(factor).any(axis=1)
@@ -249,7 +249,7 @@ class Answers:
         return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
-        """Reduce a table (..., bodies) to (..., blocks), with the worst restitution of each block."""
+        """Reduce a table (motions, bodies) to (motions, blocks); `worst` combines the restitutions of each block."""
         firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
@@ -259,9 +259,9 @@ class Answers:
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion, as a scale factor or as capacity divided by a demand.
+        """Return the margin of every body, block or motion, as a scale factor or as its ratio to a demand.
 
-        Motions whose directions are all `left_out` (records, bodies) are excluded from the margins of bodies.
+        Motions with all directions in the mask `left_out` (records, bodies) are excluded from the margins of bodies.
         """
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
@@ -301,7 +301,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """Return a stored variable for one model; its last dimensions are the bodies and, if it has any, the demands."""
+    """Return a stored variable for one model; the last dimensions are bodies and, in some variables, demands."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
@@ -337,12 +337,12 @@ def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
 
 
 def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
-    """Return the margin of every column; the tables have one row for each motion."""
+    """Return the margin of every column of the tables, which have one row for each motion."""
     known = ~np.isnan(least)
     # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)
-    told = known & ~weak
-    shown = np.where(told | ~told.any(axis=0), least, np.nan)
+    strong = known & ~weak
+    shown = np.where(strong | ~strong.any(axis=0), least, np.nan)
     smallest = np.fmin.reduce(shown, axis=0, initial=np.nan)
     at_most = np.fmin.reduce(np.where(np.isnan(shown), np.nan, most), axis=0, initial=np.nan)
     whole = np.isnan(shown) | partial
@@ -366,7 +366,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Return the median of the known values in every column; NaN if there are none."""
+    """Return the median of the known values in every column; NaN without known values."""
     count = (~np.isnan(values)).sum(axis=0)
     ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):

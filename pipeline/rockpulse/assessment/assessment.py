@@ -137,7 +137,7 @@ class Assessment(Analysis):
 
 
 def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
-    """Assess all bodies under one record; raise ValueError if it has no intense phase or a model rejects it."""
+    """Assess all bodies under one record; raise ValueError without an intense phase, or if a model rejects it."""
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
@@ -213,8 +213,8 @@ def assess_sequence(
     endless = [model for model in use if MODELS[model].needs_end]
     if endless and sequence.main_count is None and math.isinf(sequence.duration):
         raise ConfigError(
-            f"sequence: without main_count and duration the {endless[0]} model has no end; give one of them, or leave "
-            "the model out of [models] use"
+            f"sequence: the {endless[0]} model needs main_count or duration; give one of them, or leave the model "
+            "out of [models] use"
         )
     dropped = [model for model in asked if model not in use]
     config = replace(

@@ -1,4 +1,4 @@
-"""The probability of overturning of every body under one record, and its rotation under the record at each demand."""
+"""The probability of overturning of every body under one record, and the rotation of the body at each demand."""
 
 from collections.abc import Sequence
 
@@ -19,9 +19,9 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: Variables of the nominal body, whose worse sense is that of its own motion.
+#: Variables of the nominal body: the larger of the rotations in its two senses counts, not the higher probability.
 NOMINAL = ("demand_rotation_ratio", "demand_outcome")
-#: For bodies on each side of a wall, or free (0): the range of restitutions or rebounds that a spectrum covers.
+#: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 
@@ -30,8 +30,8 @@ def record_probability(
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
     """Compute the probability of overturning under a record, unscaled and at each demand, and the record's spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND have a value for each lane; it is NaN if there is no probability, or if
-    the demand is beyond FARTHEST or `[search] factor_max`. Without `channels`, the record is scaled to the demand.
+    Every variable of PROBABILITY and AT_DEMAND has a value for each block; NaN without a probability, or if the scale
+    factor to the demand is too large or small. It brings the mean intensity of `channels`, or of the record, to it.
     """
     count = len(bodies.names) * bodies.cases
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -52,7 +52,7 @@ def _near(factors: np.ndarray, config: Config) -> np.ndarray:
 
 
 def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndarray) -> dict[str, np.ndarray]:
-    """Return rotation and outcome (m, d) of the nominal bodies under the record times `factors` that are near."""
+    """Return outcome and rotation (m, d) of the nominal bodies under the record times `factors`, if `near` is True."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
     for place in np.flatnonzero(near.any(axis=0)):
@@ -84,7 +84,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
                 rows[name + end][places] = getattr(factors, own + end)
         rows["demand_probability"][places], rows["probability_source"][places] = at_demand, source
 
-    # A spectrum does not apply with a vertical acceleration, and a record of zeros has none.
+    # A spectrum does not apply with a vertical acceleration, and a record of zeros has no spectrum.
     has_spectrum = scene.vertical is None and bool(np.any(record.acceleration))
     if has_spectrum and config.uncertainty.spectrum == "all":
         for side, between in SERVED.items():

@@ -40,7 +40,7 @@ class ModelRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The response to one record of every body with each of its restitutions; these are the lanes."""
+    """The responses of all bodies to one record; a lane is one body with one of its restitutions."""
 
     scene: Scene  # the conditioned record with its half-waves and sequence
     bodies: Bodies
@@ -60,7 +60,7 @@ class RecordAssessment:
 
     @cached_property
     def spectra(self) -> dict[str, np.ndarray]:
-        """Variables of the overturning spectrum; NaN at the p that no body uses."""
+        """Variables of the overturning spectrum; NaN at every p for which it was not computed."""
         found = {name: np.full([AXIS_SIZES[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if self.spectrum is not None:
             places = np.searchsorted(RATES, self.spectrum.p)
@@ -71,7 +71,7 @@ class RecordAssessment:
 
     @property
     def sequence(self) -> ImpulseSequence | None:
-        """The sequence of the record; None if it has none, or if every body has its own sequence."""
+        """The sequence of the record; None if the record has no sequence, or every body has its own."""
         sequence = self.scene.sequence
         return None if sequence is None or sequence.shape else sequence
 
@@ -128,7 +128,7 @@ def assess_scene(
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(table: str) -> dict[str, np.ndarray]:
-        """Join a table of the parts into one table, in the order of all lanes."""
+        """Join a table of all parts into one table, in the order of the lanes."""
         tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
         return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 
@@ -154,7 +154,7 @@ def assess_scene(
 def _assess_at(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
 ) -> RecordAssessment:
-    """Assess bodies that feel the same motion; `stronger` is its peak divided by the peak of the ground motion."""
+    """Assess bodies that feel the same motion; `stronger` is the peak of this motion over that of the ground motion."""
     lanes, sides = bodies.lanes, senses(bodies, scene.record)
     warnings: list[str] = []
     responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}

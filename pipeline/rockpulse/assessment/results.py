@@ -67,7 +67,7 @@ class Results(Shown):
         Parameters
         ----------
         demand : str, optional
-            Name of a demand of the configuration; by default the worst for each body.
+            Name of a demand of the configuration; by default, for each body, the demand with the worst verdict.
 
         Returns
         -------
@@ -76,12 +76,12 @@ class Results(Shown):
             scaled to the `demand`, or as recorded if the results have none. `verdict` is "at rest", "rocks", "may
             overturn", "not known" or "overturns"; it is empty without a demand or with fewer than five `earthquakes`.
             `probability` is the mean probability of overturning over earthquakes [-], with its 90 % interval (`low`,
-            `high`). `smallest` is the smallest over the records of the scale factor at P = 10 % (or else of the safety
-            factor), at a demand divided by the scale factor of the demand; `governing` is its record, or empty.
-            `overturned` is the number of the counted `motions` that overturn the nominal body; `left_out` motions
-            cannot be scaled to the demand, and `weak` ones lift no body. `median_rotation` and `largest_rotation` are
-            those of the nominal body over alpha_c [-], inf if it overturns; `others_rotation` is the largest without
-            overturning.
+            `high`). `smallest` is the smallest scale factor at P = 10 % of all records (or else safety factor), at a
+            demand divided by the scale factor of the demand; `governing` is the record with this factor, or empty.
+            `motions` is the number of counted motions, `overturned` of those that overturn the nominal body;
+            `left_out` of motions that cannot be scaled to the demand, `weak` of motions that lift no body.
+            `median_rotation` and `largest_rotation` are the median and largest rotation of the nominal body over
+            alpha_c [-], inf if it overturns; `others_rotation` is the largest rotation without overturning.
 
         Raises
         ------

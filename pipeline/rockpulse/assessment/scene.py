@@ -11,9 +11,9 @@ from rocking.body.block import Block
 from rocking.body.supports import floor_motion
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals
-from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.model_table import RULE_POINT
@@ -28,13 +28,13 @@ from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record and its vertical channel, and extract their scene; raise RockpulseError if one is rejected."""
+    """Condition a record and its vertical channel, and return the model input; RockpulseError if either is rejected."""
     up = None if vertical is None else conditioned(vertical, config)
     return extract(conditioned(record, config), config, up)
 
 
 def extract(conditioned: Record, config: Config, up: Record | None = None) -> Scene:
-    """Return the scene of a conditioned record: half-waves, intense phase, sequence and options of the models."""
+    """Return the input of the models: a conditioned record, its half-waves, intense phase and sequence, and options."""
     lift = None
     if up is not None:
         lift = align(up, conditioned)
@@ -68,7 +68,7 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
-    """Return each motion that bodies feel, with the indices of its bodies; RecordRefused if a direction is missing."""
+    """Return each motion and the indices of the bodies that feel it; RecordRefused if a needed channel is missing."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -83,7 +83,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
 
 
 def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
-    """Return the scene in the direction of a body (`place.azimuth`), rotated from both channels of the record."""
+    """Return the scene in the direction of a body (`place.azimuth`), from both channels of the pair."""
     if place.azimuth is None:
         return scene
     assert pair is not None
@@ -91,7 +91,7 @@ def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -
 
 
 def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
-    """Return the scene on the floor below a body; the vertical motion is that of the ground."""
+    """Return the scene on the floor below a body, with the vertical motion of the ground."""
     if not place.floors:
         return scene
     record, found = scene.record, floor_record(scene.record, place.floors)
@@ -113,7 +113,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Join the responses of parts of the bodies; `steps` are the samples of each part per sample of the ground."""
+    """Join the responses of groups of bodies; the histories of a group are reduced to every `steps`-th sample."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
         motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
@@ -128,7 +128,7 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks as they face the record; a block that may face it either way is repeated as its mirror image."""
+    """Blocks as they face the record; a block that may face the record either way is repeated as its mirror image."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored
@@ -139,7 +139,7 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return for each block the worse response of its two senses; worst is overturning, then no result."""
+        """Return for each block the worse response of its two senses: overturning, no result, or larger rotation."""
         if self.both.size == 0:
             return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
@@ -156,7 +156,7 @@ class Senses:
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:
-        """Return the index in ``block`` of the sense with the higher rank, for each block."""
+        """Return, for each block, the index in ``block`` of the sense with the higher rank."""
         places = np.arange(self.count)
         second = self.count + np.arange(self.both.size)
         places[self.both] = np.where(rank[second] > rank[self.both], second, self.both)
@@ -164,7 +164,7 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """Return 1 if a record acts in the direction in which a body falls, -1 if it acts against it, both if unknown."""
+    """Return the signs of a record for a body that falls to `facing`: 1 if towards it, -1 if opposite, else both."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 

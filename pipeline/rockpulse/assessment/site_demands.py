@@ -25,7 +25,7 @@ class SiteDemand(NamedTuple):
     value: float
     limit_state: str
     words: str
-    title: str  # of the measure
+    title: str  # title of the measure
 
 
 def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
@@ -46,8 +46,8 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config, record: str = "") -> np.ndarray:
     """Return factors (m, d) that scale the geometric mean of the channels' intensities to each of d demands.
 
-    The factor to a demand with a selection is that of the table for the id `record`, or for the first channel; NaN if
-    the table contains neither.
+    For a demand with a selection, the factor is in the table under the id `record` or the id of the first channel; NaN
+    if the table contains neither.
     """
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))

@@ -57,8 +57,8 @@ def overturning_spectrum(
     method : {"nonlinear", "rule"}
         The nonlinear equation, or the rule of :func:`rockpulse.load_rule`, which uses only the record's half-waves.
     uncertainty : Uncertainty, optional
-        Uncertainty of factor, restitution and geometry; by default :class:`rockpulse.models.Uncertainty`, the only one
-        that the rule accepts.
+        Uncertainty of scale factor, restitution and geometry; by default that of
+        :class:`rockpulse.models.Uncertainty`. The rule accepts no other.
     threads : int, optional
         Threads that share the work; None for all available cores. The result does not depend on it.
 
@@ -103,7 +103,7 @@ def overturning_spectrum(
 def stored_spectrum_values(
     spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
 ) -> dict[str, np.ndarray]:
-    """Return the variables of a spectrum that a file stores, at nominal restitutions (c,)."""
+    """Return the arrays that a file stores for a spectrum, by name of the variable, at nominal restitutions (c,)."""
     if np.any(outside := ~covered_range(restitution, spectrum.uncertainty, spectrum.lanes.between)):
         # The spectrum covers neither wide ranges around a low C, nor narrow ranges.
         sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
@@ -216,7 +216,7 @@ def rocking_spectrum(
     restitution : float or "housner"
         Velocity ratio C of an impact; "housner" depends on alpha.
     scale : float
-        Factor on the record [-].
+        Scale factor on the record [-].
     vertical : (n,) array_like, optional
         Vertical ground acceleration on the record's samples [m/s2].
     gravity : float
@@ -227,7 +227,7 @@ def rocking_spectrum(
     Returns
     -------
     xarray.Dataset
-        `peak_rotation_ratio` (theta_max/alpha_c; inf overturned, 0 at rest, NaN unresolved) and `outcome` over
+        `peak_rotation_ratio` (theta_max/alpha_c; inf if overturned, 0 at rest, NaN if unresolved) and `outcome` over
         (alpha_c, p), `restitution` over alpha_c, with units and long names; attributes `record`, `scale`, `gravity`.
 
     Raises

@@ -32,7 +32,7 @@ def direction_statistics(
     pairs: Mapping[str, Sequence[str]],
     with_probability: bool = False,
 ) -> xr.Dataset:
-    """Compute the group /directions: statistics over the directions of each pair, whose record ids are in `pairs`."""
+    """Compute the group /directions: statistics over the directions of each pair; `pairs` has their record ids."""
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
     pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
     index = np.array([[place.get(record, -1) for record in records] for records in pairs.values()], dtype=int)
@@ -75,14 +75,14 @@ def direction_statistics(
 
 
 def median_over(values: np.ndarray) -> np.ndarray:
-    """Return the median over axis 1, of values from 0 to inf; NaN if it depends on missing values."""
+    """Return the median over axis 1 of values from 0 to inf; NaN if the median depends on missing values."""
     unknown = np.isnan(values)
     low, high = (np.median(np.where(unknown, bound, values), axis=1) for bound in (0.0, np.inf))
     return np.where(low == high, low, np.nan)
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value over axis 1, and its index or -1; of several inf, the one with the least `first`."""
+    """Return the largest value over axis 1, and its index or -1; among several inf, that with the smallest `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -92,7 +92,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the smallest value over axis 1, and its index or -1; NaN if a value is missing."""
+    """Return the smallest value over axis 1 (NaN if a value is missing), and its index (-1 if it is not finite)."""
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
 
@@ -191,7 +191,7 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """Return the dimensions of a variable in the file; if every body has one restitution, these have no dimension."""
+    """Return the dimensions of a variable in the file, without `case` if every body has a single restitution."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 

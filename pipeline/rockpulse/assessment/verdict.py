@@ -1,4 +1,4 @@
-"""The verdict on every body over all records: the probability of overturning, and its grade."""
+"""The verdict on every body over all records: the probability of overturning, and the grade."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -18,8 +18,8 @@ from rockpulse.record.measures import UPLIFT_RATIO
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
 #: Smallest number of earthquakes among the records scaled to a demand for a verdict.
 FEWEST_AT_DEMAND = 5
-#: Largest PGA over the uplift PGA of a body at which its uplift is negligible: exp(-4 s), with s = 0.11 the standard
-#: deviation of the logarithm of their ratio under the default uncertainty.
+#: Largest ratio of PGA to uplift PGA at which the uplift of a body is negligible: exp(-4 s), where s = 0.11 is the
+#: standard deviation of the logarithm of this ratio under the default uncertainty.
 WEAK = 0.64
 #: Tolerance of a mean probability, and probability of uplift below which a body counts as at rest [-].
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
@@ -39,7 +39,7 @@ class Grade(IntEnum):
 
     AT_REST = auto()  #: no ground motion lifts the body
     ROCKS = auto()  #: the probability of overturning is less than 0.05
-    MAY_OVERTURN = auto()  #: it is 0.05 to 0.5, or more under a model with an upper-bound input
+    MAY_OVERTURN = auto()  #: the probability is 0.05 to 0.5, or higher under a model with an upper-bound input
     NO_VERDICT = auto()  #: there is no demand, or too few earthquakes
     NOT_KNOWN = auto()  #: the grade depends on records without a result
     OVERTURNS = auto()  #: the probability of overturning is 0.5 or more
@@ -52,7 +52,7 @@ class Grade(IntEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """The results for one body over the records, as recorded or scaled to one demand."""
+    """The results for one body under all records, as recorded or scaled to one demand."""
 
     demand: str  # name of the demand; empty for the records as recorded
     grade: Grade
@@ -62,10 +62,10 @@ class Finding:
     left_out: int  # number of motions that cannot be scaled to the demand within FARTHEST
     weak: int  # number of other motions that lift no body, which are not counted
     overturned: int  # number of motions that overturn the nominal body
-    at_rest: int  # number of motions that do not lift it
-    median_rotation: float  # median over the motions of the largest rotation over alpha_c; inf: it overturns
-    largest_rotation: float  # largest over the motions; inf if one overturns the body
-    others_rotation: float  # largest over the motions that do not overturn it
+    at_rest: int  # number of motions that do not lift the nominal body
+    median_rotation: float  # median over the motions of the peak rotation over alpha_c; inf if overturning
+    largest_rotation: float  # largest peak rotation over alpha_c; inf if a motion overturns the body
+    others_rotation: float  # largest peak rotation over alpha_c under motions that do not overturn the body
     margin: Margin  # scale factor on the record, or divided by the scale factor of the demand
     governing: int  # row of the most severe record in /summary; -1 if there is none
 
@@ -85,7 +85,7 @@ class BodyVerdict:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """The results at the demands of the site; without demands, those under the records as recorded."""
+        """The results at the demands of the site; without demands, the results under the records as recorded."""
         return self.demands or (self.recorded,)
 
     @property
@@ -147,7 +147,7 @@ def _grade(share: Share, bound: bool) -> Grade:
 
 
 def _findings(answers: Answers, demand: str | None) -> list[Finding]:
-    """Return the results for every body over the records, as recorded or scaled to one demand."""
+    """Return the results for every body under all records, as recorded or scaled to one demand."""
     motions, far = answers.motions, too_far(answers, demand)
     left_out = far | weak(answers, demand)[:, np.newaxis]
     kept, near = motions.kept(left_out), motions.kept(far)
@@ -191,7 +191,7 @@ def _findings(answers: Answers, demand: str | None) -> list[Finding]:
 
 
 def nominal_motion(answers: Answers, demand: str | None) -> tuple[np.ndarray, np.ndarray]:
-    """Return whether each record overturns each nominal body, and its rotation over alpha_c; both (records, bodies)."""
+    """Return whether a record overturns the nominal body, and its rotation over alpha_c; both (records, bodies)."""
     if demand is None:
         return answers["outcome"] == Outcome.OVERTURNS, answers["peak_rotation_ratio"]
     rotation, outcome = answers.of_demand("demand_rotation_ratio", demand), answers.of_demand("demand_outcome", demand)
@@ -201,7 +201,7 @@ def nominal_motion(answers: Answers, demand: str | None) -> tuple[np.ndarray, np
 
 
 def _lifts(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records, bodies): whether a record lifts a body, under its uncertainty, or is not known to."""
+    """Return a mask (records, bodies): False if the record is known to be too weak to lift the body."""
     if demand is None:
         moved = answers["outcome"] != Outcome.AT_REST
         return ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
@@ -209,12 +209,12 @@ def _lifts(answers: Answers, demand: str | None) -> np.ndarray:
 
 
 def _weakest(answers: Answers) -> float:
-    """Return the largest PGA over uplift PGA at which a record is too weak to lift a body."""
+    """Return the ratio of PGA to uplift PGA below which a record is too weak to lift a body."""
     return WEAK if answers.probable else 1.0
 
 
 def weak(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records,) of records too weak to lift any body, unless all are: their P of all bodies is 0."""
+    """Return a mask (records,) of records too weak to lift any body, with P = 0; no record if all are too weak."""
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
     far, factor = too_far(answers, demand), 1.0 if demand is None else answers.to_demand(demand)
@@ -224,9 +224,9 @@ def weak(answers: Answers, demand: str | None) -> np.ndarray:
 
 
 def too_far(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records, bodies) of records that are excluded, as their factor to the demand is too far from 1.
+    """Return a mask (records, bodies) of records that are excluded, as their scale factor is too far from 1.
 
-    A record without a factor, which is not in the selection of the demand, is excluded too.
+    A record without a scale factor, which the selection of the demand does not contain, is excluded too.
     """
     if demand is None:
         return np.zeros((len(answers.records), len(answers.bodies)), dtype=bool)
@@ -245,7 +245,7 @@ def overturning_probabilities(answers: Answers, demand: str | None = None) -> np
 
 
 def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
-    """Return 1 (records, bodies) if the demand exceeds the safety factor, 0 if not, and NaN if unknown."""
+    """Return an array (records, bodies): 1 if the demand exceeds the safety factor, 0 if not, NaN if unknown."""
     ratio = answers.ratios(demand)
     # A search that ends below the demand gives no information on the factors up to it.
     unknown = np.isnan(ratio) | ((ratio < 1.0) & answers.bound)
@@ -255,14 +255,14 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """Return masks of doubtful results with the code of the reason; the most serious reason is last."""
+    """Return masks of doubtful results, each with the code of the reason; the most serious reason is last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     outside, unresolved = answers["applicable"] == 0, answers["outcome"] == Outcome.UNRESOLVED
     return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
 
 
 def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
-    """Return the record with the smallest factor, or else the most severe one; -1 if there is none."""
+    """Return the index of the record with the smallest scale factor, else of the most severe record, else -1."""
     if np.isfinite(factor).any():
         return int(np.argmin(np.where(np.isnan(factor), np.inf, factor)))
     known = np.nan_to_num(severity, nan=0.0, posinf=np.inf)
@@ -270,7 +270,7 @@ def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
 
 
 class Sliding(NamedTuple):
-    """A body that may slide: `above` of `total` records require more friction than it has, at most `most`."""
+    """A body that may slide: `above` of `total` records require more than its `friction`, up to `most`."""
 
     body: Body
     above: int
@@ -280,7 +280,7 @@ class Sliding(NamedTuple):
 
 
 def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
-    """Yield name and worse verdict of every body that is assessed with and without its pedestal."""
+    """Yield the name and the worse verdict of every body that is assessed both with and without its pedestal."""
     whole = answers.summary["pedestal_of"].values.tolist()
     for alone in dict.fromkeys(filter(None, whole)):
         screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]

@@ -17,7 +17,7 @@ def _run(args: argparse.Namespace) -> int:
 
     if args.output is not None:
         check_file(args.output, args.overwrite)
-    found = check(args.results, args.config, args.code or CODES)
+    found = check(args.results, args.config, args.code or None)
     if args.output is not None:
         write_files({Path(args.output): table_csv(found.to_dataframe().reset_index())})
     if not args.quiet:
@@ -29,17 +29,21 @@ VERB = Verb(
     name="check",
     summary="check the bodies by building codes, from their geometry and a design spectrum",
     description="Check each body by the kinematic analysis of Italian practice (Circolare 617/2009, Circolare 7/2019) "
-    "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone; with results, "
-    "also show the probability of overturning of the same body. A check is not a model of rocking: some bodies pass "
-    "and overturn, many fail and do not overturn.",
+    "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone. With results, "
+    "also show the probability of overturning of the same body and, with a [[demand]], check the rotations under the "
+    "records (C8.7.1.2.1.9). A check by a spectrum is not a model of rocking: some bodies that pass overturn, and many "
+    "that fail do not.",
     options=(
         {
             "RESULTS": (
-                "results of rockpulse assess, whose probability of overturning is shown with the checks",
+                "results of rockpulse assess: probability of overturning, and rotations at the demand",
                 {"nargs": "?"},
             ),
             "--config CONFIG": "configuration with [[block]] and [check]; default: the one stored in the results",
-            "--code CODE": (f"codes to check: {', '.join(CODES)}; default: all", {"nargs": "*", "choices": CODES}),
+            "--code CODE": (
+                f"codes to check: {', '.join(CODES)}; default: all but the last",
+                {"nargs": "*", "choices": CODES},
+            ),
             "-o --output TABLE": "file for the table (CSV); default: the table is only printed",
             "--overwrite": "replace an existing file",
             "--quiet": QUIET,

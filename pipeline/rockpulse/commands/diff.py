@@ -31,7 +31,7 @@ VERB = Verb(
     summary="list what changed between two results files",
     description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
     "verdicts that changed, scale factors and capacities over demand that crossed 1, and variables beyond a "
-    "tolerance. Bodies are compared by the nonlinear model if it answered; its changes come first in every list. Rows "
+    "tolerance. Bodies are compared by the nonlinear model if it was run; its changes come first in every list. Rows "
     "are matched by name. Exit code 0: the results are the same, 1: they differ; differences of versions "
     "and configuration are listed, but do not change the exit code.",
     options=(

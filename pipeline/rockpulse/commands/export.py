@@ -56,15 +56,16 @@ def _names(joined: str | None) -> list[str] | None:
 VERB = Verb(
     name="export",
     summary="write results as a table",
-    description="Write a group of a results file as a long table (CSV, a workbook, Parquet), one row per answer and "
-    "one column per variable, and a README that gives every column its unit and meaning. Flags are written as words.",
+    description="Write a group of a results file as a long table (CSV, a workbook, Parquet), one row for each result "
+    "and one column for each variable, and a README that states the unit and the meaning of every column. Flags are "
+    "written as words.",
     options=(
         {
             "RESULTS": "results file of any kind",
             "-o --output TABLE !": "name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install "
             "'rockpulse[tables]'); name.README.md, written next to it, explains the columns",
             "--group NAME": "group of the file, such as half_cycles, overturning_intervals, directions, failures or "
-            "records; default: the group with the answers (summary)",
+            "records; default: the group with the results (summary)",
             "--rows DIM[,DIM]": "dimensions of a row, such as record or record,block; default: record,block,model",
             "--columns NAME[,NAME]": "variables to write in addition to the names; default: all",
             "--record ID ...": "only this record (* and ? are wildcards); repeatable",

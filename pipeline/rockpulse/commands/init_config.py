@@ -24,26 +24,26 @@ def config_template() -> str:
     from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING
 
     named = {"hazard": HAZARD, "units": HAZARD_UNITS, "families": PERIODIC}
-    told = {of: " | ".join(f'"{name}"' for name in names) for of, names in named.items()}
+    fields = {of: " | ".join(f'"{name}"' for name in names) for of, names in named.items()}
     others = [row for row in MODELS.values() if not row.default]
-    told["others"] = ", ".join(f'"{row.name}"' + f" ({UPPER_BOUND})" * bool(row.upper_bound) for row in others)
-    told["searched"] = ", ".join(row.name for row in MODELS.values() if row.searched)
-    told |= {"default": json.dumps(DEFAULT_MODELS), "names": json.dumps(NAMES)}
+    fields["others"] = ", ".join(f'"{row.name}"' + f" ({UPPER_BOUND})" * bool(row.upper_bound) for row in others)
+    fields["searched"] = ", ".join(row.name for row in MODELS.values() if row.searched)
+    fields |= {"default": json.dumps(DEFAULT_MODELS), "names": json.dumps(NAMES)}
     for use, names in (("scaling", SCALING), ("demand", DEMAND)):
-        told[use] = " | ".join(f'"{name}" ({_meaning(ROWS[name])})' for name in names)
+        fields[use] = " | ".join(f'"{name}" ({_meaning(ROWS[name])})' for name in names)
     entries = {f'    "{name}",': MEASURES[name] for name in FRAGILITY}
-    told["fragility"] = "\n".join(f"{entry:<{BEGIN}}# {_meaning(measure)}" for entry, measure in entries.items())
+    fields["fragility"] = "\n".join(f"{entry:<{BEGIN}}# {_meaning(measure)}" for entry, measure in entries.items())
     text = files("rockpulse.config").joinpath("template.toml").read_text(encoding="utf-8")
-    return "\n".join(_filled(line, told) for line in text.split("\n"))
+    return "\n".join(_filled(line, fields) for line in text.split("\n"))
 
 
 def _meaning(measure: Any) -> str:
     return f"{measure.meaning or measure.long_name}, {measure.shown_unit}".removesuffix(", ")
 
 
-def _filled(line: str, told: dict[str, str]) -> str:
+def _filled(line: str, fields: dict[str, str]) -> str:
     """Replace the names in braces in a line of the template, and wrap its comment."""
-    filled = re.sub(r"\{(\w+)\}", lambda name: told[name[1]], line)
+    filled = re.sub(r"\{(\w+)\}", lambda name: fields[name[1]], line)
     if filled == line or "\n" in filled or not filled.startswith("# ", BEGIN):
         return filled
     comment = textwrap.wrap(filled[BEGIN:].removeprefix("# "), END - BEGIN - len("# "), break_on_hyphens=False)

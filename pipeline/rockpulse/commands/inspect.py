@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 #: Files of other verbs, found by their characteristic group: description of the file, and module that prints it.
 SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
-#: Options that request a list of cases.
+#: Options that request a list of results.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
-#: Options that cannot be combined with the list of the worst cases.
+#: Options that cannot be combined with the list of the worst results.
 BESIDE_WORST = ("sort", "limit", "records", "blocks")
-#: Default number of cases in a list.
+#: Default number of results in a list.
 CASES = 20
 NOTHING = "nothing failed and nothing was skipped"
 
@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """Return the parts of the results that the options request, or the overview."""
+    """Return the parts of the results that the options request, or the overview if there is no such option."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
@@ -64,7 +64,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
-    """Show the selected record or body, or a list of cases if a pattern matches several."""
+    """Return the facts of the selected record or body, or a list of results if a pattern matches several of them."""
     from rockpulse.storage.export.row_selection import positions_matching
     from rockpulse.views.text.overview import block_details, record_details
 

@@ -39,8 +39,8 @@ class Verb:
         parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)
         for table in self.options:
             target = parser.add_mutually_exclusive_group() if isinstance(table, Either) else parser
-            for words, told in table.items():
-                text, more = (told, {}) if isinstance(told, str) else told
+            for words, entry in table.items():
+                text, more = (entry, {}) if isinstance(entry, str) else entry
                 flags, given = _arguments(words)
                 target.add_argument(*flags, help=text, **{**given, **more})
         parser.set_defaults(run=self.run)

@@ -1,4 +1,4 @@
-"""``rockpulse risk``: compute annual frequencies from a hazard and fragility curves, or results and an inventory."""
+"""``rockpulse risk``: compute annual frequencies from a hazard and fragility curves, or an inventory and results."""
 
 import argparse
 import sys
@@ -30,7 +30,7 @@ def _run(args: argparse.Namespace) -> int:
             f"--age: expected --limit-state overturning, because the bodies are still standing, found {limit_state}"
         )
     files = [] if args.output is None else [Path(args.output)]
-    if files and args.bodies is None:  # share of each bin of levels
+    if files and args.bodies is None:  # the contributions of the hazard levels
         files.append(files[0].with_name(f"{files[0].stem}_levels{files[0].suffix}"))
     for path in files:
         check_file(path, args.overwrite)
@@ -53,14 +53,14 @@ def _run(args: argparse.Namespace) -> int:
     standing = None if args.age is None else standing_test(found, args.age)
     if args.bodies is not None:
         contents = [text.inventory_table(found, standing)]
-        told, warnings = text.inventory_overview(found), text.inventory_warnings(found)
+        shown, warnings = text.inventory_overview(found), text.inventory_warnings(found)
     else:
         contents = [text.risk_table(found, standing), text.levels_table(found)]
-        told, warnings = text.risk_overview(found), text.risk_warnings(found)
+        shown, warnings = text.risk_overview(found), text.risk_warnings(found)
     write_files({path: table_csv(table) for path, table in zip(files, contents, strict=False)})
     if not args.quiet:
-        told += f"\n\n{text.standing_overview(standing)}" if standing is not None else ""
-        tell(told + (f"\n\ntable: {', '.join(map(str, files))}" if files else ""))
+        shown += f"\n\n{text.standing_overview(standing)}" if standing is not None else ""
+        tell(shown + (f"\n\ntable: {', '.join(map(str, files))}" if files else ""))
         for words in warnings:
             tell(f"warning: {words}", sys.stderr)
     return 0

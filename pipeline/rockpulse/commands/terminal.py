@@ -32,7 +32,7 @@ def discard_output(file: TextIO) -> None:
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """Return ``tqdm.tqdm`` on standard error, disabled if `quiet` or if it is not a terminal."""
+    """Return ``tqdm.tqdm`` on standard error, disabled if `quiet` or if standard error is not a terminal."""
     from tqdm import tqdm
 
     # On a terminal without a size tqdm would show nothing.
@@ -121,7 +121,7 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
 
 
 def differing_results(args: argparse.Namespace) -> str:
-    """Describe how a results file to be read differs from the file that was written; empty if it does not differ."""
+    """Describe how a results file to be read differs from the file that was written; empty if they are equal."""
     from rockpulse.storage.hdf5.verification import verify
 
     named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import logging
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocking.body.limits import LARGEST_SIZE, radius_of_rectangle, size_problem
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, choice, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
 
 logger = logging.getLogger("rockpulse")
+#: kappa of a cantilever [-]: 2 pi sqrt(12)/1.8751^2 of the beam with distributed mass, rounded as in the circular.
+CANTILEVER = 6.2
 #: An unusually large size is assumed to be in millimetres above this number, and in centimetres below it.
 _MILLIMETRES = 500.0
 
@@ -68,7 +70,7 @@ class _OfModel(Section):
         import rocking
 
         cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))
-        return cls(**{name: value for name, value in {**self}.items() if value is not None})
+        return cls(**{name: value for name, value in {**self}.items() if value is not None and name != "support"})
 
 
 @dataclass(frozen=True)
@@ -91,26 +93,10 @@ class TieSettings(_OfModel):
 
 
 @dataclass(frozen=True)
-class FloorSettings(Section):
-    """A mode of the building under a body (as in :func:`rocking.floor_motion`), and the mass of the floor.
-
-    `level` is the height of the floor divided by the height of the building [-], needed for code checks.
-
-    >>> rp.FloorSettings(period=0.4).damping, rp.FloorSettings(period=0.4).participation
-    (0.05, 1.0)
-    """
-
-    heading = "[[block.floor]]"
-    period: float = number(dataclasses.MISSING, low=0.01, high=20.0, unit="s")
-    damping: float = number(0.05, low=0.0, high=0.99, above=True)
-    participation: float = number(1.0)
-    mass: float | None = number(None, low=0.0, above=True, unit="kg")
-    level: float | None = number(None, low=0.0, high=1.0)
-
-
-@dataclass(frozen=True)
 class LoadSettings(_OfModel):
     """A roof or floor that rests on a body (:class:`rocking.Load`).
+
+    `support` is the length over which its beams rest on the body [m], used in code checks.
 
     >>> rp.LoadSettings(weight=20e3, height=3.0, friction=0.4).made()
     Load(weight=20000.0, height=3.0, friction=0.4)
@@ -121,6 +107,7 @@ class LoadSettings(_OfModel):
     height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
     friction: float | None = number(None, low=0.0, above=True)
     distance: float | None = number(None, low=0.0, unit="m")
+    support: float | None = number(None, low=0.0, above=True, unit="m")
 
 
 @dataclass(frozen=True)
@@ -155,16 +142,6 @@ class PedestalSettings(Section):
     friction: float | None = number(None, low=0.0, above=True)
 
 
-def floors_as_text(floors: Sequence[FloorSettings]) -> str:
-    """Return the modes of a building as JSON text; an empty text for a body on the ground."""
-    return json.dumps([vars(one) for one in floors]) if floors else ""
-
-
-def floors_from_text(told: str) -> list[FloorSettings]:
-    """Read modes from the text of :func:`floors_as_text`."""
-    return [FloorSettings(**one) for one in json.loads(told)] if told else []
-
-
 @dataclass(frozen=True)
 class BlockSettings(Section):
     """One body, defined by full width and height, by its corners, or by p and alpha with an optional radius.
@@ -191,7 +168,7 @@ class BlockSettings(Section):
         Distance of the centre of mass of a rectangle from the middle of its base towards theta > 0 [m], and tilt to
         that side [rad].
     one_sided : bool
-        Whether the body leans on a wall and can fall only away from it.
+        Whether the body stands against a wall and can fall only away from it.
     rebound : float, str, tuple of float or None
         For a one-sided body, instead of the restitution: the share of speed that remains after the impact on the wall
         [-], or "sorrentino" (default).
@@ -202,10 +179,15 @@ class BlockSettings(Section):
         Coefficient of friction at the base, used to check sliding [-].
     mass, density, length : float or None
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
+    elastic_modulus : float or None
+        Young's modulus E of an element that is free to vibrate (parapet, pinnacle) [Pa], reduced for cracking; with
+        width, height and density. Code checks then take the demand at its period T_0.
+    kappa : float or None
+        Coefficient of T_0 [-] (Circolare 7/2019, C8.7.1.7); by default 6.2, a cantilever.
     ties, loads, thrusts, floors, pedestals : tuple
         In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]. Floors are the
         modes of the building under the body; pedestals are the parts below it from top to bottom: the body is assessed
-        alone, and as one body with the first pedestal, with the first two, and so on.
+        alone, as one body with the first pedestal, as one body with the first two pedestals, and so on.
     confirm_size : bool
         Accept a body that is larger than 30 m, less than 5 cm high, less than 1 mm wide, or wider than high. For a body
         given by p and alpha these limits apply to the rectangle with its R and alpha.
@@ -213,8 +195,7 @@ class BlockSettings(Section):
     Raises
     ------
     ConfigError
-        If not exactly one of the three descriptions is given, a size is not positive, an unusual size is not confirmed,
-        or a key is not allowed with the others.
+        If not exactly one of the three definitions is given, a value is invalid, or keys contradict each other.
 
     Examples
     --------
@@ -245,6 +226,8 @@ class BlockSettings(Section):
     mass: float | None = number(None, low=0.0, above=True, unit="kg")
     density: float | None = number(None, low=0.0, above=True, unit="kg/m3")
     length: float | None = number(None, low=0.0, above=True, unit="m")
+    elastic_modulus: float | None = number(None, low=0.0, above=True, unit="Pa")
+    kappa: float | None = number(None, low=0.0, above=True)
     confirm_size: bool = boolean(False)
     ties: tuple[TieSettings, ...] = entries(TieSettings)
     loads: tuple[LoadSettings, ...] = entries(LoadSettings)
@@ -262,7 +245,7 @@ class BlockSettings(Section):
         names = ("width", "height", "p", "alpha", "radius", *_CORNERS)
         given = {name for name in names if self[name] is not None}
         if given not in ({"width", "height"}, {"p", "alpha"}, {"p", "alpha", "radius"}, set(_CORNERS)):
-            found = " and ".join(sorted(given)) if given else "neither"
+            found = ", ".join(sorted(given)) or "none of these"
             raise ConfigError(
                 f"{self.where}: expected width and height [m], or p [1/s] and alpha [rad], the latter with or without "
                 f"radius [m], or b_1, b_2, centre and gyration [m]; found {found}"
@@ -271,23 +254,34 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: offset, lean, density and length can be given with width and height only")
         if self.p is not None and (self.ties or self.loads or self.thrusts or self.mass):
             raise ConfigError(
-                f"{self.where}: mass, ties, loads and thrusts need a body with sizes, by width and height or by "
-                "b_1, b_2, centre and gyration; found one by p and alpha"
+                f"{self.where}: mass, ties, loads and thrusts need a body given by width and height, or by b_1, "
+                "b_2, centre and gyration; found one given by p and alpha"
+            )
+        if self.kappa is not None and self.elastic_modulus is None:
+            raise ConfigError(f"{self.where} kappa: it belongs to elastic_modulus; give both, or remove kappa")
+        bound = self.one_sided or self.ties or self.loads or self.thrusts
+        if self.elastic_modulus is not None and (self.width is None or self.density is None or bound):
+            raise ConfigError(
+                f"{self.where} elastic_modulus: the period of an element that is free to vibrate needs width, height "
+                "and density, and no wall, ties, loads or thrusts; change these keys, or remove elastic_modulus"
             )
         if not self.one_sided and (self.rebound is not None or self.facing is not None):
             raise ConfigError(
-                f"{self.where}: rebound and facing apply only to a body before a wall; set one_sided = true"
+                f"{self.where}: rebound and facing apply only to a body against a wall; set one_sided = true"
             )
+        if self.one_sided and self.restitution != "housner":
+            raise ConfigError(f"{self.where} restitution: not allowed for a one-sided body; give rebound instead")
         if self.azimuth is not None and self.facing is not None and math.remainder(self.azimuth - self.facing, 180.0):
             raise ConfigError(
-                f"{self.where} azimuth: a body before a wall falls towards its facing, {self.facing:g} degrees, found "
-                f"azimuth {self.azimuth:g}; give facing alone"
+                f"{self.where} azimuth: {self.azimuth:g} contradicts facing = {self.facing:g}; remove one"
             )
-        if self.pedestals and (self.one_sided or self.ties or self.loads or self.thrusts or self.p is not None):
+        if self.pedestals and (bound or self.p is not None):
             raise ConfigError(
-                f"{self.where}: a pedestal needs a free body with sizes; found one by p and alpha, before a wall, or "
-                "with ties, loads or thrusts"
+                f"{self.where}: a pedestal needs a free-standing body that is given by its sizes; found a body given "
+                "by p and alpha, against a wall, or with ties, loads or thrusts"
             )
+        if self.pedestals and not (self.mass or self.density):
+            raise ConfigError(f"{self.where}: a body on a pedestal needs a mass; give mass, or density and length")
         if self.alpha is not None and self.alpha >= math.pi / 2:
             raise ConfigError(
                 f"{self.where} alpha: expected an angle below pi/2 rad, found {self.alpha:g}; is it in degrees?"
@@ -295,8 +289,21 @@ class BlockSettings(Section):
         if not self.confirm_size and (doubt := _doubt(self)):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
+    @property
+    def initial_period(self) -> float:
+        """T_0 = kappa (height/width) height sqrt(density/E) [s], Circolare 7/2019, (C8.7.1.7); 0 without E."""
+        if self.elastic_modulus is None or self.width is None or self.height is None or self.density is None:
+            return 0.0
+        kappa = CANTILEVER if self.kappa is None else self.kappa
+        return kappa * self.height**2 / self.width * math.sqrt(self.density / self.elastic_modulus)
+
+    @property
+    def unsupported(self) -> float:
+        """Rotation at which the beams of a load lose their support [rad]; inf if no support is given."""
+        return min((one.support / one.height for one in self.loads if one.support is not None), default=math.inf)
+
     def block(self) -> Block:
-        """Make the block, or one for each restitution of a list, and log its warnings; raise ConfigError if invalid."""
+        """Make the block, or a block for each restitution of a list, and log warnings; raise ConfigError if invalid."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
@@ -320,7 +327,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """Return, by name, one body made of this body and its first pedestal, one with the first two, and so on."""
+        """Return by name this body joined with its first pedestal, with its first two pedestals, and so on."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
@@ -342,8 +349,8 @@ def require_pairs(blocks: Iterable[BlockSettings], records: RecordSettings) -> N
     own = [block.where for block in blocks if block.azimuth is not None]
     if own and records.components == "horizontal":
         raise ConfigError(
-            f"{own[0]} azimuth: a direction of its own needs pairs of channels; give [records] components = "
-            '"azimuth" with the direction of the other bodies, "strongest" or "sweep"'
+            f"{own[0]} azimuth: a body with its own direction needs pairs of channels; set [records] components to "
+            '"strongest", "sweep", or "azimuth" (with [records] azimuth for the other bodies)'
         )
 
 

@@ -11,18 +11,19 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from rocking.body.block import Block
-from rockpulse.config.block_settings import BlockSettings, FloorSettings, require_pairs
+from rockpulse.config.block_settings import BlockSettings, require_pairs
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
 
-#: Largest ratio of the mass of a body to that of its floor at which the body hardly changes the floor's motion [-].
+#: Largest ratio of the masses of body and floor at which the body hardly changes the floor's motion [-].
 LIGHT = 0.05
 
 
 class FeltMotion(NamedTuple):
     """The direction and the building modes that determine the motion under a body."""
 
-    azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for that of the record
+    azimuth: float | None  #: azimuth to which the pair is rotated [degrees]; None for the azimuth of the record
     floors: tuple[FloorSettings, ...]  #: modes of the building under the body; empty on the ground
 
 
@@ -31,7 +32,7 @@ class Bodies:
     """The bodies of an assessment, in the order of the configuration, with one block for each body and restitution."""
 
     names: tuple[str, ...]
-    #: Array of len(names) x `cases` blocks; those of one body, with its restitutions, are adjacent.
+    #: Array of len(names) x `cases` blocks; the blocks of one body, with its restitutions, are adjacent.
     lanes: Block
     #: Number of restitution values per body; 1 unless a body has a list (other bodies then repeat their value).
     cases: int
@@ -154,7 +155,7 @@ def refuse_floors(bodies: Bodies, why: str) -> None:
 
 
 def _values_of_key(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
-    """Return the value of a key for each body; NaN if the value was not given or the body is a Block."""
+    """Return the value of a key for each body; NaN if no value was given or the body is a Block."""
     values = [given[name][key] if name in given else None for name in named]
     return np.array([np.nan if value is None else value for value in values], dtype=float)
 

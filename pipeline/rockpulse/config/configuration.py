@@ -109,7 +109,7 @@ class Config:
             )
 
     def _apply_site(self, ag: float, soil: float) -> None:
-        """Set the demand and the soil factor that are not given to those of a_g [g] and S at the site."""
+        """Set the demand and the soil factor from a_g [g] and S of the site, unless they are given."""
         if not self.demands:
             demand = settings.DemandSettings("a_g S", value=ag * soil * STANDARD_GRAVITY)
             object.__setattr__(self, "demands", (demand,))
@@ -122,7 +122,7 @@ class Config:
         return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
-        """Return the paths of the records, of which relative ones are joined to the folder of the configuration."""
+        """Return the paths of the records; relative paths are joined to the folder of the configuration."""
         return [located(path, self.folder) for path in self.records.paths]
 
     def as_text(self) -> str:
@@ -161,7 +161,7 @@ def config_from_text(text: str) -> Config:
 
 
 def stored_sections(text: str) -> dict[str, Any]:
-    """Return the sections of the configuration stored in results; raise ResultsError if it has no sections."""
+    """Return the sections of a configuration stored in results; raise ResultsError if the text has no sections."""
     found = parse_toml(text, STORED, ResultsError)
     for name, values in found.items():
         several = name in SEVERAL and isinstance(values, list)
@@ -173,7 +173,7 @@ def stored_sections(text: str) -> dict[str, Any]:
 def given_config(
     config: Config | str | os.PathLike[str] | None, units: str | None = None, dt: float | None = None
 ) -> Config:
-    """Return the given Config, one read from a path, or the defaults; `units` and `dt` replace those of [records]."""
+    """Return the given Config, a Config read from a path, or the defaults; `units` and `dt` replace its [records]."""
     if units is not None or dt is not None:
         asked = given_config(config)
         return dataclasses.replace(asked, records=asked.records.for_all(units, dt))
@@ -262,7 +262,8 @@ def _section(cls: type[Section], values: Any) -> Any:
             raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, list(known), otherwise)}")
     for key, item in known.items():
         if item.default is dataclasses.MISSING and key not in values:
-            raise ConfigError(f"{cls.heading} {key}: this key is required, found only {', '.join(values) or 'nothing'}")
+            found = f"found only {', '.join(values)}" if values else "found no keys"
+            raise ConfigError(f"{cls.heading} {key}: this key is required, {found}")
     return cls(**{item.name: _given(item, key, values[key]) for key, item in known.items() if key in values})
 
 

@@ -36,7 +36,7 @@ TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
 
 
 def soil_factor(check: CheckSettings, ag: float, ground: str) -> float:
-    """Return S of a ground type by the code of [check], with S_T of NTC, a_g on rock in g; ConfigError if unknown."""
+    """Return the soil factor S by the code of [check] (NTC: S_S S_T) for a_g on rock [g]; ConfigError if unknown."""
     if check.spectrum in EN_1998:
         return EN_1998[check.spectrum][ground][0]
     if check.spectrum != "ntc":

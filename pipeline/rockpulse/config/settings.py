@@ -33,8 +33,8 @@ def misplaced(section: Section, keys: str, key: str, words: str, advice: str = "
 class SiteSettings(Section):
     """Name and description of the study, and the seismic action at the site.
 
-    `ag` is the peak acceleration on rock [g], `ground` the ground type. They are given once for the demand a_g S of
-    PGA (unless there are others), for the checks, and for the soil factor of the hazard (see :class:`Config`).
+    `ag` is the peak acceleration on rock [g], `ground` the ground type. Both determine the default demand (a PGA of
+    a_g S), the spectrum of the checks, and the soil factor of the hazard (see :class:`Config`).
 
     >>> rp.Config(site=rp.SiteSettings(name="Basilica of San Bernardino")).site
     SiteSettings(name='Basilica of San Bernardino')
@@ -49,7 +49,7 @@ class SiteSettings(Section):
 
 @dataclass(frozen=True)
 class RecordSettings(Section):
-    """The records to read, the unit of files that do not state it, and the groups of results to store.
+    """The records to read, the unit of files that do not state a unit, and the groups of results to store.
 
     `confirm` contains patterns of the ids of channels that are confirmed in spite of a doubt (a peak above 5 g, a
     defect, a duplicate that differs); `files` contains units and intervals of single files, in TOML [[records.file]].
@@ -95,7 +95,7 @@ class RecordSettings(Section):
             )
 
     def for_all(self, units: str | None, dt: float | None) -> RecordSettings:
-        """Return these settings with the given unit and interval [s], which also replace those of [[records.file]]."""
+        """Return these settings with the given unit and interval [s], also in place of those in [[records.file]]."""
         rows = []
         for row in self.files:
             own = row.units if units is None else None, row.dt if dt is None else None
@@ -163,9 +163,11 @@ class IntensePhaseSettings(Section):
         super().__post_init__()
         if self.method != "window" and (self.start_s is not None or self.end_s is not None):
             raise misplaced(self, "start_s, end_s", "method", '"window"', "remove them or change the method")
-        if self.end_s is not None and (self.start_s is None or self.start_s >= self.end_s):
+        if self.end_s is not None and self.start_s is None:
+            raise ConfigError("[intense_phase] end_s: expected start_s as well, the start of the window; give both")
+        if self.start_s is not None and self.end_s is not None and self.start_s >= self.end_s:
             raise ConfigError(
-                f"[intense_phase] end_s: expected a time after start_s = {self.start_s}, found {self.end_s:g}"
+                f"[intense_phase] end_s: expected a time after start_s = {self.start_s:g}, found {self.end_s:g}"
             )
         if self.level is not None and self.method != "bracketed":
             raise misplaced(self, "level", "method", '"bracketed"', "remove it or change the method")
@@ -214,8 +216,8 @@ class DemandSettings(Section):
     """The demand of the site in one limit state: the intensity to which records are scaled to assess bodies.
 
     `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
-    `selection` replaces them: a table with the columns record and factor, as :func:`rockpulse.select` makes it; each
-    record is scaled by its own factor.
+    `selection` replaces measure and value: a table with the columns record and factor, as :func:`rockpulse.select`
+    makes it; each record is scaled by its own factor.
 
     >>> rp.DemandSettings(measure="pgv", value="40 cm/s")
     DemandSettings(name='PGV 40 cm/s', measure='pgv', value=0.4)
@@ -240,13 +242,13 @@ class DemandSettings(Section):
             return
         if self.value is None:
             raise ConfigError(
-                f'{self.where} {self.name}: expected value, such as "0.35 g" for a PGA, or selection, found none'
+                f'{self.where} {self.name}: expected the key value (such as "0.35 g" for a PGA) or '
+                "selection, found neither"
             )
         if (self.period is None) == bool(ROWS[self.measure].periods):
-            told = "found none" if self.period is None else f'found measure = "{self.measure}"'
-            raise ConfigError(
-                f"{self.where} {self.name}: period belongs to measure = {quoted(PERIODIC)}, and only to it; {told}"
-            )
+            needed = f'measure = "{self.measure}" needs period [s], the period of the oscillator'
+            extra = f'period applies only to measure = {quoted(PERIODIC)}, found measure = "{self.measure}"; remove it'
+            raise ConfigError(f"{self.where} {self.name}: {needed if self.period is None else extra}")
         measure = ROWS[self.measure].at(self.period)
         shown, in_si = f"{self.value:g}" if isinstance(self.value, float) else self.value, self.value
         if isinstance(self.value, str):
@@ -257,15 +259,13 @@ class DemandSettings(Section):
         object.__setattr__(self, "value", in_si)
 
     def _in_si(self, value: str) -> tuple[str, float]:
-        """Return a value with its unit as text, and in SI; raise ConfigError if either is wrong."""
+        """Return a value with its unit as text, and in SI; raise ConfigError if value or unit is wrong."""
         known, found = ROWS[self.measure].known_units, _WITH_UNIT.fullmatch(value.strip())
         unit = (found[2] or "").strip() if found else "?"
         if found is not None and unit in known and (size := float(found[1])) > 0.0:
             return f"{found[1]} {unit}".strip(), size * known[unit]
-        units = " or ".join(filter(None, known)) or "no unit"
-        raise ConfigError(
-            f'{self.where} value: expected a positive number and its unit ({units}) of {self.measure}, found "{value}"'
-        )
+        units = ", ".join(filter(None, known)) or "no unit"
+        raise ConfigError(f'{self.where} value: expected a positive number and its unit ({units}), found "{value}"')
 
     @property
     def strength(self) -> float:
@@ -294,17 +294,15 @@ def parse_demand_option(option: str) -> DemandSettings:
 class CalibrationSettings(Section):
     """Options of the calibration of a site on its records (:func:`rockpulse.calibrate`).
 
-    By default earthquakes have equal weights with the method "spectrum", and records have equal weights with
-    "statistics".
+    The keys secondary, interval, main_count and spacing of ``[sequence]`` apply, too.
 
-    >>> rp.CalibrationSettings(method="statistics").weighting
-    'equal'
+    >>> rp.CalibrationSettings().weights
+    'event'
     """
 
     heading = "[calibration]"
-    method: str = choice("spectrum", ("spectrum", "statistics"))
     spectrum: str = choice("rule", ("rule", "nonlinear"))
-    weights: str | None = text(None)
+    weights: str = text("event")
     scale_to: str = choice("none", ("none", *SCALING))
     target: float | None = number(None, low=0.0, above=True, unit=units_in_words(SCALING))
     quantile: float = number(0.84, low=0.01, high=0.99)
@@ -313,7 +311,7 @@ class CalibrationSettings(Section):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.weights is not None and not self.weights.strip():
+        if not self.weights.strip():
             raise ConfigError(
                 '[calibration] weights: expected "equal", "event" or the name of a CSV table, found nothing'
             )
@@ -321,13 +319,6 @@ class CalibrationSettings(Section):
             raise ConfigError(f'[calibration] scale_to: "{self.scale_to}" needs the value to scale to; give target')
         if self.scale_to == "none" and self.target is not None:
             raise misplaced(self, "target", "scale_to", quoted(SCALING), "remove it, or set scale_to")
-
-    @property
-    def weighting(self) -> str:
-        """The weights in use: the given weights, or the default of the method."""
-        if self.weights is not None:
-            return self.weights
-        return "event" if self.method == "spectrum" else "equal"
 
 
 @dataclass(frozen=True)

@@ -27,15 +27,15 @@ MODELS = ("lognormal", "logistic")
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 #: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
-#: Number of values that represent a normal distribution, the largest of them in deviations, for which the quantile
-#: function that is linear between them has the stated deviation, and the distance of 0 and 2 from the mean.
+#: Number of values that represent a normal distribution; the largest value, with which linear interpolation between
+#: the values has the stated deviation; smallest distance of the mean from 0 and from 2. Both are in deviations.
 VALUES, LARGEST_VALUE, MOST_DEVIATIONS = 65, 2.89, 3.0
 #: First bytes of every PNG file.
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def _are_numbers(value: Any, count: int = 0) -> bool:
-    """Return whether a value is a list of positive numbers, at least one or exactly `count`."""
+    """Return whether a value is a list of positive numbers, of at least one or exactly `count` numbers."""
     numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
     return numbers and (len(value) == count if count else bool(value))
 
@@ -69,7 +69,7 @@ def _is_distribution(value: Any) -> bool:
         return (
             known and MOST_DEVIATIONS * value["deviation"] < value["mean"] <= 2.0 - MOST_DEVIATIONS * value["deviation"]
         )
-    return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0
+    return _are_numbers(value) and len(value) >= 2 and max(value) <= 2.0 and (len(value) > 2 or value[0] <= value[1])
 
 
 def _distribution(value: Any) -> tuple[float, ...]:
@@ -82,8 +82,8 @@ def _distribution(value: Any) -> tuple[float, ...]:
 
 
 _RANGE = KeyType(
-    "values of C over the nominal C, above 0 and at most 2: [lowest, highest] of a uniform distribution, more measured "
-    "values, or {mean = 0.98, deviation = 0.03} of a normal distribution",
+    "values of C over the nominal C, above 0 and at most 2: [lowest, highest] of a uniform distribution, three or more "
+    "measured values, or {mean = 0.98, deviation = 0.03} of a normal distribution",
     _is_distribution,
     _distribution,
 )
@@ -107,7 +107,7 @@ class UncertaintySettings(Section):
     """The uncertainties behind the probability of overturning, and whether this probability is computed.
 
     The probability is computed only with the nonlinear model. `restitution` has values of C over the nominal C: two
-    limits of a uniform distribution, more measured values, or a table with mean and deviation of a normal one.
+    limits of a uniform distribution, three or more measured values, or mean and deviation of a normal distribution.
 
     >>> rp.UncertaintySettings(restitution=(0.85, 0.95)).of_draws()
     Uncertainty(restitution=(0.85, 0.95))
@@ -130,7 +130,7 @@ class UncertaintySettings(Section):
 
 @dataclass(frozen=True)
 class SelectionSettings(Section):
-    """Number and bounds of the records that :func:`rockpulse.select` chooses, and the spectrum that their mean fits.
+    """Number and bounds of the records that :func:`rockpulse.select` chooses, and the target of their mean spectrum.
 
     Attributes
     ----------
@@ -210,10 +210,10 @@ class FragilitySettings(Section):
 
 @dataclass(frozen=True)
 class HazardSettings(Section):
-    """The hazard of the site, from the file of a curve or as a power law k0 x^-k, and the exposure time.
+    """The hazard of the site, as a file of hazard curves or a power law k0 x^-k, and the exposure time.
 
     `longitude` and `latitude` select the site in a file of several sites. `measure` and `unit` (by default SI) apply to
-    the power law; a file states its own. `soil_factor` converts levels on rock to levels on the ground of the site; its
+    the power law; a file states both. `soil_factor` converts levels on rock to levels on the ground of the site; the
     default is S of [site] ag and ground, or 1.
 
     Raises
@@ -242,11 +242,11 @@ class HazardSettings(Section):
     def __post_init__(self) -> None:
         super().__post_init__()
         if (self.k0 is None) != (self.k is None):
-            raise ConfigError("[hazard] k0, k: expected both of the power law k0 x^-k, found one")
+            raise ConfigError("[hazard] k0, k: the power law k0 x^-k needs both keys, found one; give the other")
         if self.file is not None and self.k0 is not None:
-            raise ConfigError("[hazard]: expected a file or the power law k0, k, found both")
+            raise ConfigError("[hazard]: expected a file or the power law k0, k, found both; remove one of them")
         if (self.longitude is None) != (self.latitude is None):
-            raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
+            raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one; give the other")
 
     @property
     def soil(self) -> float:
@@ -273,7 +273,7 @@ class CheckSettings(Section):
     limit_state : str
         Limit state of Circolare 7/2019: "slv" or "slc".
     q, confidence_factor : float
-        Behaviour factor of the linear checks, and confidence factor FC, which is that of knowledge level LC1 unless the
+        Behaviour factor of the linear checks, and confidence factor FC: the value for knowledge level LC1, unless the
         multiplier accounts for crushing of the masonry (Circolare 7/2019, C8.7.1.2.1.3).
     q_a, gamma_a : float
         Behaviour factor and importance factor of a non-structural element (EN 1998-1, 4.3.5).
@@ -344,7 +344,7 @@ class ReportSettings(Section):
 
 
 def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
-    """Read the logo, whose path is relative to a folder; raise ConfigError if it is missing, too large or not a PNG."""
+    """Read the logo, whose path is relative to a folder; raise ConfigError if missing, too large or not a PNG."""
     if report.logo is None:
         return b""
     path = folder / report.logo

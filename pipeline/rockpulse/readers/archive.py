@@ -70,15 +70,15 @@ class Archive:
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
     """Raise an error for too many members or bytes, or if members overlap, as in a zip bomb."""
     if len(entries) > MEMBER_LIMIT:
-        raise RecordRefused(f"{path}: {len(entries)} members, the most that is read is {MEMBER_LIMIT}; split it")
+        raise RecordRefused(f"{path}: {len(entries)} members, expected at most {MEMBER_LIMIT}; split the archive")
     total = sum(entry.file_size for entry in entries)
     if total > TOTAL_LIMIT:
-        raise RecordRefused(f"{path}: members of {total} bytes, the most that is read is {TOTAL_LIMIT}; split it")
+        raise RecordRefused(f"{path}: members of {total} bytes, expected at most {TOTAL_LIMIT}; split the archive")
     by_place = sorted(entries, key=lambda entry: entry.header_offset)
     for entry, following in pairwise(by_place):
         if entry.header_offset + _LOCAL_HEADER + entry.compress_size > following.header_offset:
             both = f"{entry.filename} and {following.filename}"
-            raise RecordRefused(f"{path}: the members {both} overlap in the archive; make it anew")
+            raise RecordRefused(f"{path}: the members {both} overlap in the archive; create the archive again")
 
 
 def _hidden(name: str) -> bool:
@@ -89,13 +89,13 @@ def _hidden(name: str) -> bool:
 def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> bytes:
     inside = entry.filename.replace("\\", "/")
     if inside.startswith("/") or re.match(r"[A-Za-z]:", inside) or ".." in inside.split("/"):
-        raise RecordRefused(f"{name}: the name leads out of the archive; make the archive anew")
+        raise RecordRefused(f"{name}: the name points to a folder outside the archive; create the archive again")
     if inside.lower().endswith(_NESTED):
         raise RecordRefused(f"{name}: an archive or compressed file inside the archive; unpack the outer one first")
     if entry.flag_bits & 0x1:
         raise RecordRefused(f"{name}: encrypted; unpack the archive with its password first")
     if entry.file_size > FILE_LIMIT:
-        raise RecordRefused(f"{name}: {entry.file_size} bytes, the most that is read is {FILE_LIMIT}")
+        raise RecordRefused(f"{name}: {entry.file_size} bytes, expected at most {FILE_LIMIT}")
     if entry.file_size > RATIO_LIMIT * entry.compress_size:
         times = f"{entry.file_size / max(entry.compress_size, 1):.0f} times, the limit is {RATIO_LIMIT}"
         raise RecordRefused(f"{name}: compressed {times}; unpack it by hand if it is a record")
@@ -105,7 +105,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
             content = stream.read(entry.file_size + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, lzma.LZMAError) as fault:
         # RuntimeError includes NotImplementedError, raised for a compression that zipfile does not support.
-        found = f"damaged member, or one packed in an unknown way ({fault})"
+        found = f"damaged member, or a compression method that is not supported ({fault})"
         raise RecordFormatError(f"{name}: {found}; download the archive again") from fault
     if not content:
         raise RecordFormatError(f"{name}: the file is empty; download the archive again")

@@ -15,7 +15,7 @@ from rockpulse.record.record import Record
 
 _WORKBOOKS = (".xlsx", ".xlsm")
 _SAVE = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
-_DELIMITER = ";"  # between the cells of the text; not a comma, which a cell may contain
+_DELIMITER = ";"  # delimiter of the cells in the text; not a comma, which a cell may contain
 #: Smallest number of rows of a sheet with samples (a shorter one may be a list), and of numbers in an array.
 _FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
 #: Words known to the reader of columns, for names of single numbers (in lower case).
@@ -52,9 +52,11 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
         except RockpulseError as fault:
             faults.append(fault)
     if not records:
-        told = [fault for fault in faults if not isinstance(fault, Unrecognised)]
-        beside = f"{file.name}: no columns of samples in the file; it is taken for a table beside the records"
-        raise (told or [TableOfResults(beside)])[0]
+        named = [fault for fault in faults if not isinstance(fault, Unrecognised)]
+        beside = (
+            f"{file.name}: no columns of samples in the file; it is treated as a table that accompanies the records"
+        )
+        raise (named or [TableOfResults(beside)])[0]
     return [replace(record, source_sha256=file.sha256) for record in records]
 
 

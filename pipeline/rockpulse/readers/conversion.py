@@ -1,4 +1,4 @@
-"""Writes records to files for other programs; if one file cannot be written, none is."""
+"""Writes records to files for other programs; if one file cannot be written, no file is written."""
 
 import logging
 import os
@@ -155,20 +155,20 @@ def check_output(out: str | os.PathLike[str], format: str | None = None) -> Writ
 
 def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
     """Return the writer of the format, and whether `out` is a folder."""
-    told = next((key for key, row in WRITERS.items() if out.suffix.lower() in row.suffixes), None)
-    folder = out.is_dir() or told is None
-    key = name or (None if out.is_dir() else told)
+    by_suffix = next((key for key, row in WRITERS.items() if out.suffix.lower() in row.suffixes), None)
+    folder = out.is_dir() or by_suffix is None
+    key = name or (None if out.is_dir() else by_suffix)
     if key not in WRITERS:
         raise ConfigError(
             f"{out}: expected a format, one of {', '.join(WRITERS)}, found {name or out.suffix or 'none'!r}; "
             "give the format (--format), or a file name that ends in one of "
             f"{', '.join(suffix for row in WRITERS.values() for suffix in row.suffixes)}"
         )
-    if told is None and out.suffix and not out.is_dir():
+    if by_suffix is None and out.suffix and not out.is_dir():
         ends, advice = WRITERS[key].suffix, "correct the name, or create the folder first if it is to be one"
         raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
-    if not folder and told != key:
-        raise ConfigError(f"{out}: the name says {told}, the format {key}; correct the wrong one")
+    if not folder and by_suffix != key:
+        raise ConfigError(f"{out}: the name says {by_suffix}, the format {key}; correct the wrong one")
     if folder and out.exists() and not out.is_dir():
         raise ConfigError(
             f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"
@@ -195,7 +195,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """Yield the path of the StationXML of each file; raise an error if another miniSEED file would use it as well."""
+    """Yield the path of the StationXML of each file; raise an error if another miniSEED file uses the same path."""
     if writer.one is not None:
         return
     for path in targets:
@@ -203,13 +203,13 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
         twin = next((other for other in path.parent.iterdir() if _shares_station_file(other, path)), None)
         if twin is not None:
             raise ConfigError(
-                f"{path}: its StationXML, {own.name}, would serve {twin.name} as well; choose another name"
+                f"{path}: its StationXML, {own.name}, would also be read with {twin.name}; choose another name"
             )
         yield own
 
 
 def _shares_station_file(other: Path, path: Path) -> bool:
-    """Return whether `other` is a miniSEED file whose StationXML has the same name as that of `path`."""
+    """Return whether `other` is a miniSEED file whose StationXML has the same path as the StationXML of `path`."""
     if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
         return False
     if path.exists() and other.samefile(path):
@@ -249,7 +249,7 @@ def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[di
     try:
         content, metadata, names = miniseed_bytes(records, beside)
     except RecordFormatError as fault:
-        raise RecordRefused(f"{path}: a StationXML in its folder is damaged ({fault}); mend or remove it") from fault
+        raise RecordRefused(f"{path}: a StationXML in its folder is damaged ({fault}); repair or remove it") from fault
     return {path: content, own: metadata}, names
 
 
@@ -277,15 +277,15 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
             raise RecordRefused(f"{path}: the samples of {record.id} would differ after reading; nothing was kept")
         if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
-            told = f"the sampling interval of {record.id}, {record.dt!r} s, would be read again as {again.dt!r} s"
-            raise RecordRefused(f"{path}: {told}; use another format, or resample the record")
+            reason = f"the sampling interval of {record.id}, {record.dt!r} s, would be read again as {again.dt!r} s"
+            raise RecordRefused(f"{path}: {reason}; use another format, or resample the record")
         lost = _wrong(record, again, writer.whole)
         if lost:
             raise RecordRefused(f"{path}: {record.id}: {lost}; nothing was kept, use another format")
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Describe a direction or processing that reading changed or, if `whole` is true, lost; return "" if none."""
+    """Describe a change of direction or processing by reading, or if `whole` is true its loss; "" if there is none."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -300,7 +300,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of the state of processing by reading; return "" if it is unchanged."""
+    """Describe a change of the state of processing by reading; "" if there is none."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

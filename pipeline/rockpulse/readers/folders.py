@@ -100,7 +100,9 @@ def read(
     if not isinstance(path, str | os.PathLike) or not Path(path).is_dir():
         return read_file(path, units, dt, response, stationxml)
     if stationxml is not None:
-        raise ConfigError(f"{path}: stationxml is of one file; put it into the folder, beside its records")
+        raise ConfigError(
+            f"{path}: the option stationxml applies to a single file; put the StationXML into the folder of its records"
+        )
     records, failures = read_all(path, units, None, dt, response)
     reasons = [row.reason for row in failures if row.kind != "skipped"]
     if not records:
@@ -237,8 +239,8 @@ def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> Non
         missed = [row for row in missed if not any(map(row.chooses, names))]
     if missed and names:
         raise ConfigError(
-            f"{missed[0].where}: expected the end of the path of a file to read, found none among {len(names)} files, "
-            f"such as {names[-1]}; correct the pattern, or take the entry out"
+            f"{missed[0].where}: the pattern matches none of the files to read ({len(names)} in all, such as "
+            f"{names[-1]}); correct the pattern, or remove the entry"
         )
 
 

@@ -85,7 +85,7 @@ class ReadOptions:
 
     units: str | None = None  # unit of the accelerations, for formats that do not state one
     dt: float | None = None  # sampling interval [s], for columns without a time column
-    # "sensitivity": counts are divided by it; "remove": the full instrument response is removed
+    # "sensitivity": counts are divided by the sensitivity; "remove": the full instrument response is removed
     response: str = "sensitivity"
     # for some files, in place of the above; a property is taken from the last row that gives it and matches the file
     files: tuple[FileSettings, ...] = ()
@@ -129,11 +129,11 @@ class ReadOptions:
             if units is not None:
                 given = canonical_unit(str(units.units), "option units")
                 if UNITS.get(record.source_unit) != UNITS[given]:
-                    told = f"the file states the unit {record.source_unit}, {units.where} says {given}"
-                    raise UnitError(f"{record.source}: {told}; {self.advice('units')}")
+                    conflict = f"the file states the unit {record.source_unit}, {units.where} says {given}"
+                    raise UnitError(f"{record.source}: {conflict}; {self.advice('units')}")
             if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
-                told = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
-                raise RecordFormatError(f"{record.source}: {told}; {self.advice('dt')}")
+                conflict = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
+                raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}")
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
         """Return the last FileSettings that give the property `key` and match the file `name` (None for any file)."""

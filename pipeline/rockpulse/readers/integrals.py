@@ -1,4 +1,4 @@
-"""Detects velocities and displacements among files of plain columns: one is the integral of another."""
+"""Detects velocities and displacements among files of plain columns, as integrals of another file."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ def with_slopes(record: Record) -> Record:
 
 
 def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
-    """Return the records that are not the integral of another one in their folder, and a failure for each integral."""
+    """Return the records that are not the integral of another in their folder, and a failure for each integral."""
     groups: dict[tuple[object, ...], list[ColumnRecord]] = defaultdict(list)
     for record in records:
         if isinstance(record, ColumnRecord):
@@ -48,7 +48,7 @@ def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Fai
 
 
 def _integrals(group: Sequence[ColumnRecord]) -> dict[int, Failure]:
-    """Return a failure for each record that is the integral of another one, by ``id(record)``."""
+    """Return a failure, by ``id(record)``, for each record that is the integral of another record."""
     values, slopes = (_unit_vectors(np.array([getattr(one, name) for one in group])) for name in ("values", "slopes"))
     rows = {}
     for place, record in enumerate(group):
@@ -59,8 +59,8 @@ def _integrals(group: Sequence[ColumnRecord]) -> dict[int, Failure]:
         other = int(np.argmax(alike))
         # Of two sines, each is the slope of the other.
         if alike[other] > _ALIKE and abs(slopes[other] @ values[place]) <= _ALIKE:
-            told = f"no acceleration: its derivative is {PurePath(group[other].source).name}"
-            reason = f"{record.source}: {told}, so it holds a velocity or a displacement; name the files by their kind"
+            cause = f"not an acceleration: its derivative is {PurePath(group[other].source).name}"
+            reason = f"{record.source}: {cause}, so it holds a velocity or a displacement; name the files by their kind"
             rows[id(record)] = Failure(record.source, "read", reason, "skipped")
     return rows
 

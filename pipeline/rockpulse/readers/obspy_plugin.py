@@ -140,7 +140,7 @@ def from_trace(
     changed = [step for step in _steps(stats) if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
     if changed and (units is None or units == "counts"):
         asked = f"say which unit of acceleration they have, one of {', '.join(UNITS)}"
-        raise UnitError(f"{where}: the values are no longer what they were: {changed[0]}; {asked}")
+        raise UnitError(f"{where}: the processing of the trace changed the unit of its values: {changed[0]}; {asked}")
     kept = stats.get("rockpulse")
     if kept is None:
         ReadOptions(response=response)  # rejects an unknown value of `response`
@@ -180,17 +180,17 @@ def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Recor
 
 
 def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) -> Record:
-    """Return the record without the data of its former codes, and without a direction if `undirected`."""
+    """Return the record with the id of its new codes and a warning; a new channel code makes its direction unknown."""
     stem = SourceFile(record.source, b"", bytes).path.stem or record.station_name or "trace"
     codes = (record.network, record.station, record.location, record.channel)
     record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
     old = "unknown" if before is None else ".".join(before[code] for code in _CODES)
-    told = f"the codes were {old} when the trace was made; the id was made anew"
+    note = f"the codes were {old} when the trace was made; a new id was made"
     if before is not None and before["channel"] == record.channel:
-        return record.with_warning(told)
+        return record.with_warning(note)
     orientation: Orientation = "structural" if record.orientation == "structural" else "unknown"
     record = replace(record, component="", orientation=orientation, azimuth=float("nan"))
-    return record.with_warning(told + (" and the direction is no longer known" if undirected else ""))
+    return record.with_warning(note + (" and the direction is no longer known" if undirected else ""))
 
 
 def _new(
@@ -287,8 +287,8 @@ class Plugin:
         import obspy
 
         if others:
-            told = "%s: obspy.read has options that are not of this format: %s"
-            logger.warning(told, self.row.name, ", ".join(others))
+            message = "%s: obspy.read has options that are not of this format: %s"
+            logger.warning(message, self.row.name, ", ".join(others))
         options = ReadOptions(units, dt, response)
         source: SourceFile = open_source(Path(file)) if isinstance(file, str | os.PathLike) else open_stream(file)
         if not self.row.detect(source.head, source.name):

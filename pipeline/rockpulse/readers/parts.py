@@ -35,12 +35,12 @@ class Part(Record):
 class PartRule:
     """The rule by which an agency names the files of a long record; see `Format.parts`."""
 
-    name: re.Pattern[str]  # of a part's file without suffix; groups: file name of the whole record, number of the part
+    name: re.Pattern[str]  # of the file name without suffix; groups: name of the whole record, number of the part
     # time of the first sample of each channel, by its component, in the file's own column of times [s]
     first_times: Callable[[SourceFile], dict[str, float]]
 
     def read(self, file: SourceFile, records: list[Record]) -> list[Record]:
-        """Return the channels of a file as parts with their start times; unchanged if the file is no part."""
+        """Return the channels of a file as parts with their start times, or unchanged if the file is not a part."""
         name = self.name.fullmatch(file.path.stem)
         if not name:
             return records
@@ -59,7 +59,7 @@ class PartRule:
 def sample_digest(record: Record) -> str:
     """Return the SHA-256 of the samples and the interval, followed by the sign, + or -, of the last non-zero sample.
 
-    If it is -, the samples are reversed in sign first: records of opposite polarity differ only in the final sign.
+    If the sign is -, the samples are first reversed: records of opposite polarity differ only in the final sign.
     """
     turned = np.flatnonzero(record.acceleration)[-1:]
     sign = "-" if np.any(record.acceleration[turned] < 0.0) else "+"
@@ -78,8 +78,8 @@ def settled(
     kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
     kept, integrals = without_integrals(kept)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
-    told = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
-    named = distinct_ids(told)
+    kept = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
+    named = distinct_ids(kept)
     return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [*duplicates, *integrals]
 
 
@@ -93,7 +93,7 @@ def _without_duplicates(
     """Return the distinct records, a failure for each duplicate, and warnings.
 
     Of several duplicates, one with a direction, or with time and event, is kept. The warnings, by
-    ``id(record)``, are on records of several files with equal samples that are kept as different channels.
+    ``id(record)``, are on records of different files that are kept as different channels although samples are equal.
     """
     alike: dict[str, list[Record]] = defaultdict(list)
     signs: dict[int, str] = {}
@@ -118,8 +118,8 @@ def _without_duplicates(
                         twins.setdefault(id(one), copy)
                 kept.append(record)
                 continue
-            told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
-            copies[id(record)] = Failure(record.source, "read", told, "duplicate")
+            reason = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
+            copies[id(record)] = Failure(record.source, "read", reason, "duplicate")
     failures = [copies[id(record)] for record in records if id(record) in copies]
     return [record for record in records if id(record) not in copies], failures, twins
 
@@ -168,7 +168,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
 
 
 def _channel(record: Record) -> tuple[object, ...]:
-    """Return the properties that all parts of one channel share, such as its codes."""
+    """Return the properties that all parts of one channel share, such as the codes of the channel."""
     codes = (record.network, record.station, record.location, record.channel, record.station_name)
     facing = (record.component, record.orientation, f"{record.azimuth:g}", f"{record.sensor_depth:g}")
     return (
@@ -183,7 +183,7 @@ def _channel(record: Record) -> tuple[object, ...]:
 
 
 def _chains(records: Sequence[Record]) -> list[list[Record]]:
-    """Group the records of a channel so that in a group each begins one step after the end of the previous one."""
+    """Group the records of a channel so that each in a group begins one step after the end of the previous record."""
     chains: list[list[Record]] = []
     for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
         before = chains[-1][-1] if chains else None
@@ -196,7 +196,7 @@ def _chains(records: Sequence[Record]) -> list[list[Record]]:
 
 
 def _continued(pieces: Sequence[Record]) -> Record:
-    """Join records of one channel that follow each other; the metadata are those of the first."""
+    """Join records of one channel that follow each other; the metadata are those of the first record."""
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings)
     return replace(
         pieces[0],
@@ -210,7 +210,7 @@ def _continued(pieces: Sequence[Record]) -> Record:
 
 
 def _fault(parts: Sequence[Sequence[Part]]) -> str:
-    """Return the reason why parts cannot be joined to a record; empty if they can, or if there is only one."""
+    """Return the reason why parts cannot be joined to a record; empty if they can, or if there is only one part."""
     if len(parts) < 2:
         return ""
     numbers = [part[0].part for part in parts]

@@ -49,7 +49,7 @@ class Unrecognised(RecordFormatError):
 
 
 class NoRecord(Unrecognised):
-    """Error: no reader recognises the file, which is unlikely to be a record; skipped unless the user named it."""
+    """Error: no reader recognises the file, which is probably not a record; it is skipped unless the user named it."""
 
 
 class NotAcceleration(RecordRefused):
@@ -73,7 +73,7 @@ class SourceFile:
     load: Callable[[], bytes]  # returns all bytes, decompressed; called once, after a reader has recognised `head`
     station_files: StationFiles = list  # returns name and bytes of the StationXML files in the same folder
     chosen: bool = False  # whether the caller named the StationXML files, so that their names do not matter
-    beside: Neighbour = lambda name: None  # returns the bytes of a file in the same folder; None if there is none
+    beside: Neighbour = lambda name: None  # returns the bytes of a file in the same folder; None if missing
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "head", _plain_text(self.head, self._coding))
@@ -106,7 +106,7 @@ class SourceFile:
         return hashlib.sha256(self._bytes).hexdigest()
 
     def first_half(self) -> "SourceFile | None":
-        """Return the first half of a file if the second half repeats it and it has words; otherwise None."""
+        """Return the first half of a file if it contains words and the second half repeats it; otherwise None."""
         half, odd = divmod(len(self.content), 2)
         begins = min(half, HEAD)
         if odd or not _WORD.search(self.content, 0, _TOP) or not self.content.startswith(self.content[:begins], half):
@@ -164,7 +164,7 @@ def _unpack(name: str, packed: BinaryIO, size: int, count: int) -> bytes:
 
 def _check_size(name: str, content: bytes) -> bytes:
     if len(content) > FILE_LIMIT:
-        raise RecordRefused(f"{name}: larger than {FILE_LIMIT} bytes, the most that is read; cut the record")
+        raise RecordRefused(f"{name}: expected a file of at most {FILE_LIMIT} bytes; cut the record")
     return content
 
 
@@ -187,8 +187,8 @@ def _folder_file(folder: Path) -> Neighbour:
 def check_link(path: Path) -> None:
     """Raise FileNotFoundError, with the name of the target, if a symbolic link leads to a missing file."""
     if path.is_symlink() and not path.exists():
-        found = f"the symbolic link points nowhere, {path.readlink()} does not exist"
-        raise FileNotFoundError(f"{path}: {found}; mend the link or remove it")
+        found = f"the target of the symbolic link, {path.readlink()}, does not exist"
+        raise FileNotFoundError(f"{path}: {found}; correct the link or remove it")
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:

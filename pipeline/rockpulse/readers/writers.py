@@ -63,7 +63,7 @@ def _direction_word(record: Record) -> str:
 
 def at2_bytes(record: Record) -> bytes:
     """Return a record as a PEER AT2 file in g, with event, date, station and component in the header."""
-    # The date is that of the event, by its name or its origin time, or else of the first sample.
+    # The date is that of the event, from its name or its origin time, or else that of the first sample.
     event = _text(record.event)
     if not _DATED.fullmatch(event):
         event = event.replace(",", ";")
@@ -146,8 +146,8 @@ def _channel_codes(record: Record) -> list[str]:
     if _SEED_CHANNEL.fullmatch(record.channel):
         named = direction(record.channel)
         # Without an azimuth in the file, N or E would be read as one.
-        told = np.isfinite(azimuth) or not np.isfinite(named.azimuth)
-        if named.orientation == "unknown" or (named.orientation == lies and told):
+        has_azimuth = np.isfinite(azimuth) or not np.isfinite(named.azimuth)
+        if named.orientation == "unknown" or (named.orientation == lies and has_azimuth):
             return [record.channel]
     rate = 1.0 / record.dt
     bands = (("C", 250.0), ("H", 80.0), ("B", 10.0), ("M", 1.0), ("L", 0.0))

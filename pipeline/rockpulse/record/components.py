@@ -1,4 +1,4 @@
-"""Selects horizontal channels, finds pairs of them, and finds the vertical channel recorded with each."""
+"""Selects horizontal channels, finds pairs among them, and finds the vertical channel recorded with each channel."""
 
 import re
 from bisect import bisect_left
@@ -30,7 +30,7 @@ _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
 #: Pattern of a KiK-net channel at the bottom of a borehole (1); channels at the surface end with 2.
 _BOTTOM = re.compile(r"(?:EW|NS|UD)1")
-#: Largest depth of a sensor that is treated as one at the surface [m]: in a vault or a cellar, not a borehole.
+#: Largest depth of a sensor that is treated as at the surface [m]: in a vault or a cellar, not a borehole.
 SHALLOW = 3.0
 #: Pattern of the location of a channel on a structure, which readers write after its direction.
 _PLACE = re.compile(r"\((.*)\)")
@@ -58,7 +58,7 @@ class Pair:
 
 
 class Neighbours:
-    """An index of channels that finds those recorded together without comparing all of them."""
+    """An index of channels, to find the channels recorded together without comparing all of them."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._records = records
@@ -73,7 +73,7 @@ class Neighbours:
                 self._of_event[_occasion(record)].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Return the channels with the file or time of a record or, if it has no time, with its event and folder."""
+        """Return the channels with the file or time of a record or, if the record has no time, its event and folder."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -112,7 +112,7 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
     Two channels are partners if they have the same format, state of processing, network, station, location and SEED
     sensor (the first two letters of a SEED channel; the depth of KiK-net), are both on the ground or at one place of a
-    structure, overlap in time by at least half of the shorter one, and come
+    structure, overlap in time by at least half of the shorter channel, and come
 
     - from one file, or
     - from files with station codes and start times, or
@@ -131,7 +131,7 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
     pairs : list of Pair
         In the order of their first channels.
     failures : list of Failure
-        A row for each channel without a known azimuth, without a partner, or with several.
+        A row for each channel without a known azimuth, without a partner, or with several partners.
 
     Examples
     --------
@@ -164,11 +164,11 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
 
 def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
-    """Return the vertical channel recorded with a horizontal one, in the sense of :func:`find_pairs`, or None.
+    """Return the vertical channel recorded with a horizontal channel by the rules of :func:`find_pairs`, or None.
 
-    It may differ in format and length. Preferred are the same state of processing, then the same SEED band, the same
-    file, and the longest overlap. None is returned for a channel on a structure, as the vertical one may be on another
-    floor.
+    The two may differ in format and length. Of several vertical channels, one with the same state of processing is
+    preferred, then with the same SEED band, the same file, and the longest overlap. None is returned for a channel on
+    a structure, as the vertical channel may be on another floor.
     """
     if record.orientation == "structural":
         return None
@@ -182,7 +182,7 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Return the vertical acceleration (n,) [m/s2], positive up, at the samples of a horizontal channel; 0 outside."""
+    """Return the vertical acceleration (n,) [m/s2], positive up, at the sample times of a record; 0 if unknown."""
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 
@@ -200,7 +200,7 @@ def offset(record: Record, other: Record) -> float:
 
 
 def concurrent(record: Record, other: Record) -> bool:
-    """Return whether two channels overlap in time by at least half of the shorter one."""
+    """Return whether two channels overlap in time by at least half of the shorter channel."""
     return _overlap(record, other) >= OVERLAP_SHARE * min(record.duration, other.duration)
 
 
@@ -213,8 +213,8 @@ def sensor_level(record: Record) -> float:
 
 def place_on_structure(record: Record) -> str:
     """Return the location of a channel on a structure, in capitals; empty if it is not stated."""
-    told = _PLACE.search(record.component)
-    return told[1].strip().upper() if told else ""
+    place = _PLACE.search(record.component)
+    return place[1].strip().upper() if place else ""
 
 
 def instrument(record: Record) -> tuple[object, ...]:

@@ -29,7 +29,7 @@ PAD_PERIODS = 1.5
 #: Longest pad [samples]; a corner that needs a longer one is rejected.
 LONGEST_PAD = 10_000_000
 #: Anti-alias filter of resampling: ripple and stop band [dB]; width of the transition below the lower Nyquist
-#: frequency, as a share of it.
+#: frequency, as a share of this frequency.
 RESAMPLING_ATTENUATION = 100.0
 RESAMPLING_TRANSITION = 0.2
 #: Largest numerator and denominator of a resampling ratio.
@@ -56,7 +56,7 @@ def condition(
     baseline : {"auto", "none", "mean", "pre-event", "linear", "quadratic"}
         What is subtracted. "mean", "linear", "quadratic": the least-squares polynomial through all samples.
         "pre-event": the mean of the pre-event window, or of all samples if no window is found. "auto": nothing for a
-        processed record, "pre-event" for a raw one, "mean" with a warning if the format does not state which it is.
+        processed record, "pre-event" for a raw one, "mean" with a warning if the format does not state the processing.
     highpass_hz, lowpass_hz : float, optional
         Corners of the Butterworth filters [Hz]; by default no filter is applied.
     order : int
@@ -90,7 +90,7 @@ def condition(
 
     *Filter.* The record is tapered, padded with zeros of length 1.5 n/f at both ends (Boore 2005; n is the order of a
     pass, f the lowest corner), and cut to its old length after filtering: the cut record starts from zero velocity,
-    while the padded one has at that time the velocity that the processing step states.
+    while the padded record has at that time the velocity that the processing step states.
 
     *Resampling.* A polyphase filter with a Kaiser low-pass of 100 dB passes frequencies up to 0.8 of the lower of the
     two Nyquist frequencies and stops all above it, so that a coarser record has no aliases. The first sample keeps its
@@ -167,7 +167,7 @@ def _check(
 
 
 def _watched(record: Record) -> Record:
-    """Return the record with a warning, which replaces an earlier one, if its velocity does not return to zero."""
+    """Return the record with a warning only if its ground velocity does not return to zero."""
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
@@ -262,8 +262,8 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
     pad = math.ceil(PAD_PERIODS * order / (highpass or lowpass or rate) * rate)
     if pad > LONGEST_PAD:
         raise ConfigError(
-            f"condition: corner {highpass or lowpass:g} Hz: pads of {pad:.3g} samples, expected at most "
-            f"{LONGEST_PAD:g}; use a higher corner, {record.id} is {record.duration:g} s long"
+            f"condition: the corner {highpass or lowpass:g} Hz needs {pad:.3g} samples of padding at each end, "
+            f"expected at most {LONGEST_PAD:g}; use a higher corner ({record.id} is {record.duration:g} s long)"
         )
     filtered = signal.sosfiltfilt(np.concatenate(sections), np.pad(record.acceleration, pad), padtype=None)
     cut = replace(record, acceleration=filtered[pad : pad + record.npts])
@@ -285,8 +285,8 @@ def _resample(record: Record, interval: float) -> Record:
     up, down = ratio.numerator, ratio.denominator
     if up > RESAMPLING_LIMIT or not math.isclose(up / down, record.dt / interval, rel_tol=1e-9):
         raise ConfigError(
-            f"condition: resample_s: {interval!r} s is in no ratio of whole numbers up to {RESAMPLING_LIMIT} to the "
-            f"{record.dt!r} s of {record.id}; choose a simpler interval"
+            f"condition: resample_s: the ratio of {interval!r} s to the interval of {record.id}, {record.dt!r} s, is "
+            f"not a ratio of whole numbers up to {RESAMPLING_LIMIT}; choose a simpler interval"
         )
     lower = 1.0 / max(up, down)  # the lower Nyquist frequency, as a share of that of the interpolated series
     taps, beta = signal.kaiserord(RESAMPLING_ATTENUATION, RESAMPLING_TRANSITION * lower)

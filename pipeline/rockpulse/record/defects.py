@@ -26,12 +26,15 @@ DEFECTS = (
     "velocity_drift",
     "twin_differs",
     "components_apart",
+    "interval_apart",
+    "may_be_vertical",
+    "length_differs",
     "same_samples",
     "same_direction",
 )
-#: Number of samples that are checked at once where each needs several numbers.
+#: Number of samples that are processed at once, to save memory.
 AT_ONCE = 2**18
-#: Shortest record that is checked for all defects [samples]; shorter ones are only checked for equal samples.
+#: Shortest record that is checked for all defects [samples]; shorter records are only checked for equal samples.
 FEWEST = 100
 #: Shortest straight line that is reported [s] and [samples]; digitised film has shorter ones.
 LINE_LENGTH, LINE_SAMPLES = 0.12, 8
@@ -42,29 +45,29 @@ LINE_CONTRAST = 20.0
 REPEATED_SHARE, STEP_CONTRAST = 0.3, 10.0
 #: Shortest repeated block of samples that is reported [samples].
 BLOCK_SAMPLES = 32
-#: Half the width of the running median with which a spike is compared, and of its surroundings [samples].
+#: Half widths [samples] of the running median with which a spike is compared, and of the surroundings of a spike.
 SPIKE_HALF, SPIKE_AROUND = 3, 50
 #: A spike exceeds the largest deviation from the median near it by this ratio, and this share of the peak; or it
 #: exceeds all other deviations by another ratio, and a larger share of the peak.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
-#: Smallest number of zero samples, each between two of one sign above `SPIKE_NEAR_SHARE`, that are taken as lost.
+#: Smallest number of zero samples that count as lost, each between two large samples of the same sign.
 DROPOUTS = 3
-#: Length of the two ends of a record [s], and ratio of their root mean square to the peak above which one is in strong
-#: motion; it must also exceed that of the quietest such window by a ratio, or weak motion in noise would be included.
+#: Length of each end of a record [s]; smallest ratio of the root mean square of an end in strong motion to the peak,
+#: and to the root mean square of the quietest window of the same length.
 END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
-#: Limits of noise: ratio of the strongest second to the median one, for white noise (energy of the differences divided
-#: by that of the samples) and for weak noise [m/s2]; smallest number of windows; range of a dead channel in steps of
-#: its resolution.
+#: Limits of noise: largest ratio of the strongest second to the median second in white and in weak noise; smallest
+#: ratio of the energy of the differences to that of the samples in white noise; largest weak noise [m/s2]; smallest
+#: number of windows of a second; largest range of a dead channel [resolution steps].
 NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
 WHITE, WEAK, NOISE_WINDOWS, DEAD_STEPS = 0.8, 0.02, 10, 8.0
-#: Longest interval that is not coarse [s]; a coarse one must be confirmed if the energy of the differences is this
-#: share of that of the samples, so that frequencies above the Nyquist frequency are missing.
+#: Longest sampling interval that is not coarse [s]; ratio of the energy of the differences to that of the samples above
+#: which a coarse record must be confirmed, as it lacks frequencies above the Nyquist frequency.
 COARSE, UNDERSAMPLED = 0.0999, 1.0
 #: Window of the moving mean that separates the slow velocity from the rest [s], at most this share of the record.
 SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
-#: Ratios of the slow velocity to the largest of the rest above which it is reported, and above which it must be
-#: confirmed.
+#: Ratios of the slow velocity to the largest remaining velocity above which a drift is reported, and above which it
+#: must be confirmed.
 DRIFT, DECIDING_DRIFT = 1.25, 1.5
 
 
@@ -125,7 +128,7 @@ def defects(record: Record) -> list[WarningText]:
 
 
 def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
-    """Return the largest moving mean of the ground velocity over 10 s, and the largest deviation from it [m/s]."""
+    """Return the largest moving mean of the ground velocity, and the largest deviation from this mean [m/s]."""
     velocity = ground_velocity(acceleration, dt)
     size = velocity.size
     half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
@@ -211,7 +214,7 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
 
 
 def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on samples that repeat the previous one throughout the strong part, and on a repeated block."""
+    """Return warnings on samples that repeat the previous sample in the whole strong part, and on a repeated block."""
     change = np.abs(np.diff(samples[strong[0] : strong[1] + 1]))
     moved = change[change > 0.0]
     if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:
@@ -227,7 +230,7 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
 
 
 def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningText]:
-    """Return a warning if a block of samples occurs exactly twice; in a periodic signal it would occur more often."""
+    """Return a warning if a block of samples occurs exactly twice; a block of a periodic signal occurs more often."""
     width = 8
     bits = samples.view(np.uint64)
     if samples.size < 4 * BLOCK_SAMPLES:
@@ -306,7 +309,7 @@ def _outliers(beyond: np.ndarray, peak: float) -> list[int]:
 
 
 def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
-    """Return warnings on a record that begins or ends in strong motion, unless its first or last sample is zero."""
+    """Return warnings on a record that begins or ends in strong motion, unless the first or last sample is zero."""
     peak, length = largest(centred), min(max(round(END_LENGTH / dt), 3), centred.size)
     whole = centred[: centred.size // length * length].reshape(-1, length)
     quietest = float(np.sqrt(np.min(np.mean(whole**2, axis=1))))

@@ -86,7 +86,7 @@ class HalfWaves(Shown):
         return facts
 
     def _picture(self) -> Picture | None:
-        """Draw the impulses at their centroids; impulses above half the largest have another colour."""
+        """Draw the impulses at their centroids; impulses above half of the largest impulse have another colour."""
         if not len(self):
             return None
         reach = self.largest or 1.0
@@ -133,7 +133,7 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
     -----
     A noise lobe is merged only with both its neighbours: the three become one wave with the neighbours' sign. It is not
     merged if the centroid would be outside the wave, if the impulse in the neighbours' direction would be less than
-    half the sum of the absolute impulses of all lobes in it, or if a neighbour is missing or has the same sign. The
+    half the sum of the absolute impulses of all its lobes, or if a neighbour is missing or has the same sign. The
     noise lobe with the smallest absolute impulse is merged first (the earlier of two equal ones); a merged wave that is
     still noise may be merged again. Nothing is dropped, so that the sums of F10 remain valid.
 
@@ -175,7 +175,7 @@ def _lobes(record: Record) -> HalfWaves:
 
 
 def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last: int | None) -> tuple[np.ndarray, ...]:
-    """Return the columns of the lobes between two crossings, given by index; None for the ends of the record."""
+    """Return the arrays `COLUMNS` of the lobes between two crossings, given by index; None is an end of the record."""
     dt, begin = record.dt, 0 if first is None else int(crossing[first])
     acceleration = record.acceleration[begin : None if last is None else crossing[last] + 2]
     crossing = crossing[first : None if last is None else last + 1] - begin

@@ -70,7 +70,7 @@ def spectral_acceleration(record: Record, period: float) -> float:
 
 @lru_cache(maxsize=4096)
 def _oscillator(rate: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the filter from ground acceleration to displacement; it takes longer than the response of a record."""
+    """Return numerator and denominator of the filter from ground acceleration to displacement."""
     from scipy.signal import cont2discrete
 
     upper, lower, _ = cont2discrete(([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate]), dt, method="foh")
@@ -84,7 +84,7 @@ def spectrum_intensity(record: Record) -> float:
 
 
 def largest_change(record: Record, within: float) -> float:
-    """Return the largest change of the ground velocity [m/s] over a time [s], rounded to whole samples."""
+    """Return the largest change of the ground velocity [m/s] over a time [s], which is rounded to whole samples."""
     velocity = np.append(0.0, np.cumsum(0.5 * (record.acceleration[1:] + record.acceleration[:-1]))) * record.dt
     steps = min(max(round(within / record.dt), 1), velocity.size - 1)
     return largest(velocity[steps:] - velocity[:-steps])

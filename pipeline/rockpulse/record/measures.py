@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rocking.march.demand import Demand
     from rockpulse.record.half_wave import HalfWaves
 
-#: Units in which levels of a measure may be given (the shown one first) with factors to SI, by its SI unit.
+#: Units in which levels of a measure may be given (the displayed unit first) with factors to SI, by SI unit.
 UNITS = {
     "m s-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
     "m s-1": {"m/s": 1.0, "cm/s": 0.01},
@@ -42,7 +42,7 @@ class RecordOnBodies:
 
     @classmethod
     def slender(cls, record: Record, waves: Callable[[], HalfWaves], block: Block) -> RecordOnBodies:
-        """Return a record on slender bodies, which lift at g tan(alpha_c)."""
+        """Return the input for a record and slender bodies, which lift at g tan(alpha_c)."""
         return cls(record, waves, block, np.asarray(block.gravity * np.tan(block.alpha_c)))
 
     @property
@@ -55,7 +55,7 @@ class RecordOnBodies:
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure, or a family of measures with one for each period."""
+    """An intensity measure, or a family with one measure for each period."""
 
     name: str
     unit: str  # in SI, as in the files of results
@@ -86,7 +86,7 @@ class Measure:
 
     @property
     def shown_unit(self) -> str:
-        """The SI unit as it is shown."""
+        """The SI unit in the form that users see."""
         return next(iter(self.known_units))
 
     @property
@@ -219,10 +219,10 @@ STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row
 
 
 def units_in_words(names: tuple[str, ...]) -> str:
-    """Return the units of measures, with the measures of each: "m/s2 (pga) or m/s (pgv, impulse)"."""
+    """Return the units of measures, each with its measures in brackets: "m/s2 (pga) or m/s (pgv, impulse)"."""
     units = dict.fromkeys(ROWS[name].shown_unit for name in names)
-    told = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
-    return _either(told)
+    choices = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
+    return _either(choices)
 
 
 def quoted(names: tuple[str, ...]) -> str:

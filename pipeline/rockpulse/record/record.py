@@ -18,7 +18,7 @@ from rockpulse.errors import RecordFormatError
 
 #: Value of the unit "g" in files [m/s2].
 STANDARD_GRAVITY = 9.80665
-#: Separator between the files of a record that consists of several, and between their checksums.
+#: Separator between the files of a record that consists of several files, and between their checksums.
 BETWEEN = "; "
 #: Largest sample that is accepted as an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
@@ -230,7 +230,7 @@ class Record(Shown):
 
 
 def read_only(values: Any, dtype: type = float) -> np.ndarray:
-    """Return the values as a read-only array, without a copy if they are one that owns its memory."""
+    """Return the values as a read-only array; an array that owns its memory is not copied."""
     if type(values) is np.ndarray and values.dtype == dtype and values.flags.owndata and not values.flags.writeable:
         return values
     array: np.ndarray = np.array(values, dtype=dtype)
@@ -239,7 +239,7 @@ def read_only(values: Any, dtype: type = float) -> np.ndarray:
 
 
 def largest(values: np.ndarray) -> float:
-    """Return the largest absolute value of an array, 0 if it is empty, without a copy."""
+    """Return the largest absolute value of an array, 0 if it is empty, without making a copy."""
     return float(max(np.max(values, initial=0.0), -np.min(values, initial=0.0)))
 
 

@@ -28,7 +28,7 @@ from rockpulse.warning_text import WarningText, code_of, has_warning
 #: Smallest sine of the angle between two channels (10 degrees), at which rotation multiplies their noise by 6.
 SMALLEST_SINE = 0.17
 #: Search for the strongest direction: successive steps [degrees]; number of maxima of the first step that are refined;
-#: smallest share of the highest maximum for this.
+#: smallest ratio of these to the highest maximum.
 STEPS = (1.0, 0.1, 0.01)
 MAXIMA = 5
 MAXIMA_SHARE = 0.9
@@ -124,7 +124,7 @@ def strongest_azimuth(
     Returns
     -------
     azimuth : float
-        Direction [degrees] from 0 to below 180, in steps of 0.01; the first of equal ones.
+        Direction [degrees] from 0 to below 180, in steps of 0.01; the smallest of equal directions.
     impulse : float
         The largest absolute half-wave impulse in that direction [m/s].
 
@@ -132,7 +132,7 @@ def strongest_azimuth(
     -----
     The impulse is discontinuous in the direction, as lobes split at zero and noise is merged, so that no formula gives
     its maximum. Every degree is tried, then the surroundings of the five highest local maxima, if above 0.9 of the
-    highest, in steps of 0.1 and 0.01 degrees: about 250 extractions.
+    highest one, in steps of 0.1 and 0.01 degrees: about 250 extractions.
 
     Examples
     --------
@@ -189,7 +189,7 @@ def check_angle(pair: Pair) -> None:
     if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
         raise RecordRefused(
             f"{first.id}, {second.id}: expected azimuths at least {math.degrees(math.asin(SMALLEST_SINE)):.3g} degrees "
-            f"from parallel, found {first.azimuth:g} and {second.azimuth:g} degrees: they are no horizontal pair; "
+            f"from parallel, found {first.azimuth:g} and {second.azimuth:g} degrees: they are not a horizontal pair; "
             'components = "horizontal" assesses them as they were recorded'
         )
 
@@ -200,7 +200,7 @@ def _name(record: Record, code: str) -> str:
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
-    """Return the warnings or steps of both channels; one that only the second has begins with its channel code."""
+    """Return the warnings or steps of both channels; a text of only one channel begins with its channel code."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
         text if text in mine and text in others else WarningText("of_channel", channel=record.channel, warning=text)
@@ -210,7 +210,7 @@ def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
     )
 
 
-#: Largest deviation of a start from a whole number of sampling intervals, as a share of one, that is ignored.
+#: Largest deviation of a start from a whole number of sampling intervals that is ignored, as a share of an interval.
 CLOCK_SHARE = 1e-3
 
 
@@ -227,8 +227,8 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
     Returns
     -------
     Pair
-        Each channel cut to the common time, conditioned, and sampled at the times of the first: the second is unchanged
-        if its samples are at these times, and linearly interpolated otherwise. A warning states what was cut.
+        Each channel cut to the common time, conditioned, and sampled at the times of the first channel: the second one
+        is unchanged if its samples are at these times, else linearly interpolated. A warning states what was cut.
 
     Raises
     ------
@@ -240,8 +240,8 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
 
     Notes
     -----
-    For both channels the shorter of the two pre-event windows is used, or the mean if it is below 1 s: every step is
-    therefore linear in the samples, and conditioning may precede or follow rotation.
+    For both channels the shorter of the two pre-event windows is used, or the mean if this window is below 1 s: every
+    step is therefore linear in the samples, and conditioning may precede or follow rotation.
 
     Examples
     --------
@@ -275,12 +275,12 @@ def _check_overlap(channel: Record, other: Record, samples: int) -> None:
     if samples < 2:
         raise RecordRefused(
             f"{channel.id}, {other.id}: expected two samples or more in the time that both have, found "
-            f"{max(samples, 0)}; they are no pair"
+            f"{max(samples, 0)}; they are not a pair"
         )
 
 
 def _cut(channel: Record, other: Record) -> Record:
-    """Return the channel cut to its common time with another one, with a warning that states what was cut."""
+    """Return the channel cut to its common time with another channel, with a warning that states what was cut."""
     start = offset(channel, other)
     share = CLOCK_SHARE
     begin = max(0, math.floor(start / channel.dt + share))

@@ -54,7 +54,7 @@ class Plan:
 class Analysis(ABC):
     """Base class of an analysis, which computes a part of the results for every record and combines the parts."""
 
-    name: ClassVar[str]  # the command, and the stage in rows of failures
+    name: ClassVar[str]  # name of the command, and stage in the rows of failures
     doing: ClassVar[str]  # the command in a progress bar
     kind: ClassVar[str]  # kind of the results, an attribute of their root
     in_order_of_ids: ClassVar[bool] = True  # whether the records are sorted by id
@@ -127,7 +127,7 @@ class Analysis(ABC):
 
 
 def selected(plan: Plan, table: Collection[str], of_motion: Mapping[str, Sequence[str]], where: str) -> Plan:
-    """Return the plan with the records of a table, given the ids that select each motion, by the motion's name.
+    """Return the plan with only the motions of a table; `of_motion` has the ids that refer to each motion, by name.
 
     Raises ConfigError if the table names an unknown record and all files were read.
     """
@@ -136,8 +136,8 @@ def selected(plan: Plan, table: Collection[str], of_motion: Mapping[str, Sequenc
     kept = [one for one in plan.planned if not set(table).isdisjoint(of_motion[one.name])]
     rows = [*plan.failures, *idle]
     if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
-        told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
-        rows.append(Failure(where, "select", told, "skipped"))
+        reason = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
+        rows.append(Failure(where, "select", reason, "skipped"))
     return replace(plan, planned=kept, failures=rows)
 
 

@@ -33,7 +33,7 @@ RUN_DIGEST = "run_digest"
 CHUNK = 32 * 1024**2
 #: Overhead per array in memory, and per string in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
-#: Variables of /summary from which /directions is computed: of the record, of its responses, and of the probability.
+#: Variables of /summary from which /directions is computed: those of record, responses and probability.
 SWEPT_RECORD = ("record", PGA, "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
 SWEPT_PROBABILITY = ("overturning_probability",)
@@ -90,10 +90,10 @@ def assemble(
 ) -> int:
     """Write the file that :func:`rockpulse.save` would write from the whole tree; return the number of records.
 
-    `template` is the tree without records. The `parts`, in the order of the rows, are iterated twice, first for their
-    sizes, so that an iterator raises TypeError. At most `chunk` bytes of arrays, or the largest part, are in memory;
-    `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file exists, which is then kept, or
-    cannot be written.
+    `template` is the tree without records. The `parts`, in the order of the rows, are read twice, first for their
+    sizes; an iterator, which can be read only once, raises TypeError. At most `chunk` bytes of arrays, or the largest
+    part, are in memory; `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file exists (it is
+    then kept) or cannot be written.
     """
     if iter(parts) is parts:
         raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
@@ -131,7 +131,7 @@ def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 
 def _sizes(parts: Iterable[Part]) -> tuple[list[str], dict[str, int], int]:
-    """Return the ids of the records, the total size of each variable that grows, and about all bytes in the file."""
+    """Return the ids of the records, the total length of each variable that grows, and the approximate file size."""
     records: list[str] = []
     lengths: dict[str, int] = defaultdict(int)
     size = 0

@@ -160,7 +160,7 @@ class _Batch:
         return report
 
     def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
-        """Process the records and write the results file; return True if an earlier run had already completed this."""
+        """Process the records and write the results file; return True if an earlier run had already written it."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
         replace = options.overwrite or run_id == journal.run_id
@@ -170,7 +170,7 @@ class _Batch:
         every, rows, unread = self.surveyed(pool, found, rows)
         plan = analysis.plan([one.record for one in every], rows)
         self.tasks = tasks_of(plan.planned, every, analysis.config, analysis.name)
-        del every  # the tasks contain all of it; this frees memory
+        del every  # frees memory: the tasks contain all of these
         for row in plan.failures:
             if row.kind == "failed":
                 logger.error("%s", row.reason)
@@ -238,11 +238,11 @@ class _Batch:
     def missing(self) -> list[Task]:
         """Return the tasks without results; with `strict` raise StoppedAtFailure for a failure of an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
-        own, told = set(self.finished()), journal.failures()
+        own, seen = set(self.finished()), journal.failures()
 
         def is_result(key: str, parts: Sequence[bytes]) -> bool:
             # a task of other records or options is kept
-            return key not in own or ((bool(parts) or key in told) and all(_is_part(part, analysis) for part in parts))
+            return key not in own or ((bool(parts) or key in seen) and all(_is_part(part, analysis) for part in parts))
 
         damaged = journal.drop_damaged(is_result) if options.resume else []
         if damaged or journal.gaps:
@@ -322,7 +322,7 @@ class _Batch:
 
     @contextmanager
     def bar(self, **about: Any) -> Iterator[Any]:
-        """Return a context manager of a progress bar; messages that would interrupt it are printed at its end."""
+        """Return a context manager with a progress bar; messages that would interrupt the bar are printed after it."""
         held: list[logging.LogRecord] = []
 
         def hold(record: logging.LogRecord) -> bool:

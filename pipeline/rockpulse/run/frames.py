@@ -83,7 +83,7 @@ class Frame(NamedTuple):
 
 
 def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes]) -> Frame:
-    """Write a frame durably at a position of a file; after an OSError nothing of it remains."""
+    """Write a frame durably at a position of a file; an OSError leaves no part of the frame in the file."""
     sizes = tuple((len(part), zlib.crc32(part)) for part in parts)
     text = json.dumps({**head, "parts": sizes}).encode()
     body = sum(map(len, parts))
@@ -100,7 +100,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """Return the frames with valid heads, the end of the last one, and the number of damaged parts of the file."""
+    """Return the frames with valid heads, the end of the last frame, and the number of damaged parts of the file."""
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0

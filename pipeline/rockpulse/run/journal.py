@@ -44,7 +44,7 @@ else:
 
 
 def open_locked(path: Path) -> FileIO | None:
-    """Open or create a file and lock it; None if another process has the lock, OSError if it cannot be opened."""
+    """Open or create a file and lock it; None if another process has the lock, OSError if opening fails."""
     file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666), "r+")
     end = time.monotonic() + PATIENCE
     try:
@@ -93,7 +93,7 @@ class Done:
 
 
 class JournalError(ResultsError):
-    """Error: the journal cannot be used; the message states what happens to the records in it."""
+    """Error: the journal cannot be used; the message states what happens to the journal's records."""
 
     def __init__(self, message: str, tells_resume: bool = True) -> None:
         super().__init__(message, tells_resume)
@@ -185,7 +185,7 @@ class Journal:
         return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
 
     def add(self, done: Done) -> None:
-        """Store the result of a task durably, replacing an earlier one; JournalError if it cannot be written."""
+        """Store the result of a task durably, replacing an earlier result; JournalError if writing fails."""
         if not self.is_current:
             raise JournalError(
                 f"{self.path}: the journal was removed during the run, and the finished records with it; start again"
@@ -202,7 +202,7 @@ class Journal:
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
-        """Return the parts of a finished task; JournalError if they are damaged."""
+        """Return the parts of a finished task; JournalError if the parts are damaged."""
         found = self._parts(key) if key in self._kept else ()
         if found is None:
             raise JournalError(

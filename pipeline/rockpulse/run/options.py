@@ -29,8 +29,8 @@ class BatchOptions:
     Attributes
     ----------
     workers : int or "all", optional
-        Number of processes; "all" for one per core, each with at least eight files or records; 1 for this process
-        alone, on one thread. By default the number in the configuration.
+        Number of processes; "all" for one process per core, each with at least eight files or records; 1 for this
+        process alone, on one thread. By default the number in the configuration.
     scheduler : str, optional
         Address of a dask.distributed scheduler whose workers find the files under the same paths.
     executor : concurrent.futures.Executor, optional

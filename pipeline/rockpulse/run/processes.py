@@ -31,7 +31,7 @@ def call(function: Callable[[Any], Any], item: Any) -> Any:
 
 
 def serve(pipe: Connection) -> None:
-    """Run the main loop of a worker: send (True, result) or (False, exception) for each (function, args, keywords)."""
+    """Run the main loop of a worker: for each (function, args, keywords) send (True, result) or (False, exception)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole process group: the parent handles it
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:

@@ -46,7 +46,7 @@ class Located:
     def read(self, options: ReadOptions) -> Record:
         """Read the record with its samples, with the options of the survey.
 
-        Raises RecordRefused if a file has changed since the survey, RockpulseError or OSError if it cannot be read.
+        Raises RecordRefused if a file has changed since the survey, RockpulseError or OSError if reading fails.
         """
         samples = [_samples(part, options, self.record.source) for part in self.parts]
         return replace(self.record, acceleration=samples[0] if len(samples) == 1 else np.concatenate(samples))

@@ -63,7 +63,7 @@ class Task:
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """Read the planned motion with its samples, as in the survey; it raises the errors of `Located.read`."""
+        """Read the planned motion with its samples, as in the survey; raise the errors of `Located.read`."""
         planned = self.planned
         channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
         vertical, partner = (
@@ -89,10 +89,10 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
     for one in planned:
         compared = [record for comparison in one.comparisons for record in comparison.records]
         acting = [record for record in (*one.channels, one.vertical, one.partner, *compared) if record is not None]
-        told = [text for record in acting for text in _facts_of(record, places[record.id])]
+        facts = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
-        fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *told, *confirmed])
+        fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *facts, *confirmed])
         tasks.append(Task(one, {record.id: places[record.id] for record in acting}, fingerprint))
     return tasks
 
@@ -130,7 +130,7 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
 def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
     """Return the SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
     text = replace(config, run=replace(config.run, workers=1)).as_text()
-    table = located(config.calibration.weighting, config.folder)  # the name of a rule refers to no file
+    table = located(config.calibration.weights, config.folder)  # the name of a rule refers to no file
     weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
     return _digest(
         [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
@@ -226,10 +226,7 @@ def warm_up(analysis: Analysis) -> None:
         models=config.models,
         search=replace(config.search, points=8, step=1.2),
         uncertainty=replace(config.uncertainty, azimuth=False),
-        calibration=CalibrationSettings(
-            method="spectrum" if config.calibration.method == "spectrum" else "statistics",
-            spectrum=config.calibration.spectrum,
-        ),
+        calibration=CalibrationSettings(spectrum=config.calibration.spectrum),
         fragility=replace(config.fragility, pga_min=0.0),
     )
     time = 0.01 * np.arange(801)

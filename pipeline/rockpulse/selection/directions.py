@@ -22,7 +22,9 @@ from rockpulse.selection.twins import (
     clock_candidates,
     compared,
     component_comparisons,
+    copy_candidates,
     partners,
+    uneven_partners,
 )
 from rockpulse.warning_text import WarningText
 
@@ -38,16 +40,16 @@ class PlannedMotion:
     """A channel, or a pair of channels to be rotated, and the vertical channel used with it."""
 
     name: str  # id of the channel, or name of the pair; unique
-    channels: tuple[Record, ...]  # one, or the two of a pair, as read
+    channels: tuple[Record, ...]  # one channel, or both channels of a pair, as read
     vertical: Record | None = None  # as read
-    partner: Record | None = None  # the other channel of its pair, as read, for the intensity of both
-    warnings: tuple[str, ...] = ()  # warnings on each motion that is made from it
+    partner: Record | None = None  # the other channel of a single channel's pair, as read, for the intensity of both
+    warnings: tuple[str, ...] = ()  # warnings for each motion made from the channels
     copy: int = 1  # number, from 1, among pairs whose rotated records would have the same id
-    comparisons: tuple[Comparison, ...] = ()  # other records that its channels are compared with
+    comparisons: tuple[Comparison, ...] = ()  # other records with which the channels are compared
 
     @property
     def rotated(self) -> bool:
-        """Whether it is a pair to be rotated."""
+        """Whether the motion is a pair to be rotated."""
         return len(self.channels) > 1
 
     def direction_id(self, azimuth: float) -> str:
@@ -62,12 +64,12 @@ class Motion:
 
     record: Record  # a channel or a rotated pair, conditioned
     vertical: Record | None = None  # the vertical channel that acts too, conditioned
-    channels: tuple[Record, ...] = ()  # the channel, or the pair, that it is made from, conditioned
-    partner: Record | None = None  # the other channel of its pair, conditioned
+    channels: tuple[Record, ...] = ()  # the channel or pair from which the motion is made, conditioned
+    partner: Record | None = None  # the other channel of a single channel's pair, conditioned
 
     @property
     def pair(self) -> tuple[Record, ...]:
-        """Return the channels whose intensity is measured: both of a pair, or one if the other is unknown."""
+        """Return the channels whose intensity is measured: both channels of a pair, or one if the other is unknown."""
         return self.channels if self.partner is None else (*self.channels, self.partner)
 
 
@@ -80,8 +82,8 @@ def plan_motions(
 ) -> tuple[list[PlannedMotion], list[Failure]]:
     """Return the channels and pairs that section [records] requests, and a failure row for each other channel.
 
-    A channel within :data:`FACING_WITHIN` of the requested azimuth needs no partner; with a demand of a measure it gets
-    one if available.
+    A single channel is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is an intensity
+    measure, each channel gets the other channel of its pair, if there is one.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -131,7 +133,7 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
 
 
 def conditioned(record: Record, config: Config) -> Record:
-    """Condition the record with the options of section [conditioning]; unchanged if it was conditioned before."""
+    """Condition a record with the options of section [conditioning]; a conditioned record is returned unchanged."""
     return record if record.stage == "conditioned" else condition(record, **config.conditioning)
 
 
@@ -173,20 +175,23 @@ def _with_comparisons(
     by_id: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
         by_id[twin.accepted.id].append(twin)
-    partner, clocks = partners(horizontal), clock_candidates(horizontal)
+    partner, clocks, copies = partners(horizontal), clock_candidates(horizontal), copy_candidates(horizontal)
     found = []
+    near = partner | uneven_partners(horizontal, partner)
     for one in planned:
-        comparisons = list(component_comparisons(one.channels, partner))
+        comparisons = list(component_comparisons(one.channels, near))
         for place, channel in enumerate(one.channels):
             comparisons += [Comparison("duplicate", place, twin.rejected, twin.beside) for twin in by_id[channel.id]]
             if id(channel) in clocks:
                 comparisons.append(Comparison("clock", place, clocks[id(channel)]))
+            elif id(channel) in copies and copies[id(channel)] is not partner.get(id(channel)):
+                comparisons.append(Comparison("copy", place, copies[id(channel)]))
         found.append(replace(one, comparisons=tuple(comparisons)))
     return found
 
 
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
-    """Return the planned motion of a channel without a pair if it is along the azimuth; otherwise None."""
+    """Return the planned motion of a channel without a pair if the channel is along the azimuth; otherwise None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
@@ -196,7 +201,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    """Add to each channel the other channel of its pair, or a warning if it has none; pairs are unchanged."""
+    """Add to each single channel the other channel of its pair, or a warning without one; pairs are unchanged."""
     partner = partners(horizontal)
     alone = WarningText("scaled_alone", reason="no other horizontal channel is known to belong to it")
 
@@ -257,7 +262,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
 def unconfirmed_channels(
     planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
 ) -> list[Failure]:
-    """Return a failure row for each channel that is not used because it, or a channel used with it, is doubtful."""
+    """Return a failure row for each channel that is not used because a channel of the motion is doubtful."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""
@@ -266,7 +271,7 @@ def unconfirmed_channels(
         acting.append((f"{planned.name}: its vertical channel ", up))
     if motions[0].partner is not None:
         acting.append((f"{planned.name}: the other channel of its pair ", motions[0].partner))
-    doubted = {id(one): told for _, one in acting if (told := unconfirmed(one, confirm))}
+    doubted = {id(one): reason for _, one in acting if (reason := unconfirmed(one, confirm))}
     causes = [(whose, one) for whose, one in acting if id(one) in doubted]
     rows = [Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed") for whose, one in causes]
     if causes:

@@ -41,12 +41,12 @@ def without_duplicates(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure], list[Twin]]:
-    """Return one record of each ground motion, a failure row for each other record, and the twins to be compared.
+    """Return one record of each ground motion, a failure row for each other record, and the twins (:class:`Twin`).
 
     Recordings are preferred in this order: at the surface; confirmed; all horizontal channels usable; with a pair or a
     vertical channel, if these are requested; processed; higher sampling rate; longer; first by path. A dead channel, or
-    one with an unconfirmed odd peak, is used only if there is no other. Records of ``[records] keep`` are assessed in
-    addition to the chosen one. A failure row ends with `advice`.
+    a channel with an unconfirmed doubtful peak, is used only if there is no other. Records of ``[records] keep`` are
+    assessed in addition to the chosen record. A failure row ends with `advice`.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -81,7 +81,7 @@ def unmatched_patterns(
 
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
-    """Return network, station and, on a structure, place of a record; None if it cannot have duplicates."""
+    """Return network, station and, on a structure, place of a record; None if the record cannot have duplicates."""
     if not record.station or record.start_time is None or record.orientation == "unknown":
         return None
     if record.orientation != "vertical" and not math.isfinite(record.azimuth):
@@ -155,7 +155,7 @@ class _DuplicateSelection:
                 for record in recording.horizontal:
                     if bool(_fault(record, settings.confirm)) is faulty:
                         self._decide(record, recording)
-        # Accept vertical channels with the horizontal ones of their recording; of others accept one per motion.
+        # Accept vertical channels of recordings with accepted horizontal channels; of others accept one per motion.
         used = {id(one): any(id(each) not in self.rejected for each in one.horizontal) for one in self.recordings}
         for following in (True, False):
             for recording in self.recordings:

@@ -1,4 +1,4 @@
-"""Groups records by earthquake, as resamples draw whole earthquakes; in doubt, records are put into one group."""
+"""Groups records by earthquake, as resamples draw whole earthquakes; doubtful cases are put into one group."""
 
 import re
 from collections import Counter, defaultdict
@@ -40,17 +40,17 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield enough pairs of indices of records of one earthquake to connect all records of it among `free`."""
+    """Yield pairs of indices of records of one earthquake, enough to connect all its records among `free`."""
     for members in _grouped(free, lambda index: records[index].source or None):
         yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
     yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)
-    told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
-    yield from _near(records, told, SAME_ORIGIN_S, _alike)
+    with_origin = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
+    yield from _near(records, with_origin, SAME_ORIGIN_S, _alike)
     for members in _grouped(
         free, lambda index: (records[index].format, event) if (event := records[index].event_id) else None
     ):
-        groups = _grouped(members, lambda index: (records[index].origin_time,))  # `_may_be_one` depends only on this
+        groups = _grouped(members, lambda index: (records[index].origin_time,))  # as for `_may_be_one`
         yield from chain.from_iterable(map(pairwise, groups))
         for one, other in combinations(_ends(groups), 2):
             if _may_be_one(records[one], records[other]):
@@ -74,7 +74,7 @@ def _near(
     within: float,
     agree: Callable[[Record, Record], bool],
 ) -> Iterator[tuple[int, int]]:
-    """Yield enough pairs of indices to connect all records that are `within` seconds of each other and `agree`."""
+    """Yield enough pairs of indices to connect all records that are `within` seconds of each other and that `agree`."""
     # Records with equal origin time and magnitude agree with the same records: only the latest one is compared.
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
@@ -86,7 +86,7 @@ def _near(
 
 
 def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[tuple[int, int]]:
-    """Yield enough pairs to connect all records with the same title that may be of one earthquake."""
+    """Yield enough pairs of indices to connect all records with the same title that may be of one earthquake."""
     groups = _by_day(records, members)
     yield from chain.from_iterable(map(pairwise, groups))
     for one, other in _that_may_agree(records, _ends(groups)):
@@ -100,7 +100,7 @@ def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield all pairs of records, among `ends`, that may belong to one earthquake; some of them may not."""
+    """Yield all pairs among the indices `ends` that may be of one earthquake, and some that cannot be."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):
@@ -110,7 +110,7 @@ def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[
     marks = {index: (set(_NUMBER.findall(records[index].event)), _years(records[index])) for index in ends}
     of_number: dict[str, list[int]] = defaultdict(list)
     # Records by year (None if unknown): all records, and those without a number. If one of two records has no time,
-    # they may be of one earthquake if they have a number and a year in common, or if one of them has none.
+    # they may be of one earthquake if they share a number and a year; an unknown number or year counts as shared.
     of_year: dict[bool, dict[int | None, list[int]]] = {False: defaultdict(list), True: defaultdict(list)}
     for index, (numbers, years) in marks.items():
         for number in numbers:
@@ -150,14 +150,14 @@ def moment_of(record: Record) -> datetime | None:
 
 
 def _may_be_one(one: Record, other: Record) -> bool:
-    """Return whether the origin times of two files, if stated, may be those of one earthquake."""
+    """Return whether the origin times of two files, if both are stated, may belong to one earthquake."""
     if one.origin_time is None or other.origin_time is None:
         return True
     return abs((one.origin_time - other.origin_time).total_seconds()) <= JOINED_WITHIN_S
 
 
 def _alike(one: Record, other: Record) -> bool:
-    """Return whether the magnitudes of two files, if stated, may be those of one earthquake."""
+    """Return whether the magnitudes of two files, if both are stated, may belong to one earthquake."""
     return not abs(one.magnitude - other.magnitude) > SAME_MAGNITUDE
 
 
@@ -189,7 +189,7 @@ def words_of(title: str) -> frozenset[str]:
 
 
 def name_of(title: str) -> frozenset[str] | str:
-    """Return the words of a title that may name an earthquake, or the title itself if it has only a number."""
+    """Return the words of a title that may name an earthquake; else the title if it has a digit, or an empty text."""
     return words_of(title) or (title.strip() if any(character.isdigit() for character in title) else "")
 
 
@@ -201,7 +201,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     """Return the earthquake of every record, as a label that records of one earthquake share.
 
     `named` contains labels by record id, which replace the statements of the files; ConfigError if it contains an
-    unknown id or an empty label. A label is that of the user, or the most frequent title of the group, or its earliest
+    unknown id or an empty label. A label is the user's label, or the most frequent title of the group, or its earliest
     start time, or :data:`UNKNOWN`. Labels of groups with the same title end with their time (or file). Two records are
     joined if
 
@@ -240,9 +240,9 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     groups: dict[int, list[int]] = defaultdict(list)
     for index in free:
         groups[root(index)].append(index)
-    told = {top: [records[index] for index in members] for top, members in groups.items()}
-    known = {top: of for top, of in told.items() if any(name_of(one.event) or moment_of(one) for one in of)}
-    titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
+    grouped = {top: [records[index] for index in members] for top, members in groups.items()}
+    known = {top: of for top, of in grouped.items() if any(name_of(one.event) or moment_of(one) for one in of)}
+    titles = dict.fromkeys(grouped, UNKNOWN) | _distinct(known)
     return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
 
 
@@ -264,7 +264,7 @@ def events_by_id(
         return found, []
     reason = (
         f"[records] events names records that were not read: {some(unknown, 5)}; the records read are such as "
-        f"{some(ids, 3)}: if these are no records of the files that failed, correct the names"
+        f"{some(ids, 3)}: correct the names, unless they are records of the files that failed"
     )
     return found, [Failure("[records] events", "events", reason, "failed")]
 
@@ -287,7 +287,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 
 def _title(members: Sequence[Record]) -> str:
-    """Return the most frequent title, preferably one with words; of equally frequent ones, the alphabetically first."""
+    """Return the most frequent title, preferably one with words; if several, the first in the alphabet."""
     counts = Counter(record.event.strip() for record in members if name_of(record.event))
     return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 

@@ -70,8 +70,8 @@ def read_selection_table(path: Path, where: str = "[fragility] selection") -> Se
     kinds = [name for name in ("factor", "level") if name in header]
     if len(kinds) != 1:
         raise ConfigError(
-            f"{where}: {path}: expected one of the columns factor and level, found {' and '.join(kinds) or 'neither'} "
-            f"among {', '.join(header)}"
+            f"{where}: {path}: expected either a column factor or a column level, found "
+            f"{' and '.join(kinds) or 'neither'} (columns: {', '.join(header)})"
         )
     found: dict[str, list[tuple[float, float]]] = {}
     for line, cells in lines:
@@ -101,7 +101,7 @@ def selection_of(config: Config) -> SelectedRecords | None:
 
 
 def demand_selections(config: Config) -> dict[str, dict[str, float]]:
-    """Return the scale factor of each record, by its id, of the demands with a selection, by the demand's name."""
+    """Return, for each demand with a selection, the scale factors of records by id; the keys are names of demands."""
     found = {}
     for demand in config.demands:
         if demand.selection is not None:
@@ -113,7 +113,7 @@ def demand_selections(config: Config) -> dict[str, dict[str, float]]:
 
 @lru_cache(maxsize=16)
 def _factors(path: Path, where: str, state: int) -> dict[str, float]:
-    """Return the scale factor of each record; cached, as every record of a run reads the table."""
+    """Return the scale factor of each record; the result is cached, as every record of a run needs the table."""
     table = read_selection_table(path, where)
     if not table.by_factor:
         raise ConfigError(f"{where}: {path}: expected the column factor, the scale factor of each record, found level")
@@ -125,7 +125,7 @@ def _factors(path: Path, where: str, state: int) -> dict[str, float]:
 
 
 def given_table(given: str, config: Config, where: str, columns: str) -> Path:
-    """Return the path of a table that the configuration names; raise ConfigError if it does not exist."""
+    """Return the path of a table that the configuration names; raise ConfigError if the file does not exist."""
     path = located(given, config.folder)
     if not path.exists():
         raise ConfigError(f"{where}: {path}: no such file; expected a CSV table with the columns {columns}")
@@ -154,7 +154,7 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
 
 
 def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """Return the header of a CSV table, and line number and cells of each row; raise ConfigError without `columns`."""
+    """Return the header of a CSV table, and line number and cells of each row; ConfigError if a column is missing."""
     named = ", ".join(columns)
     expected = f"a CSV table with the columns {named}"
     text = read_text(path, what=expected)
@@ -168,8 +168,7 @@ def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], li
     header = rows[0][1]
     if missing := [name for name in columns if name not in header]:
         raise ConfigError(
-            f"{where}: {path}: expected the columns {named}; "
-            f"no column {' and '.join(missing)} among {', '.join(header)}"
+            f"{where}: {path}: expected the columns {named}; missing: {', '.join(missing)}; found: {', '.join(header)}"
         )
     found = []
     for line, row in rows[1:]:

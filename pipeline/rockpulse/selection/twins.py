@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.errors import Failure
 from rockpulse.readers.kit.channel import SIGNS
-from rockpulse.record.components import concurrent, find_pairs, offset, sensor_level
+from rockpulse.record.components import concurrent, find_pairs, instrument, offset, sensor_level
 from rockpulse.record.defects import deciding, with_defects
 from rockpulse.record.record import Record, id_matches, outline_of
 from rockpulse.warning_text import WarningText, find
@@ -20,6 +20,8 @@ from rockpulse.warning_text import WarningText, find
 LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
 #: Largest ratio of the peaks of the two horizontal components of one instrument.
 COMPONENTS_RATIO = 5.0
+#: Largest relative difference of the sampling intervals of the two horizontal components of one instrument.
+INTERVALS_APART = 0.01
 #: Smallest correlation of two components of which one is a copy of the other, whatever its sign and scale.
 COPY_CORRELATION = 0.999
 #: Smallest angle between the lines of the two components of a pair [degrees].
@@ -46,8 +48,8 @@ CAUSES = {
 class Comparison:
     """Another record with which a channel of a planned motion is compared."""
 
-    # a duplicate; a record that may be the same with a wrong clock; the other component of the instrument
-    kind: Literal["duplicate", "clock", "component"]
+    # a duplicate; a record that may be the same motion with a wrong clock, or scaled; the other component
+    kind: Literal["duplicate", "clock", "copy", "component"]
     channel: int  # index of the channel in the planned motion
     other: Record  # as read
     beside: tuple[Record, ...] = ()  # the channels recorded together with the other record, as read
@@ -94,13 +96,16 @@ def likeness(record: Record, other: Record) -> Likeness:
 
 
 def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
-    """Return channels as read, with a warning on each of them that a comparison makes doubtful."""
+    """Return channels as read; a channel that a comparison makes doubtful gets a warning."""
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
-        told = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
-        if told is not None:
-            found[one.channel] = found[one.channel].with_warning(told)
+        if one.kind == "copy":
+            warning = _copy(channel, one.other)
+        else:
+            warning = _components(channel, one.other) if one.kind == "component" else _duplicate(channel, one)
+        if warning is not None:
+            found[one.channel] = found[one.channel].with_warning(warning)
     return found
 
 
@@ -109,7 +114,7 @@ def clock_twin(
 ) -> list[Failure]:
     """Return a failure row for each channel that repeats another record with a different clock time.
 
-    A confirmed record is preferred to one that is not confirmed, then a processed one to a raw one.
+    Confirmed records are preferred to others, then processed records to raw records.
     """
 
     def place(record: Record) -> tuple[bool, int, str]:
@@ -139,27 +144,27 @@ def _duplicate(channel: Record, against: Comparison) -> WarningText | None:
     )
     said: list[str] = []
     if abs(like.correlation) < LEAST_CORRELATION:
-        told = f"the correlation is {like.correlation:.2f}"
+        unlike = f"the correlation is {like.correlation:.2f}"
         for other in against.beside:
             crosswise = likeness(channel, other)
             if abs(crosswise.correlation) >= LEAST_CORRELATION:
-                told += (
+                unlike += (
                     f", and {crosswise.correlation:.2f} with {other.id}: the labels of the components may be swapped"
                 )
                 break
-        said.append(told)
+        said.append(unlike)
     elif like.correlation * expected < 0.0:
         said.append("the sign is opposite: one of them may be positive the other way")
     if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
         said.append(": ".join(filter(None, (f"it is {_ratio(like.ratio)}", _cause(like.ratio)))))
     if not said:
         return None
-    told = "; ".join(said)
+    differences = "; ".join(said)
     return WarningText(
         "twin_differs",
         other=against.other.id,
         source=PurePath(against.other.source).name,
-        differences=told,
+        differences=differences,
         decides=True,
     )
 
@@ -170,11 +175,13 @@ def _ratio(ratio: float) -> str:
 
 def _cause(ratio: float) -> str:
     size = max(ratio, 1.0 / ratio)
-    return next((told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
+    return next((cause for factor, cause in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if a component copies the other, or its peak differs greatly and no defect explains it."""
+    """Return a warning if one component copies the other, or their intervals or (without a defect) peaks differ."""
+    if abs(channel.dt / other.dt - 1.0) > INTERVALS_APART:
+        return WarningText("interval_apart", interval=channel.dt, other=other.id, stated=other.dt, decides=True)
     mine, others = (outline_of(one) for one in (channel, other))
     if not mine or not others or any(deciding(with_defects(one)) for one in (channel, other)):
         return None
@@ -182,6 +189,11 @@ def _components(channel: Record, other: Record) -> WarningText | None:
         ratio = mine[1] / others[1]
         cause = _cause(ratio) or "a unit or gain may be wrong"
         return WarningText("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
+    return _copy(channel, other)
+
+
+def _copy(channel: Record, other: Record) -> WarningText | None:
+    """Return a warning if a channel is another one multiplied by a number."""
     correlation = likeness(channel, other).correlation
     if abs(correlation) < COPY_CORRELATION:
         return None
@@ -194,7 +206,7 @@ def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of each channel with the other of its pair if peaks differ greatly or both may be equal."""
+    """Yield a comparison of a channel with its partner if peaks or intervals differ, or one may copy the other."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
@@ -203,7 +215,8 @@ def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]
         if not mine or not others:
             continue
         alike = np.allclose(mine[2:], others[2:], rtol=0.0, atol=2.0 * channel.dt)
-        if _apart(mine, others) or (alike and not find(channel.warnings, "same_samples")):
+        uneven = abs(channel.dt / other.dt - 1.0) > INTERVALS_APART
+        if uneven or _apart(mine, others) or (alike and not find(channel.warnings, "same_samples")):
             yield Comparison("component", place, other)
 
 
@@ -214,12 +227,43 @@ def _between(one: Record, other: Record) -> float:
 
 
 def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
-    """Return the other channel of the pair for each horizontal channel, which is identified by ``id(channel)``."""
+    """Return the other channel of the pair of each horizontal channel, by ``id(channel)``."""
     return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
 
 
+def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) -> dict[int, Record]:
+    """Return pairs as `partners`, of channels without times that are no pair because their intervals differ."""
+    groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
+    for record in horizontal:
+        if id(record) not in partner and record.start_time is None and record.event:
+            recorded = record.event, record.station_name, PurePath(record.source).parent
+            groups[*instrument(record), *recorded].append(record)
+    pairs = [group for group in groups.values() if len(group) == 2 and group[0].dt != group[1].dt]
+    return {id(one): other for pair in pairs for one, other in (pair, pair[::-1])}
+
+
+def copy_candidates(records: Sequence[Record]) -> dict[int, Record]:
+    """Return, by ``id(record)``, a record of another file whose energy arrives at the same times, if there is one."""
+    groups: dict[tuple[int, float], list[tuple[tuple[float, ...], Record]]] = defaultdict(list)
+    for record in records:
+        if outline := outline_of(record):
+            groups[record.npts, record.dt].append((outline[2:], record))
+    found: dict[int, Record] = {}
+    for (_, dt), group in groups.items():
+        group.sort(key=lambda one: (one[0][2], one[1].id))
+        for place, (times, record) in enumerate(group):
+            for others, other in (group[step] for step in range(place + 1, len(group))):
+                if others[2] - times[2] > 2.0 * dt:
+                    break
+                near = all(abs(one - two) <= 2.0 * dt for one, two in zip(times, others, strict=True))
+                if near and other.source != record.source:
+                    found.setdefault(id(record), other)
+                    found.setdefault(id(other), record)
+    return found
+
+
 def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
-    """Return, by ``id(record)``, another record that may be the same one with a wrong clock, if there is one."""
+    """Return, by ``id(record)``, another record that may be the same motion with a wrong clock, if one exists."""
     groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
     for record in records:
         if not record.station or record.start_time is None or not (outline := outline_of(record)):

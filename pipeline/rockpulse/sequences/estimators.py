@@ -12,7 +12,7 @@ from rockpulse.record.intensity import IntensePhase
 
 #: Smallest number of half-waves for a sequence: they give main and secondary impulse and two intervals.
 FEWEST_WAVES = 3
-#: Half-waves above this share of the largest one count as main impulses.
+#: Half-waves above this share of the largest half-wave count as main impulses.
 MAIN_SHARE = 0.5
 
 
@@ -76,11 +76,11 @@ def record_sequence(
     main : {"largest", "mean-largest", "quantile"}
         Main impulse I: the largest half-wave; the mean of the `m` largest; or the `quantile` of all.
     secondary : {"rms", "mean", "median"}
-        Secondary impulse I_s, from the half-waves that are neither used for the main impulse nor larger than it.
+        Secondary impulse I_s, from the half-waves that are neither used for nor larger than the main impulse.
     interval : {"median", "mean"}
         Interval dT of the secondary impulses, from the spacings of successive centroids.
     main_count : {"half-largest", "none"} or int
-        Number of main impulses: the number of half-waves above half the largest; no limit; or the given number.
+        Number of main impulses: the number of half-waves above half the largest half-wave; no limit; or an integer.
     spacing : {"end", "middle", "start", "open", "continuous"}
         Position of the secondary impulses in a half-cycle, see :class:`rocking.ImpulseSequence`.
     duration_s : float, optional

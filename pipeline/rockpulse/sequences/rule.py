@@ -28,7 +28,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
-#: For each working point: the field of :class:`rockpulse.models.HalfWaveDemand`, and the factor that 1/D estimates.
+#: For each variant: the field of :class:`rockpulse.models.HalfWaveDemand`, and the scale factor that 1/D estimates.
 POINTS = {"balanced": ("march", "factor_mean"), "conservative": ("march_10", "factor_10")}
 #: The rule that is part of the package.
 SHIPPED = "rule.toml"
@@ -39,20 +39,20 @@ TRAITS = {
     "slenderness": "slenderness {} to {}",
     "restitution_ratio": "C {} to {} times Housner's",
 }
-#: Tolerance of the range [-], as its limits are rounded to two digits.
+#: Tolerance of the range [-], the limits of which are rounded to two digits.
 SLACK = 0.01
 
 
 @dataclass(frozen=True)
 class Rule:
-    """One working point of the rule, as :func:`rockpulse.load_rule` reads it.
+    """One variant of the rule, as :func:`rockpulse.load_rule` reads it.
 
     Attributes
     ----------
     point : str
         "balanced" or "conservative".
     factor : float
-        Demand divided by march [-], positive.
+        Factor on the demand of a march through the half-waves [-], positive.
     within : dict of str to (float, float)
         Range of p [1/s], radius [m], slenderness [-] and restitution_ratio (C divided by Housner's value [-]) of the
         bodies on which the rule was fitted; a quantity without a range is unlimited.
@@ -90,12 +90,12 @@ class Rule:
         return np.minimum(self.factor * march, _uplift(waves, block))
 
     def safety_factor(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Return the safety factor 1/D (m,) [-], at which the sequence overturns a block; inf if D is zero."""
+        """Return the safety factor 1/D (m,) [-], at which the rule predicts overturning; inf if D is zero."""
         demand = self.demand(waves, block)
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
     def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
-        """Return the scale factors that overturn each block: all from the safety factor to `factor_max`."""
+        """Return the scale factors that overturn each block: the interval from the safety factor to `factor_max`."""
         factor = self.safety_factor(waves, block)
         lane = np.flatnonzero(factor <= factor_max)
         return ScaleIntervals(
@@ -110,7 +110,7 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """Return one sequence for each of (m,) blocks that is equivalent to the record; zero impulses without uplift.
+        """Return for each of (m,) blocks a sequence equivalent to the record; its impulses are zero without uplift.
 
         Use with ``sequence_response(..., paired=True)``; the spacing is "continuous". In the limit n -> infinity
         (VALIDATION F4) half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 -
@@ -122,9 +122,9 @@ class Rule:
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
         """Return the lanes of the overturning spectrum at ascending p (a,) [1/s], with all demands times `factor`.
 
-        No block overturns below x = p/PGA, as the peak of the half-waves does not lift it. The random critical angles
-        are on average 4 % smaller than the nominal angle, so that the spectrum is at most 1.04 PGA/p, while
-        :meth:`demand` is based on PGA/p.
+        No block overturns below x = p/PGA (:class:`rockpulse.models.SpectrumLanes`), at which the PGA lifts it. The
+        random critical angles are on average 4 % smaller than the nominal angle, so that the spectrum is at most
+        1.04 PGA/p, while :meth:`demand` is based on PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)
@@ -159,19 +159,19 @@ class Rule:
 
 
 def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
-    """Load a working point of a fitted rule.
+    """Load a variant of a fitted rule.
 
     Parameters
     ----------
     point : {"balanced", "conservative"}
-        The working point of the rule.
+        The variant of the rule.
     path : str or Path, optional
         File written by ``make rule`` in the repository; by default the file in the package.
 
     Raises
     ------
     ConfigError
-        For an unknown point, or a file without a rule.
+        For an unknown variant, or a file without a rule.
 
     Examples
     --------
@@ -204,7 +204,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """Return the quantities (m,) of blocks by which the range of a rule is defined, by the names in TRAITS."""
+    """Return the quantities (m,) that define the range of a rule, for blocks, by the names in TRAITS."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
@@ -220,7 +220,7 @@ def traits(block: Block) -> dict[str, np.ndarray]:
 def sequence_of_demand(
     demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
 ) -> ImpulseSequence:
-    """Return sequences (m,) with the demand D on each block; the impulses are zero for blocks that are not lifted."""
+    """Return a sequence with the demand D for each of (m,) blocks; the impulses are zero for blocks not `lifted`."""
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)
@@ -237,12 +237,12 @@ def sequence_of_demand(
     )
 
 
-#: Demand of half-waves on blocks, for both working points, the sequence and the safety factor, while they are in use.
+#: Cached demands of half-waves on blocks, which both variants, the sequence and the safety factor use.
 _DEMANDS: WeakKeyDictionary[HalfWaves, dict[Block, HalfWaveDemand]] = WeakKeyDictionary()
 
 
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Return the demand of half-waves on blocks, computed once for the same objects."""
+    """Return the demand of half-waves on blocks; the result is cached for these objects."""
     known = _DEMANDS.setdefault(waves, {})
     if block not in known:
         known[block] = demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
@@ -250,5 +250,5 @@ def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
 
 
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
-    """Return PGA/(g tan alpha) (m,) [-]."""
+    """Return the ratio (m,) of the PGA to the acceleration g tan alpha that lifts each block [-]."""
     return np.max(np.abs(waves.peak), initial=0.0) / (block.gravity * np.tan(np.atleast_1d(block.alpha_c)))

@@ -9,7 +9,17 @@ import pytest
 
 import rockpulse as rp
 from laboratory.ensemble import StrongMotion, blocks, strong_motions
-from laboratory.histories import ALLOWED, ENDS, PANELS, check_rates, draw, motion_cases, overview
+from laboratory.histories import (
+    ALLOWED,
+    ENDS,
+    PANELS,
+    check_rates,
+    draw,
+    motion_cases,
+    overview,
+    spectrum_at_bodies,
+)
+from laboratory.record_criterion import demand_cases, record_verdicts, verdict_counts
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 
@@ -84,6 +94,20 @@ def test_intervals_are_over_earthquakes():
     assert at_one["missed_low"] < at_one["missed_share"] < at_one["missed_high"]
 
 
+def test_the_verdict_by_records_counts_every_record():
+    """Three earthquakes: a set of three is all of them, a set of seven does not exist."""
+    rotations = {0: (0.5, 0.1, 0.1), 1: (0.1, 0.1, 0.1), 2: (np.inf, 0.1, 0.1)}
+    rows = [
+        {"demand": 0.2, "lane": lane, "event": f"e{event}", "rotation": one, "probability": 0.1 * event}
+        for lane, peaks in rotations.items()
+        for event, one in enumerate(peaks)
+    ]
+    found = record_verdicts(pd.DataFrame(rows), sizes=(3,))
+    assert found["probability"].to_numpy() == pytest.approx([0.1] * 3)
+    assert found["slv_all"].tolist() == found["slv_3"].tolist() == [1.0, 0.0, 1.0]
+    assert found["slc_all"].tolist() == found["slc_3"].tolist() == [0.0, 0.0, 1.0]
+
+
 def test_the_picture_and_the_text_hold_every_check(cases):
     rates = check_rates(cases)
     told = overview(cases, rates, SURE)
@@ -99,8 +123,8 @@ def test_the_picture_and_the_text_hold_every_check(cases):
 
 
 def percent(value, low=np.nan, high=np.nan):
-    told = f"{100.0 * value:.2g} %"
-    return told if np.isnan(low) else f"{told} ({100.0 * low:.2g}-{100.0 * high:.2g})"
+    shown, *ends = (f"{float(f'{100.0 * one:.2g}'):g}" for one in (value, low, high))
+    return f"{shown} %" if np.isnan(low) else f"{shown} % ({'-'.join(ends)})"
 
 
 NAMES = {
@@ -108,6 +132,8 @@ NAMES = {
     "nonlinear": "nonlinear, 2009",
     "both": "both of 2009",
     "displacement": "displacement, 2019",
+    "free": "linear, free to vibrate",
+    "free_displacement": "displacement, free to vibrate",
 }
 
 
@@ -128,6 +154,15 @@ def manual_rows(rates):
         )
 
 
+def verdict_rows(counts):
+    """The rows of the table of verdicts by records in docs/theory/safety.md."""
+    for one in counts.itertuples():
+        demand = "all" if np.isnan(one.demand) else f"{one.demand:g} g"
+        sets = (f"{100.0 * getattr(one, name) / one.bodies:.0f} %" for name in ("slv_7", "slc_7", "slv_3", "slc_3"))
+        fails = (f"{one.slv_all:.0f}", f"{one.slc_all:.0f}", *sets)
+        yield f"| {demand} | {one.overturns} | {one.may_overturn} | {' | '.join(fails)} |"
+
+
 @pytest.mark.slow
 def test_the_table_of_the_manual_is_what_comes_out_on_fema_p695(records_folder, tmp_path):
     """43 channels, 12 bodies, factors 0.5, 1 and 2."""
@@ -138,8 +173,10 @@ def test_the_table_of_the_manual_is_what_comes_out_on_fema_p695(records_folder, 
     records = rp.read_all([tmp_path / "p695"], "g")[0]
     motions, _ = strong_motions(records, titles=dict(zip(events["record"], events["event"], strict=True)))
     assert len(motions) == 43
-    rates = check_rates(pd.concat([motion_cases(one, SURE) for one in motions], ignore_index=True))
+    spectra = [(one, spectrum_at_bodies(one)) for one in motions]
+    rates = check_rates(pd.concat([motion_cases(one, SURE, own) for one, own in spectra], ignore_index=True))
+    counts = verdict_counts(record_verdicts(pd.concat([demand_cases(*one) for one in spectra], ignore_index=True)))
     page = (Path(__file__).parents[3] / "docs" / "theory" / "safety.md").read_text(encoding="utf-8")
     assert rates["passed"].max() > 500
-    missing = [row for row in manual_rows(rates) if row not in page]
+    missing = [row for row in (*manual_rows(rates), *verdict_rows(counts)) if row not in page]
     assert missing == []

@@ -86,7 +86,7 @@ def test_a_missing_or_wrong_table_is_refused_before_records_are_read(folder, tmp
     for verb in (rp.assess_files, rp.calibrate_files):
         with pytest.raises(ConfigError, match=r"\[records\] events: .*none\.csv: no such file"):
             verb(folder, config, tmp_path / "x.h5")
-        with pytest.raises(ConfigError, match="no column event"):
+        with pytest.raises(ConfigError, match="missing: event"):
             verb(folder, with_table(tmp_path, "record,quake\nm0,Kobe\n"), tmp_path / "x.h5")
     assert not journal_path(tmp_path / "x.h5").exists()
     with pytest.raises(ConfigError, match=r"\[records\] events: .*none\.csv: no such file"):

@@ -107,7 +107,7 @@ def test_several_sequences_and_no_body_are_refused():
 
 def test_a_sequence_without_limits_is_told_as_such():
     endless = dataclasses.replace(SEQUENCE, main=0.01, secondary=0.0, main_count=None, duration=np.inf)
-    with pytest.raises(ConfigError, match="without main_count and duration"):
+    with pytest.raises(ConfigError, match="needs main_count or duration"):
         rp.assess_sequence(endless, EVERY, BLOCKS)
     summary = rp.assess_sequence(endless, Config(models=ModelSettings(use=["sequence"])), BLOCKS)["summary"]
     assert summary["main_count"].values.tolist() == [-1]
@@ -123,9 +123,12 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
     summary = tree["summary"].to_dataset().isel(record=0)
     assert summary["model"].values.tolist() == ["sequence"]
     found = summary["safety_factor"].sel(model="sequence").values
-    np.testing.assert_allclose(found, design.factor(lanes), rtol=1e-12)
-    np.testing.assert_allclose(found, usual_site()["site"]["design_factor"].sel(block=["wall", "pier"]), rtol=1e-12)
-    assert (summary["outcome"].sel(model="sequence") == np.where(found <= 1.0, 2, 1)).all()
+    np.testing.assert_allclose(found, design.factor(lanes), rtol=0.005)
+    site = usual_site()["site"].to_dataset().sel(block=["wall", "pier"])
+    np.testing.assert_allclose(found, site["design_factor"], rtol=0.005)
+    # The verdicts and rotations are those of the calibration's own table.
+    assert (summary["outcome"].sel(model="sequence") == np.where(site["design_factor"] <= 1.0, 2, 1)).all()
+    np.testing.assert_array_equal(summary["peak_rotation_ratio"].sel(model="sequence"), site["rotation_ratio"])
     assert np.isnan(summary["main_impulse"].item())
     words = "a design spectrum, not a record: resonance, impulsive, linear, nonlinear cannot be applied"
     assert words in summary["warnings"].item()

@@ -272,7 +272,7 @@ def test_a_turned_body_on_a_floor_is_shaken_by_the_floor_in_its_direction():
 
 def test_a_direction_needs_a_pair():
     own = body("own", azimuth=30.0)
-    with pytest.raises(rp.ConfigError, match=r'"own" azimuth: a direction of its own needs pairs of channels'):
+    with pytest.raises(rp.ConfigError, match=r'"own" azimuth: a body with its own direction needs pairs of channels'):
         config(own)
     with pytest.raises(rp.ConfigError, match="needs pairs of channels"):
         rp.assess(PAIR, bodies=[own])

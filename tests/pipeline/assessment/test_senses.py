@@ -102,7 +102,7 @@ def test_what_is_stored_makes_the_same_body_again(tmp_path):
         history = rp.plots.histories(loaded, "pulse", block.name, ["nonlinear"])[0]
         assert np.nanmax(np.abs(history.rotation)) <= history.peak + 1e-12
     told = [Known(summary, block=block.name).support for block in blocks]
-    assert told == ["before a wall", "different corners, alpha 0.197 rad and 0.291 rad", "1 tie"]
+    assert told == ["against a wall", "different corners, alpha 0.197 rad and 0.291 rad", "1 tie"]
     figure = rp.plots.draw(loaded, "bodies")
     assert [ax.get_title() for ax in figure.axes if ax.get_visible()] == ["façade", "corners", "tied"]
 

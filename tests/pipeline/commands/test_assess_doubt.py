@@ -39,7 +39,7 @@ def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, quick, t
     said = " ".join(capsys.readouterr().out.split())
     assert values(target, "record") == ["strong.90"]
     assert values(target, "failures/kind") == ["failed"]
-    assert "odd.90: peak 432 g in the unit g; the values would be 0.44 g if it were cm/s2" in said
+    assert "odd.90: peak 432 g if the unit is g; 0.44 g if it is cm/s2" in said
     assert "if it is right, give --confirm odd.90, or confirm" in said
     again = [*given, "--overwrite", "--config"]
     assert assess(*again, quick, "--confirm", "strong*", "--confirm", "odd.*") == 0

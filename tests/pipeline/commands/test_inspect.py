@@ -30,7 +30,7 @@ def test_the_overview_names_records_verdicts_and_what_was_left_out(results, caps
     out = capsys.readouterr().out
     assert all(record in out for record in RECORDS)
     assert "OVERTURNS" in out
-    assert "upper-bound type input" in out
+    assert "upper-bound input" in out
     assert "cut.AT2:4: expected 100 samples, found 3" in out
 
 

@@ -70,7 +70,7 @@ def test_models_and_options_are_passed_on(results, tmp_path, monkeypatch):
     target = tmp_path / "picture.svg"
     words = ["--model", "nonlinear", "--model", "resonance", "-o", str(target), "--quiet"]
     assert main(["plot", str(results), "rotation-history", *words]) == 0
-    assert "resonance (upper-bound type input)" in target.read_text(encoding="utf-8")
+    assert "resonance (upper-bound input)" in target.read_text(encoding="utf-8")
     arguments = ["--restitution", "0.9", "-o", str(target), "--overwrite", "--quiet"]
     given, draw = [], drawing.DRAWERS["accelerogram"]
 
@@ -98,7 +98,7 @@ def test_a_picture_that_exists_is_kept(results, tmp_path, capsys):
         (["accelerograms", "-o", "x.svg"], 'did you mean "accelerogram"'),
         (["fragility", "-o", "x.svg"], "expected a file of 'rockpulse fragility'"),
         (["accelerogram", "--record", "CI.CCC..90@20190706T031937", "-o", "x.svg"], "the nearest: CI.CCC..360@"),
-        (["accelerogram", "--block", "pinnacle", "-o", "x.svg"], "no block to choose; it takes record"),
+        (["accelerogram", "--block", "pinnacle", "-o", "x.svg"], "has no option block; its options: record"),
         (["rocking-spectrum", "--restitution", "much", "-o", "x.svg"], "expected a number from 0 to 1"),
     ],
 )

@@ -140,7 +140,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     assert main([*arguments, "--overwrite", "--soil-factor", "1.4"]) == 2
     assert "[hazard] soil_factor: the bodies have their own" in capsys.readouterr().err
     assert main([*arguments, "--overwrite", "--site", "13", "42"]) == 2
-    assert "one curve without a place, but a site was named" in capsys.readouterr().err
+    assert "one hazard curve without coordinates, so no site can be looked up" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

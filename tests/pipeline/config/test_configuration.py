@@ -205,9 +205,9 @@ def test_a_demand_on_the_command_line(option, name, strength):
     ("option", "told"),
     [
         ("0.35g", r'expected MEASURE=VALUE with a unit, such as "pga=0.35g"'),
-        ("pga=0.35", r'"pga=0.35": \[\[demand\]\] value: expected a positive number and its unit \(m/s2 or g'),
+        ("pga=0.35", r'"pga=0.35": \[\[demand\]\] value: expected a positive number and its unit \(m/s2, g'),
         ("pga=-1g", "expected a positive number"),
-        ("sa=1g", "period belongs to"),
+        ("sa=1g", r"needs period \[s\]"),
         ("pgd=1m", 'did you mean "pgv"'),
     ],
 )
@@ -268,7 +268,6 @@ def test_the_uncertainty_is_read_and_written_and_is_that_of_the_solver(load):
 @pytest.mark.parametrize(
     ("text", "shares"),
     [
-        ("[1.05, 0.9]", (0.9, 1.05)),  # limits in any order
         ("[0.97, 1.2, 0.97, 0.9]", (0.9, 0.97, 0.97, 1.2)),  # measured values
         ("[2.0, 2]", (2.0, 2.0)),
     ],

@@ -129,7 +129,7 @@ def test_an_interval_that_obspy_keeps_as_a_rate_is_that_of_the_record_and_a_chan
 def test_an_integrated_trace_is_no_acceleration_unless_the_unit_is_given(record):
     trace = rp.to_trace(record)
     trace.integrate()
-    with pytest.raises(UnitError, match=r"no longer what they were: ObsPy .*integrate"):
+    with pytest.raises(UnitError, match=r"changed the unit of its values: ObsPy .*integrate"):
         rp.from_trace(trace)
     trace.differentiate()
     back = rp.from_trace(trace, units="m/s2")
@@ -176,7 +176,7 @@ def test_a_trace_that_lost_its_codes_has_an_id_of_its_name(record):
     assert rp.from_trace(trace).id == "c.1"
     del trace.stats.rockpulse["codes"]
     back = rp.from_trace(trace, azimuth=370.0)
-    assert back.warnings[-1] == "the codes were unknown when the trace was made; the id was made anew"
+    assert back.warnings[-1] == "the codes were unknown when the trace was made; a new id was made"
     assert (back.azimuth, back.orientation, back.component) == (10.0, "horizontal", "")
 
 

@@ -310,7 +310,7 @@ def test_intervals_in_a_ratio_of_a_thousand_are_taken(new, taken):
     if taken:
         assert condition(motion, "none", resample_s=new).dt == new
     else:
-        with pytest.raises(ConfigError, match="in no ratio of whole numbers"):
+        with pytest.raises(ConfigError, match="is not a ratio of whole numbers"):
             condition(motion, "none", resample_s=new)
 
 
@@ -352,7 +352,7 @@ def test_steps_are_written_down_in_their_order_and_the_rest_is_kept():
         ({"resample_s": 0.0}, "resample_s: expected a positive interval"),
         ({"resample_s": math.nan}, "resample_s: expected a positive interval"),
         ({"resample_s": 61.0}, "resample_s: expected a positive interval in s, no longer than test"),
-        ({"resample_s": 0.01 * math.sqrt(2.0)}, "in no ratio of whole numbers up to 1000"),
+        ({"resample_s": 0.01 * math.sqrt(2.0)}, "is not a ratio of whole numbers up to 1000"),
         ({"baseline": "mean", "pre_event_s": 2.0}, "pre_event_s belongs to baseline 'pre-event' or 'auto'"),
         ({"pre_event_s": 0.001}, "pre_event_s: expected a window of at least two samples"),
     ],
@@ -368,5 +368,5 @@ def test_two_samples_can_be_conditioned():
 
 
 def test_corner_far_below_the_record_is_refused_before_its_pads_are_made():
-    with pytest.raises(ConfigError, match=r"pads of 3e\+14 samples, expected at most 1e\+07"):
+    with pytest.raises(ConfigError, match=r"needs 3e\+14 samples of padding at each end, expected at most 1e\+07"):
         condition(sine(1.0), "none", highpass_hz=1e-12)

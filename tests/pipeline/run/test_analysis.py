@@ -104,8 +104,8 @@ def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
     assert names == ["b"]
     assert (file, stage, kind) == (odd.source, "measure", "failed")
     assert reason == (
-        "XX.A..HNE@20230206T011732: peak 62.3 g in the unit g; the values would be 0.0635 g if it were cm/s2 or "
-        "0.00635 g if it were mm/s2. A peak above 5 g after conditioning is rejected unless it is confirmed: "
+        "XX.A..HNE@20230206T011732: peak 62.3 g if the unit is g; 0.0635 g if it is cm/s2 or "
+        "0.00635 g if it is mm/s2. A peak above 5 g after conditioning is rejected unless it is confirmed: "
         "correct the unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
         '--confirm XX.A..HNE@20230206T011732, or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
     )

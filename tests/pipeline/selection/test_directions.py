@@ -250,7 +250,9 @@ def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked,
         both = plan_motions([alone], replace(options, records=replace(options.records, include_vertical=True)))[0]
         alone_told, vertical_told = both[0].warnings
         assert alone_told.startswith("no pair: as recorded")
-        assert vertical_told == "no vertical channel of this station overlaps in time: taken as zero"
+        assert (
+            vertical_told == "no vertical channel of this station overlaps in time: its acceleration is taken as zero"
+        )
         assert code_of(vertical_told) == "vertical_missing"
     for components in ("strongest", "sweep"):
         assert [one.kind for one in plan_motions([alone], config(components))[1]] == ["failed"]

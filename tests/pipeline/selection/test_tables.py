@@ -27,8 +27,8 @@ def test_levels_and_weights_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("record,weight\na,1\n", "expected one of the columns factor and level, found neither"),
-        ("record,factor,level\na,1,1\n", "expected one of the columns factor and level, found factor and level"),
+        ("record,weight\na,1\n", "expected either a column factor or a column level, found neither"),
+        ("record,factor,level\na,1,1\n", "expected either a column factor or a column level, found factor and level"),
         ("record,factor\na,0\n", "row 2: factor: expected a number above 0, found '0'"),
         ("record,factor,weight\na,1,x\n", "row 2: weight: expected a number above 0, found 'x'"),
         ("record,factor,weight\na,1\n", "row 2: weight: expected a number above 0, found ''"),

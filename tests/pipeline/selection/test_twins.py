@@ -131,6 +131,35 @@ def test_a_component_in_another_file_that_is_a_copy_is_told(scale, turned):
         assert f"the samples are those of a.{other}{turned}: one of them is a copy" in warnings
 
 
+@pytest.mark.parametrize("timed", [True, False])
+def test_components_of_one_instrument_with_two_intervals_are_in_doubt(timed):
+    """In files without times the event and the station show that they belong together."""
+    pair = [replace(one, source=f"folder/{one.id}.AT2") for one in recording("a")]
+    if not timed:
+        pair = [replace(one, start_time=None, event="Ridgecrest", station_name="China Lake") for one in pair]
+    uneven = [pair[0], replace(pair[1], dt=DT / 2.0)]
+    found, failed, _, _ = seen(uneven)
+    assert (found, len(failed)) == ([], 2)
+    assert all("the other component of its instrument, " in reason for reason in failed)
+    assert seen(uneven, confirm=("a.*",))[0] == ["a.E", "a.N"]
+    assert seen(pair)[:2] == (["a.E", "a.N"], [])
+    elsewhere = [uneven[0], replace(uneven[1], event="Landers", start_time=None, station="CCC")]
+    assert seen(elsewhere)[:2] == (["a.E", "a.N"], [])
+
+
+@pytest.mark.parametrize(("scale", "turned"), [(1.4, ""), (-1.01, " with the opposite sign")])
+def test_a_scaled_copy_in_another_file_is_told(scale, turned):
+    """Neither the station nor the direction shows that the two are one motion."""
+    one, other = recording("a")[0], recording("b", north=np.round(scale * NORTH, 4))[0]
+    other = replace(other, station="AQU", azimuth=45.0, start_time=START + timedelta(days=900.0))
+    found, failed, _, warnings = seen([one], [other])
+    assert (found, failed) == (["a.N", "b.N"], [])
+    for copied in "ab":
+        assert f"the samples are those of {copied}.N{turned}: one of them is a copy" in warnings
+    late = replace(other, acceleration=np.roll(other.acceleration, 30))
+    assert not any("a copy" in text for text in seen([one], [late])[3])
+
+
 def test_beside_a_channel_of_noise_the_sound_one_counts():
     noise = np.round(2e-3 * np.random.default_rng(3).normal(size=NORTH.size), 6)
     found, (reason,), _, _ = seen(recording("a", north=noise))

@@ -66,7 +66,7 @@ class _Header:
         return found
 
     def each(self, key: str, numbers: Sequence[int], required: bool = False) -> list[str]:
-        """Return, as text, the number that a list states for each of the channels `numbers`; blank if missing."""
+        """Return the values of a key for the channels `numbers` as texts; a value that is not a number is blank."""
         listed = [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key)]
         found = _chosen(listed, numbers)
         if required and not all(text and float(text) > 0.0 for text in found):
@@ -208,7 +208,7 @@ def _columns(
 
 
 def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
-    """Return the sampling interval of each channel [s]; raise an error if the stated rates contradict it."""
+    """Return the sampling interval of each channel [s]; raise an error if a stated rate contradicts the interval."""
     steps = [float(text or "nan") for text in header.each("INTERVALO DE MUESTREO,", numbers)]
     rates = [float(text or "nan") for text in header.each("VEL. DE MUESTREO,", numbers)]
     found = [step if step > 0.0 else 1.0 / rate if rate > 0.0 else 0.0 for step, rate in zip(steps, rates, strict=True)]

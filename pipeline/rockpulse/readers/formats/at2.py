@@ -68,7 +68,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the last header line, which names the number of points and the interval; None if missing."""
+    """Return the index of the last header line, which states the number of points and the interval, else None."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -78,7 +78,7 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def _names_both(lines: Sequence[str]) -> int | None:
-    """Return the index of the line that states the values of both number of points and interval; None if missing."""
+    """Return the index of the line with the values of both the number of points and the interval, else None."""
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
@@ -146,7 +146,7 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
-    """Return event, station name, component and its direction from the lines of the title.
+    """Return event, station name, component, and direction of the component from the lines of the title.
 
     The component is the last part of the second line that is a direction; a network in brackets, perhaps truncated, may
     follow.
@@ -178,13 +178,13 @@ def _title(header: Sequence[str]) -> tuple[str, str, str, kit.Direction]:
 
 
 def _component_direction(words: str) -> kit.Direction:
-    """Return the direction of a component; a number is an azimuth also without leading zeros (9 for 009)."""
+    """Return the direction of a component; a number is an azimuth even without leading zeros (9 for 009)."""
     facing = kit.direction(words.zfill(3) if words.isdecimal() else words)
     return facing if facing.orientation != "unknown" else kit.heading_direction(words)
 
 
 def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
-    """Return the direction from title or file name; vertical, with a warning, if only one of them says so."""
+    """Return the direction from title or file name, and warnings; it is vertical if title or name says so."""
     if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
         return titled, []
     named = kit.name_direction(file)
@@ -204,8 +204,8 @@ def _header_warnings(header: Sequence[str], end: int, step: float) -> list[str]:
     for number, line in enumerate(header, 1):
         other, scale = _OTHER_STEP.search(line), _SCALE.search(line)
         if other and number != end + 1 and float(other["step"].lower()) != step:
-            told = f"an interval of {float(other['step'].lower()):g} s, line {end + 1} one of {step:g} s, which is used"
-            notes.append(f"line {number} of the header states {told}")
+            used = f"an interval of {float(other['step'].lower()):g} s, line {end + 1} one of {step:g} s, which is used"
+            notes.append(f"line {number} of the header states {used}")
         notes += [WarningText("scale_stated", factor=float(scale[1].lower()))] if scale else []
     return notes
 
@@ -220,7 +220,7 @@ def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tu
         found, advice = f"{behind[0][:60].strip()!r}, the beginning of another record", kit.OWN_FILE
         raise kit.unexpected(f"{name}:{stop + 1}", "the end of the file", found, advice)
     rows = sum(bool(_VALUE.match(line)) for line in behind)
-    found = f"line {stop + 1}: the numbers stop at {behind[0][:60].strip()!r}; {rows} rows of numbers behind it"
+    found = f"line {stop + 1}: the numbers stop at {behind[0][:60].strip()!r}; {rows} rows of numbers after it"
     return stop, [f"{found} were left out"] if rows else []
 
 
@@ -251,7 +251,7 @@ def _unit(file: kit.SourceFile, header: Sequence[str], station: str, given: str 
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Return samples and warnings; numbers are separated by blanks or, if they touch, by their width."""
+    """Return samples and warnings; numbers are separated at blanks or, if they touch, by the width of the fields."""
     block = lines[first:]
     try:
         values = kit.free_numbers(block, first + 1, name)
@@ -271,11 +271,11 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     surplus, row = values.size - count, len(block[0].split())
     rows = sum(1 for line in block if line.strip())
     if row > 1 and rows == count:
-        found = f"{rows} rows of {row}: columns, such as time and acceleration, and not one series"
+        found = f"{rows} rows of {row}: columns, such as time and acceleration, instead of one series"
         advice = "remove the lines above the numbers and read the file as columns, or keep the column of acceleration"
         raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     if surplus > row:
-        found, advice = f"{values.size}, more than a row too many", "find out which is right and repair the header"
+        found, advice = str(values.size), "find out which is right and repair the header"
         raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     notes = [f"{surplus} values beyond the NPTS= {count} of the header were left out"] if surplus else []
     return values[:count], notes
@@ -295,7 +295,7 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
 
 
 def _list_entry(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]:
-    """Return event, station, magnitude and Vs30 from PEER's list in the folder, and a warning if unreadable."""
+    """Return event, station, magnitude and Vs30 from PEER's list in the folder, and a warning if it is unreadable."""
     try:
         content = file.beside(_LIST)
         rows = {} if content is None else _rows(content)

@@ -32,12 +32,12 @@ from rockpulse.readers.kit.stamps import without_stamps
 from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # number of rows that are checked to recognise a table
-#: Largest number of columns besides the time that are read as components of a station without headings, and one more.
+#: Largest number of columns without headings, besides the time, that are read as one station, and this number plus 1.
 _COMPONENTS, _NO_STATION = 3, 4
 #: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
-_INTEGRAL = 0.95  # correlation above which a column is the integral of the one before it
-#: Patterns of decimal numbers that touch: one before the sign of the next, and rows of numbers without signs.
+_INTEGRAL = 0.95  # correlation above which a column is the integral of the previous column
+#: Patterns of decimal numbers that touch: a number before the sign of the next number, and a row without signs.
 _TOUCHING = re.compile(rb"(\.\d*+(?:[eEdD][+-]?\d++)?+)(?=[+-]\d*+\.\d)")
 _INSEPARABLE = re.compile(r"[\s\d.,;eEdD+-]*\.\d{3,}\.\d")
 #: Words in messages for the properties that a series wrapped into rows needs.
@@ -262,7 +262,7 @@ def _columns(
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
-    """Return a warning about lines after the numbers; raise an error if they contain data that may belong to them."""
+    """Return a warning about lines after the numbers; raise an error if the lines may contain more samples."""
     rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
         return ()
@@ -271,10 +271,10 @@ def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complet
         return (f"line {line}: {stop}, and the header does not state how many there are; is the file whole?",)
     kinds = kit.stated_kinds(behind[: rows.index(True)])
     if complete or (kinds and "acceleration" not in kinds):
-        return (f"line {line}: {stop}; {sum(rows)} rows of numbers behind it were left out",)
+        return (f"line {line}: {stop}; {sum(rows)} rows of numbers after it were left out",)
     raise RecordFormatError(
         f"{name}:{line}: expected {layout.width} finite numbers, or the end of the numbers, found "
-        f"{behind[0].strip()[:_SHOWN]!r} and {sum(rows)} rows of numbers behind it; repair the line, write a second "
+        f"{behind[0].strip()[:_SHOWN]!r} and {sum(rows)} rows of numbers after it; repair the line, write a second "
         "record into a file of its own, or state the number of values in the header (NPTS = ...)"
     )
 
@@ -284,7 +284,7 @@ def _other_count(said: Collection[int], found: int, what: str) -> str:
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
-    """Return the values of all rows as one series; `end` is the last row, and `guessed` adds a warning."""
+    """Return the values of all rows as one series; `end` contains the last row, and `guessed` adds a warning."""
     series = np.concatenate([columns.table.ravel(), end.ravel()])
     note = (
         f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "
@@ -294,7 +294,7 @@ def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False)
 
 
 def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
-    """Return the advice to name the columns, with an example; `timed` if the first column contains times."""
+    """Return the advice to name the columns, with an example; `timed` is true if the first column contains times."""
     named = [*names, *(f"acc_{number}" for number in range(len(names) + 1, width + 1))][: width - timed]
     line = " ".join(["time"] * timed + named)
     return f"name the columns in the line above the numbers, such as '{line}'"
@@ -367,8 +367,8 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
         if not all(headings[index].kind for index in kept):
             found = f"a header that mentions acceleration under a name that says {by_name}"
             raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
-        told = f"the name of the file says {by_name}, the headings acceleration; check which is right"
-        columns = replace(columns, warnings=(*columns.warnings, told))
+        note = f"the name of the file says {by_name}, the headings acceleration; check which is right"
+        columns = replace(columns, warnings=(*columns.warnings, note))
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 

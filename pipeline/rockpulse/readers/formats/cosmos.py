@@ -47,7 +47,7 @@ _VELOCITY_SENSORS = range(1001, 2000)
 
 @dataclass(frozen=True)
 class _Series:
-    """The heading of a series: index of its line, number of samples, kind of motion, unit and code of the unit."""
+    """The heading of a series: line index, number of samples, kind of motion, unit, and code of the unit."""
 
     at: int
     count: int
@@ -82,8 +82,8 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
     code = header.integer(2)
     where = f"{file.name}:{header.start + 1}"
     if code in _OTHER_QUANTITIES and "accel" in kind:
-        told = f"the title says {header.kind!r}, integer header 2 says {code}, {_OTHER_QUANTITIES[code]}"
-        raise RecordFormatError(f"{where}: {told}; find out which is right and repair the header")
+        conflict = f"the title says {header.kind!r}, integer header 2 says {code}, {_OTHER_QUANTITIES[code]}"
+        raise RecordFormatError(f"{where}: {conflict}; find out which is right and repair the header")
     if "accel" not in kind:
         raise kit.no_acceleration(where, "acceleration", repr(header.kind))
     series = _acceleration(file.name, lines, header, end)
@@ -192,7 +192,7 @@ def _unit(series: _Series, where: str) -> str:
 
 
 def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], list[str]]:
-    """Return the peak [m/s2] from text or else real header value 64, half a unit of its last digit, and warnings."""
+    """Return the stated peak with half a unit of its last digit [m/s2], and warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
@@ -202,8 +202,8 @@ def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], lis
     gap = abs(abs(value) - abs(coded))
     if gap <= max(1.01 * rounding, kit.PEAK_TOLERANCE * abs(coded)):
         return (coded, 0.0), []
-    said, told = (abs(one) / kit.STANDARD_GRAVITY for one in (value, coded))
-    notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {told:.4g} g (real 64)"]
+    said, real = (abs(one) / kit.STANDARD_GRAVITY for one in (value, coded))
+    notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {real:.4g} g (real 64)"]
     return (value, rounding), notes
 
 
@@ -232,7 +232,7 @@ def _per_count(header: CosmosHeader, where: str) -> float:
 
 
 def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[str]]:
-    """Return the sampling interval [s] and warnings; if real header values 62 and 34 differ, the length decides."""
+    """Return the sampling interval [s] that fits the stated length, and warnings."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
     where = f"{name}:{header.start + 1}"

@@ -70,11 +70,11 @@ def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Rec
         behind = lines[start + layout.TEXT_LINES : start + layout.HEADER_LINES]
         length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
         lengths = (length[1] if length else "", layout.real_header_value(behind, 3))
-        told = _held(*lengths, round(block.duration / block.dt), block)
-        told += layout.held_peak_real(behind, 7, block, kit.STANDARD_GRAVITY)
+        doubts = _held(*lengths, round(block.duration / block.dt), block)
+        doubts += layout.held_peak_real(behind, 7, block, kit.STANDARD_GRAVITY)
         times = [(match and match[2]) or "", layout.real_header_value(behind, 8)]
-        told += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
-        block, peak = block.noting(*dict.fromkeys(told)), kit.printed_number(match[1] if match else "")
+        doubts += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
+        block, peak = block.noting(*dict.fromkeys(doubts)), kit.printed_number(match[1] if match else "")
         stated = {"header_peak": peak, "peak_factor": kit.STANDARD_GRAVITY, "processed": False}
         records.append(header.record(file, number, block, notes, **stated))
     return records
@@ -209,7 +209,7 @@ def _unit_and_peak(
             stated = kit.canonical_unit(re.sub(r"^cms\b", "cm", match[2], flags=re.IGNORECASE), f"{where}:{at}")
             return heading.unit or stated, kit.printed_number(match[1]), kit.UNITS[stated]
     if not heading.unit:
-        expected = "expected the unit of acceleration in the heading or behind 'Peak acceleration = N', found none"
+        expected = "expected the unit of acceleration in the heading or after 'Peak acceleration = N', found none"
         raise UnitError(f"{where}:{heading.at + 1}: {expected}; correct the header")
     return heading.unit, kit.printed_number(""), 1.0
 

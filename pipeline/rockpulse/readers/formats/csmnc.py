@@ -95,7 +95,7 @@ def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str)
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
-    """Return the first group of a pattern in the first header line that matches it; empty if none does."""
+    """Return the first group of a pattern in the first header line that matches it; empty if no line does."""
     return next((match[1].strip() for line in head if (match := pattern.match(line[: kit.LONGEST_LINE]))), "")
 
 
@@ -118,12 +118,12 @@ def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, lis
     facing = kit.direction(word)
     if named and kit.contradictory(kit.direction(named[1]), facing):
         note = f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
-        facing = kit.Direction(note=note)
+        facing = kit.Direction(note=kit.doubted_direction(kit.direction(named[1]), facing, note))
     return word, facing, []
 
 
 def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
-    """Return the index of the line with the earthquake's name, and its UTC time; 0 and None if missing."""
+    """Return the index of the line that names the earthquake, and the earthquake's UTC time; 0 and None if missing."""
     for index, line in enumerate(head[:_ORIGIN_LINES]):
         if match := _ORIGIN.match(line[: kit.LONGEST_LINE]):
             numbers = [float(text) for text in match.groups()[:6]]

@@ -107,7 +107,7 @@ def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, lis
 
 
 def _moment(entry: kit.Entry) -> datetime | None:
-    """Return the UTC time of an entry such as 2018/02/06-23:50:29.000 with a zone; None for other text."""
+    """Return the UTC time of an entry such as 2018/02/06-23:50:29.000; None if its time zone is not stated."""
     moment, zone = _MOMENT.fullmatch(entry.text), _ZONE.search(entry.aside)
     if not moment or not zone:
         return None

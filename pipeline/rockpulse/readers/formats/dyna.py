@@ -190,7 +190,7 @@ def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tupl
 
 
 def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
-    """Return whether the record is corrected, the words of the header on its processing, and warnings."""
+    """Return whether the record is corrected, the words of the header on the processing, and warnings."""
     done, notes = {}, []
     for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
         low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
@@ -217,7 +217,7 @@ def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
     """Return warnings if the header contradicts the samples."""
     count = samples.size
     notes = [
-        f"line {header[key].line}: {key} is no number that can be: {header.text(key)[:40]!r}"
+        f"line {header[key].line}: {key} is not a valid number: {header.text(key)[:40]!r}"
         for key in _HELD
         if header.text(key) and not _DECIMAL.fullmatch(header.text(key))
     ]
@@ -238,7 +238,7 @@ def _facing(stream: str, stem: str) -> kit.Direction:
 
 
 def _start_time(header: _Header, origin: datetime | None) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample, and warnings about it."""
+    """Return the UTC time of the first sample, and warnings about this time."""
     written = header.text("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
     start = _moment(written)
     if start is None:

@@ -55,7 +55,7 @@ def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[kit.Record, int]:
-    """Read the component that begins at index `start`; return it and the index of the line after its values."""
+    """Read the component that begins at index `start`; return the record and the index of the line after its values."""
     end = f"{file.name}:{len(lines)}"
     kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
     text, integer_line, first = lines[start : start + _TEXT_LINES], start + _TEXT_LINES, start + _HEADER_LINES
@@ -85,7 +85,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
     others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
     notes += kit.held_lengths_of_units([peak[2], *others]) if peak else []
     component, azimuth = kit.matched(_COMPONENT, text[12]), int(integers[27])
-    told = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
+    coded = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
     note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
     record = kit.build_record(
         file,
@@ -96,7 +96,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
         factor=kit.UNITS[unit] * (float(readings[1]) if readings else 1.0),
         processed=not raw,
         component=component,
-        facing=kit.held_direction(kit.direction(component), told, note),
+        facing=kit.held_direction(kit.direction(component), coded, note),
         structural=kit.on_structure(text[2]),
         station=title[2],
         location=title[3] or "",
@@ -117,7 +117,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
 
 
 def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int, int]:
-    """Return the number of accelerations, and of rows in all blocks; raise an error if text and integers differ."""
+    """Return the numbers of accelerations and of rows in all blocks; raise an error if text and integers differ."""
     points, where = _POINTS.match(line), f"{name}:{start + 10}"
     blocks = [int(value) for value in integers[33:36]]
     if not points or int(points[1]) != blocks[0]:

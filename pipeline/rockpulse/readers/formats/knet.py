@@ -19,7 +19,7 @@ _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
 
 
 def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
-    """Read the only channel of the file; its offset is the mean over the whole record."""
+    """Read the only channel of the file, and subtract the mean of the whole record as its offset."""
     lines = kit.text_lines(file.content)
     kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
     header = [line[: kit.LONGEST_LINE] for line in lines[:_HEADER_LINES]]
@@ -40,8 +40,8 @@ def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     kit.check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
     component, warnings = _component(file, stats.channel)
     if declared < stats.npts <= expected + stats.sampling_rate:
-        told = f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}"
-        notes.append(f"{told}; all are kept: is a line duplicated?")
+        longer = f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}"
+        notes.append(f"{longer}; all are kept: is a line duplicated?")
     elif stats.npts > expected:
         wanted, advice = f"{declared} samples (duration and sampling frequency)", "the file holds more than one record"
         raise kit.unexpected(f"{file.name}:{len(lines)}", wanted, str(stats.npts), f"{advice}: download it again")
@@ -77,8 +77,9 @@ def _component(file: kit.SourceFile, channel: str) -> tuple[str, list[str]]:
     """Return the channel code and warnings; if the file extension and the header differ, the extension is used."""
     named = _DIRECTIONS.search(file.path.name)
     component = named[1].upper() + named[2] if named else channel
-    told = f"the header says {channel}, the file name {component}; the file name is used"
-    warnings = [] if component == channel else [told]
+    note = f"the header says {channel}, the file name {component}; the file name is used"
+    doubted = kit.doubted_direction(kit.direction(channel.rstrip("12")), kit.direction(component.rstrip("12")), note)
+    warnings = [] if component == channel else [doubted]
     if component.endswith("1"):
         warnings.append("KiK-net borehole sensor: motion at depth, not at the ground surface")
     return component, warnings

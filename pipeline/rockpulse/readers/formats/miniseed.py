@@ -75,11 +75,11 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
 
 
 def _held_rate(rate: float, channel: Any) -> list[str]:
-    """Return a warning if the StationXML states another sampling rate [1/s] than the data."""
-    told = rate if channel.sample_rate is None else float(channel.sample_rate)
-    if abs(told - rate) <= _RATE_TOLERANCE * rate:
+    """Return a warning if the sampling rate [1/s] in the StationXML differs from that of the data."""
+    stated = rate if channel.sample_rate is None else float(channel.sample_rate)
+    if abs(stated - rate) <= _RATE_TOLERANCE * rate:
         return []
-    return [f"the StationXML states {told:g} samples per s, the data {rate:g}; the interval is that of the data"]
+    return [f"the StationXML states {stated:g} samples per s, the data {rate:g}; the interval is that of the data"]
 
 
 MINISEED = Format(

@@ -58,7 +58,7 @@ def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     if pga and _DECIMAL.fullmatch(pga):
         pga_unit = kit.canonical_unit(header["pga"].aside or unit_text, header.where("pga"))
     elif pga:
-        notes.append(f"line {header['pga'].line}: the peak is no number that can be: {pga[:40]!r}")
+        notes.append(f"line {header['pga'].line}: the peak is not a valid number: {pga[:40]!r}")
         pga = ""
     component, network = header.text("orientation"), header.text("network").partition("(")[0]
     station, _, place = header.text("station code / name").partition("/")
@@ -86,7 +86,7 @@ def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tuple[str, ...]]:
-    """Return the header entries, the first letter of the kind of motion, its unit, and warnings."""
+    """Return the header entries, the first letter of the kind of motion, the unit, and warnings."""
     header = kit.Entries(name)
     for at, line in enumerate(lines[:_HEADER_LIMIT]):
         if series := _SERIES.fullmatch(line[:_LONGEST_LINE]):
@@ -130,7 +130,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _processing(header: kit.Entries) -> tuple[bool | None, list[str]]:
-    """Return whether the record is corrected, and the words of the file on its processing."""
+    """Return whether the record is corrected, and the words of the file on the processing."""
     words, said = header.text("processing info"), header.text("filter cut-off frequency")
     corners = _CORNERS.fullmatch(said)
     notes = [f"file: {' '.join(words.split())}"] if words else []

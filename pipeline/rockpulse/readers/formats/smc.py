@@ -129,7 +129,7 @@ def _block(
 
 
 def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the maximum or minimum in real header values 29-32, or its time, contradicts the samples."""
+    """Return warnings if real header values 29-32 (maximum, minimum and their times) contradict the samples."""
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # the fields were not filled in
         return notes
@@ -143,16 +143,16 @@ def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """Return the direction from its words, and from integers 13 (angle from the vertical) and 14 (azimuth)."""
+    """Return the direction from `component`, and from integers 13 (angle from the vertical) and 14 (azimuth)."""
     upright, azimuth = integers[12], integers[13]
-    told = kit.Direction()
+    coded = kit.Direction()
     if upright in (0.0, 180.0):
-        told = kit.Direction("vertical", sign=1.0 if upright == 0.0 else -1.0)
+        coded = kit.Direction("vertical", sign=1.0 if upright == 0.0 else -1.0)
     elif 0.0 <= azimuth <= 360.0:
-        told = kit.Direction("horizontal", float(azimuth) % 360.0)
+        coded = kit.Direction("horizontal", float(azimuth) % 360.0)
     integers_say = " and ".join("none" if np.isnan(value) else f"{value:g}" for value in (upright, azimuth))
     note = f"the text says {component!r}, integers 13 and 14 of the header {integers_say}: the direction is unknown"
-    return kit.held_direction(kit.direction(component), told, note)
+    return kit.held_direction(kit.direction(component), coded, note)
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
@@ -164,7 +164,9 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
     start = kit.later(kit.instant((year, 1, 1), (hour, minute, second)), 86_400.0 * (day - 1) + 1e-3 * millisecond)
     if start is None or start.year != year or not 0 <= millisecond < 1000:
         words = " ".join(f"{value:.0f}" for value in moment)
-        return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
+        return None, [
+            f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is not a valid start time"
+        ]
     return kit.near_event(start, _origin(event)) if event else (start, [])
 
 

@@ -9,6 +9,7 @@ from rockpulse.readers.kit.checks import (
     completeness,
     contradictory,
     distinct_sections,
+    doubted_direction,
     fixed_block,
     held_direction,
     held_length,

@@ -34,6 +34,8 @@ _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 _FIRST, SIGNS = 1000, {1.0: "", -1.0: " with the opposite sign"}
 #: Number of equal consecutive samples at an extreme value that indicate clipping.
 RUN = 5
+#: The same for each of several flat crests, and the number of crests: a limit a little below the peaks cuts short tops.
+CREST, CRESTS = 3, 2
 #: Smallest distance of a clipped value from the mid-range [resolution steps]; nearer values may be equal by rounding.
 STEPS_TO_EXTREME = 100
 #: Smallest fall of the trace beside a run of equal samples, over half the length of the run [resolution steps]. A
@@ -58,7 +60,7 @@ def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, ro
     gap = abs(stated - peak)
     if gap > PEAK_TOLERANCE * max(peak, stated) and gap > rounding:
         if max(peak, stated) >= OTHER_PEAK * min(peak, stated):
-            warnings.append(WarningText("header_peak", stated=stated / g, found=peak / g))
+            warnings.append(WarningText("header_peak", stated=stated / g, found=peak / g, decides=stated > 0.0))
         else:
             sense, share = "less" if peak < stated else "more", 100.0 * gap / stated
             warnings.append(
@@ -184,7 +186,7 @@ def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Recor
 
 
 def with_copy_warnings(records: Sequence[Record]) -> list[Record]:
-    """Return the records, with a warning on those whose samples are equal, or equal with the opposite sign."""
+    """Return the records, with a warning on records whose samples are equal, or equal with the opposite sign."""
     notes: dict[int, list[WarningText]] = {}
     for (at, one), (behind, other) in combinations(enumerate(records), 2):
         if one.component == other.component or one.npts != other.npts or not one.acceleration.any():
@@ -208,24 +210,27 @@ def with_copy_warnings(records: Sequence[Record]) -> list[Record]:
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:
     """Return warnings if a raw record seems clipped: it stays at an extreme or reaches the range of 24 bits."""
     warnings: list[WarningText] = []
-    step = None
+    step, crests = None, 0
     for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
         at = np.flatnonzero(samples == edge)
-        if not RUN <= at.size < samples.size:
+        if not CREST <= at.size < samples.size:
             continue
         starts = np.concatenate([[0], np.flatnonzero(np.diff(at) != 1) + 1])
         lengths = np.diff(np.append(starts, at.size))
-        length = int(np.max(lengths))
-        first = int(at[starts[np.argmax(lengths)]])
-        if length < RUN:
+        firsts, lengths = at[starts[lengths >= CREST]], lengths[lengths >= CREST]
+        if not lengths.size:
             continue
         step = float(np.min(np.diff(np.unique(samples)))) if step is None else step
+        if 0.5 * float(np.ptp(samples)) < STEPS_TO_EXTREME * step:
+            continue
         # If the record begins or ends within the run, only the other side shows whether the trace falls.
-        beside = samples[[max(first - 1 - length // 2, 0), min(first + length + length // 2, samples.size - 1)]]
-        away = 0.5 * float(np.ptp(samples))
-        fall = float(np.max(np.abs(edge - beside.astype(float))))
-        if away >= STEPS_TO_EXTREME * step and fall >= STEPS_BESIDE * step:
-            warnings.append(WarningText("clipped", count=length, end=end))
+        beside = np.clip([firsts - 1 - lengths // 2, firsts + lengths + lengths // 2], 0, samples.size - 1)
+        flat = lengths[np.max(np.abs(edge - samples[beside].astype(float)), axis=0) >= STEPS_BESIDE * step]
+        crests += flat.size
+        if np.max(flat, initial=0) >= RUN:
+            warnings.append(WarningText("clipped", count=int(np.max(flat)), end=end))
+    if crests >= CRESTS and not warnings:
+        warnings.append(WarningText("clipped_crests", count=crests))
     peak = float(np.max(np.abs(samples.astype(float))))
     if unit == "counts" and NEAR_FULL_SCALE * FULL_SCALE <= peak <= FULL_SCALE:
         warnings.append(WarningText("full_scale", counts=FULL_SCALE))

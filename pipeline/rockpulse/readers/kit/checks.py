@@ -8,9 +8,12 @@ import numpy as np
 
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.kit.text import FILE_DAMAGED, OWN_FILE, UNITS, fixed_width, printed_number, unexpected
+from rockpulse.warning_text import WarningText
 
 #: Tolerance of a stated length [steps], which may count the samples or the steps between them.
 LENGTH_STEPS = 2.0
+#: Ratio of a stated length to that of the samples from which the interval or the number of samples is in doubt.
+LENGTH_RATIO = 1.5
 #: Number of samples on either side of the stated time of the peak, and share of the peak that one of them must reach.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
 _TURN = 1.0  # largest difference of two stated values of one azimuth [degrees]
@@ -28,7 +31,9 @@ def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[st
     stated, rounding = printed_number(text)
     if abs(stated - count * dt) <= LENGTH_STEPS * dt * (1.0 + 1e-9) + 1.01 * rounding + spare:
         return []
-    return [f"the header states {stated:g} s, {count} samples at {dt:g} s last {count * dt:g} s"]
+    warning = WarningText("length_differs", stated=stated, count=count, interval=dt, found=count * dt, decides=True)
+    differs = stated > 0.0 and not 1.0 < LENGTH_RATIO * stated / (count * dt) < LENGTH_RATIO**2
+    return [warning if differs else str(warning)]
 
 
 def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str]:
@@ -50,29 +55,37 @@ def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
     if len({UNITS[unit] for _, unit in stated}) < 2:
         return []
     listed = ", ".join(f"{unit} ({name})" for name, unit in stated)
-    return [f"the units of one file differ: {listed}; one of them is wrong, and with it a peak"]
+    return [f"the units of one file differ: {listed}; one of them is wrong, and so is the peak stated with it"]
 
 
 def held_lengths_of_units(units: Sequence[str]) -> list[str]:
     """Return a warning if the units of acceleration, velocity and displacement have different units of length."""
     if len({match[1].lower() for unit in units if (match := _LENGTH.match(unit))}) < 2:
         return []
-    return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
+    return [f"the header states the units {' and '.join(units)}, with different units of length; one of them is wrong"]
 
 
-def contradictory(said: Direction, told: Direction) -> bool:
+def contradictory(said: Direction, other: Direction) -> bool:
     """Return whether two directions contradict each other; an unknown direction contradicts no other."""
-    if "unknown" in (said.orientation, told.orientation):
+    if "unknown" in (said.orientation, other.orientation):
         return False
-    turn = abs((said.azimuth - told.azimuth + 180.0) % 360.0 - 180.0)
-    return said.orientation != told.orientation or said.sign != told.sign or turn > _TURN
+    turn = abs((said.azimuth - other.azimuth + 180.0) % 360.0 - 180.0)
+    return said.orientation != other.orientation or said.sign != other.sign or turn > _TURN
 
 
-def held_direction(said: Direction, told: Direction, note: str) -> Direction:
-    """Return the more precise of two directions; if they contradict each other, an unknown one with warning `note`."""
-    if contradictory(said, told):
-        return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
-    return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said
+def doubted_direction(said: Direction, other: Direction, note: str) -> str:
+    """Return warning `note` about two directions that differ; if only one is vertical, one that must be confirmed."""
+    one_vertical = {said.orientation, other.orientation} == {"vertical", "horizontal"}
+    return WarningText("may_be_vertical", stated=note, decides=True) if one_vertical else note
+
+
+def held_direction(said: Direction, other: Direction, note: str) -> Direction:
+    """Return the more precise of two directions, or an unknown direction with warning `note` if they contradict."""
+    if contradictory(said, other):
+        if said.orientation == other.orientation == "horizontal":
+            return Direction("horizontal", note=note)
+        return Direction(note=doubted_direction(said, other, note))
+    return other if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(other.azimuth)) else said
 
 
 def surplus(
@@ -124,7 +137,7 @@ def repeated_marker(first: int, last: int) -> tuple[str, ...]:
 def distinct_sections(
     lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
 ) -> tuple[list[Span], tuple[str, ...]]:
-    """Return the sections of a file that do not repeat an earlier one, and a warning about each copy left out."""
+    """Return the sections of a file that repeat no earlier section, and a warning about each copy left out."""
     first: dict[tuple[str, ...], Span] = {}
     notes = []
     for span in spans:
@@ -132,14 +145,14 @@ def distinct_sections(
         copied = first.setdefault(content, span)
         if copied is not span:
             known = f"the {what} of line {copied[0] + 1}"
-            notes.append(f"line {span[0] + 1}: {known} stands in the file again; it was read once")
+            notes.append(f"line {span[0] + 1}: {known} is repeated in the file; it was read once")
     return list(first.values()), tuple(notes)
 
 
 class Counted(NamedTuple):
     """A channel, its recorder, and the number of channels that the header states for this recorder."""
 
-    line: int  # number of its first line, from 1
+    line: int  # number of the channel's first line, from 1
     recorder: str
     number: str
     counted: int  # number of channels of the recorder; 0 if it is not stated

@@ -24,10 +24,12 @@ def column_directions(file: SourceFile, headings: Sequence[ColumnHeading], prose
     """Return the direction of each column from its heading; for a single column also from header text and file name."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
-        for told, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
-            note = f"the {whose} states another direction, {told.label}, than {found[0].label} elsewhere; it is unknown"
-            upright = "vertical" in (told.orientation, found[0].orientation)
-            found = [held_direction(found[0], told, note)]
+        for stated, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
+            note = (
+                f"the {whose} states another direction, {stated.label}, than {found[0].label} elsewhere; it is unknown"
+            )
+            upright = "vertical" in (stated.orientation, found[0].orientation)
+            found = [held_direction(found[0], stated, note)]
             if upright and found[0].orientation == "unknown":
                 found = [replace(found[0], orientation="vertical")]
     if positive_downwards(prose):

@@ -7,7 +7,7 @@ from datetime import datetime
 
 import numpy as np
 
-from rockpulse.readers.kit.checks import Counted, contradictory, held_length, held_peak_time
+from rockpulse.readers.kit.checks import Counted, contradictory, doubted_direction, held_length, held_peak_time
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
 from rockpulse.readers.kit.facts import instant
 from rockpulse.readers.kit.text import LONGEST_LINE, check_count, fixed_width, free_numbers, matched, unexpected
@@ -92,7 +92,7 @@ class CosmosHeader:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Return the direction from text line 9 and integer 54; unknown, with a warning in it, if they differ."""
+        """Return the direction from text line 9 and integer 54; an unknown direction with a warning if they differ."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -103,10 +103,11 @@ class CosmosHeader:
         seed, both = self.codes()[3], (said, coded)
         if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
-            told = f"{words!r} and {code} (integer header 54)"
-            return replace(upright, note=WarningText("vertical_by_code", channel=seed, told=told))
+            stated = f"{words!r} and {code} (integer header 54)"
+            return replace(upright, note=WarningText("vertical_by_code", channel=seed, stated=stated))
         if contradictory(said, coded):
-            return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
+            note = f"the text says {words!r}, integer header 54 says {code}: the direction is unknown"
+            return Direction(note=doubted_direction(said, coded, note))
         return coded if np.isnan(said.azimuth) else said
 
     def structural(self) -> bool:
@@ -115,7 +116,7 @@ class CosmosHeader:
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
-        """Return the UTC time of the first sample (None if it is unknown), and warnings about it."""
+        """Return the UTC time of the first sample (None if it is unknown), and warnings about this time."""
         year, month, day, hour, minute = (self.integer(number) for number in (40, 42, 43, 44, 45))
         if year is None or month is None or day is None or hour is None or minute is None:
             return None, []
@@ -132,7 +133,9 @@ class CosmosHeader:
             return None, ["the start time has no seconds; it was left out"]
         moment = instant((year, month, day), (hour, minute, seconds))
         if moment is None:
-            return None, [f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is no start time"]
+            return None, [
+                f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is not a valid start time"
+            ]
         return moment, []
 
 

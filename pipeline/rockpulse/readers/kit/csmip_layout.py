@@ -134,7 +134,7 @@ class SeriesHeading:
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """Return the lines of a file, the span of lines of each channel, and warnings; each begins with a `title`."""
+    """Return the lines of a file, the span of lines of each channel, and warnings; a channel begins with a `title`."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
@@ -188,7 +188,7 @@ def equal_block(name: str, lines: Sequence[str], heading: SeriesHeading, end: in
 
 
 def read_csmip_header(lines: Sequence[str]) -> CsmipHeader:
-    """Read the header of one channel; its lines begin with 'Uncorrected Accelerogram Data'."""
+    """Read the header of one channel, which begins with the title 'Uncorrected Accelerogram Data'."""
     text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
     component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")
@@ -296,11 +296,11 @@ def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, pe
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
     """Return the direction of a channel; unknown, with a note, if the header states different directions."""
     # The codes 0, 1100 and 1200 mean sensors without an azimuth.
-    told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
+    coded = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):
-        told = Direction("vertical", sign=1.0 if code == _UP else -1.0)
+        coded = Direction("vertical", sign=1.0 if code == _UP else -1.0)
     note = f"the text says {component!r}, integer 27 of the header says {code}: the direction is unknown"
-    facing = held_direction(direction(component), told, note)
+    facing = held_direction(direction(component), coded, note)
     for other in repeated:
         note = f"the text says {component!r}, another line of the header {other!r}: the direction is unknown"
         facing = facing if facing.note else held_direction(facing, direction(other), note)

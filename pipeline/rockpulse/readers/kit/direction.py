@@ -114,7 +114,7 @@ _FREE_FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Direction:
-    """The direction of a component; `note` is a warning about it."""
+    """The direction of a component; `note` is a warning about this direction."""
 
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
@@ -140,8 +140,8 @@ def direction(wording: str) -> Direction:
     if word in _DOWN:
         return Direction("vertical", sign=-1.0)
     if word[:1] in "+-" and word[1:].strip() in _UP | _DOWN:
-        told = f"the component {wording.strip()!r} does not tell whether upwards is positive"
-        return Direction("vertical", note=f"{told}; the sign is that of the file")
+        reason = f"the component {wording.strip()!r} does not tell whether upwards is positive"
+        return Direction("vertical", note=f"{reason}; the sign is that of the file")
     if word in _COMPASS:
         return Direction("horizontal", _COMPASS[word])
     if word in _SIDEWAYS:
@@ -163,11 +163,11 @@ def means_vertical(code: str) -> bool:
 
 
 def vertical_if_so(facing: Direction, code: str) -> Direction:
-    """Return `facing`, but vertical with a warning if it is horizontal and the channel code means vertical."""
+    """Return `facing`; if it is horizontal but the channel code means vertical, a vertical direction with a warning."""
     if facing.orientation != "horizontal" or not means_vertical(code):
         return facing
-    told = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
-    return Direction("vertical", note=WarningText("vertical_by_code", channel=code.strip(), told=told))
+    stated = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
+    return Direction("vertical", note=WarningText("vertical_by_code", channel=code.strip(), stated=stated))
 
 
 def heading_direction(name: str) -> Direction:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any, TypedDict, Unpack
 
-#: Longest time between the earthquake and the start of a record; waves cross the Earth in a third of it.
+#: Longest time between the earthquake and the start of a record; waves cross the Earth in a third of this time.
 NEAR = timedelta(hours=1)
 # An earlier time than the first accelerogram (Long Beach, 11 March 1933 UTC) means a wrong clock.
 _FIRST_YEAR = 1933
@@ -36,7 +36,7 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """Return the UTC time from a date, a time and the hours of its time zone ahead of UTC; None if it is invalid."""
+    """Return the UTC time from a date, a time and the hours of its zone ahead of UTC; None if they are invalid."""
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
         return None

@@ -25,6 +25,8 @@ _LABEL = re.compile(
     r"(?:ch|chan|channel|sensor|sta|station|col|column|comp|no|nr|n|index|sample|row|[a-z#]|h)\.?[\s_]*\d{0,4}",
     re.IGNORECASE,
 )
+#: Pattern of words for an acceleration relative to the ground, or divided by its peak, which is no ground acceleration.
+_NO_GROUND = re.compile(r"(?<![^\W\d_])(?:relativ|normali[sz]|normiert|normé)", re.IGNORECASE)
 _LARGEST_AZIMUTH = 360
 #: Quantities that single letters mean if one of the headings means acceleration.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement", "u": "displacement"}
@@ -35,7 +37,7 @@ class ColumnHeading:
     """The heading of a column: its name, its kind of motion and its unit."""
 
     name: str  # as written
-    # "time", "acceleration", "velocity", "displacement", "spectrum"; empty if neither name nor unit states it
+    # "time", "acceleration", "relative acceleration", "velocity", "displacement", "spectrum"; empty if not stated
     kind: str = ""
     unit: str = ""  # as written; empty if none is stated
     others: tuple[str, ...] = ()  # further units in the heading, as written
@@ -73,9 +75,9 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Column
         headings = _headings(names, units) if len(names) == layout.width else ()
         if headings and _are_headings(headings, own):
             return headings, rows[-1]
-    told = stated_columns(header, layout.width) if layout.width > 1 else []
-    if told:
-        return _headings(told, units), len(header)
+    stated = stated_columns(header, layout.width) if layout.width > 1 else []
+    if stated:
+        return _headings(stated, units), len(header)
     return (_headings([""] * layout.width, units), prose) if any(units) else ((), len(header))
 
 
@@ -136,6 +138,8 @@ def _heading(name: str, unit: str) -> ColumnHeading:
     """Return the heading with its kind of motion and its unit, from the words of `name` and from `unit`."""
     kinds = kinds_of(BRACKET.sub(" ", name))
     kind = kinds[0] if kinds else ""
+    if kind == "acceleration" and _NO_GROUND.search(name):
+        kind = "relative acceleration"
     brackets = [text.strip() for text in BRACKET.findall(name) if text.strip() and not _is_label(text)]
     volts = _VOLTS.search(name)
     if volts and (volts[1] == "[" or heading_direction(BRACKET.sub("", name)).orientation != "unknown"):

@@ -27,7 +27,7 @@ _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT",
 GAIN_TOLERANCE = 0.05
 #: SI units as spelled by obspy, which scales other units only in some spellings.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
-#: The response is removed where it exceeds this share of its maximum; noise grows at most by the inverse of the share.
+#: The response is removed where it exceeds this share of its maximum; noise grows by at most the inverse of the share.
 RESPONSE_FLOOR = 0.01
 #: Start and end of the upper taper, as shares of the highest frequency of the pass band.
 UPPER_TAPER = (0.8, 0.95)
@@ -92,8 +92,8 @@ def sensitivity_notes(response: Any) -> list[str]:
 
 
 def _turned(sensitivity: Any) -> list[str]:
-    told = f"the sensitivity is negative, {float(sensitivity.value):g}: a sign is turned"
-    return [told] if float(sensitivity.value) < 0.0 else []
+    note = f"the sensitivity is negative, {float(sensitivity.value):g}: the polarity is reversed"
+    return [note] if float(sensitivity.value) < 0.0 else []
 
 
 def _spelled(unit: Any) -> str:
@@ -197,9 +197,9 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
     """Return the four corner frequencies of the cosine taper [Hz]; the pass band is from the second to the third.
 
-    Low frequencies pass if the response at zero frequency is not zero. Otherwise the second corner is one cycle in the
-    record, or the frequency at which the response exceeds `RESPONSE_FLOOR` of its largest value if that is higher;
-    the first corner is half of the second.
+    Low frequencies pass if the response at zero frequency is not zero. Otherwise the second corner is the higher of
+    two frequencies: that of one cycle in the record, and the lowest at which the response exceeds `RESPONSE_FLOOR` of
+    its largest value. The first corner is half of the second.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])

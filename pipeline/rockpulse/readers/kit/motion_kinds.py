@@ -79,11 +79,11 @@ def _words(text: str) -> list[str]:
 
 
 def kinds_of(text: str) -> list[str]:
-    """Return the kinds of motion (or time) that a heading names; those that exclude acceleration come first."""
-    told = folded_text(text)
-    words = _words(told)
+    """Return the kinds of motion (or time) that a heading names; kinds that exclude acceleration come first."""
+    folded = folded_text(text)
+    words = _words(folded)
     kinds = [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]
-    return [kind for kind in kinds if kind != "spectrum" or not _MATCHED.search(told)]
+    return [kind for kind in kinds if kind != "spectrum" or not _MATCHED.search(folded)]
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
@@ -96,8 +96,8 @@ def prose_kinds(text: str, name: bool = False) -> list[str]:
 
 def means_size(heading: str) -> bool:
     """Return whether a heading names the magnitude of a vector, such as absolute, resultant or |a|."""
-    told = folded_text(heading)
-    return bool(re.search(r"\|[^|]+\|", told) or any(_SIZE.fullmatch(word) for word in re.findall(r"[a-z_]+", told)))
+    text = folded_text(heading)
+    return bool(re.search(r"\|[^|]+\|", text) or any(_SIZE.fullmatch(word) for word in re.findall(r"[a-z_]+", text)))
 
 
 def beside_kinds(word: str) -> list[str]:
@@ -107,7 +107,7 @@ def beside_kinds(word: str) -> list[str]:
 
 
 def name_words(stem: str) -> list[str]:
-    """Return the words of a file name, split at signs, digits and capitals, such as Raw, Acc and E of RawAcc_E."""
+    """Return the words of a file name, split at punctuation, digits and capitals: Raw, Acc and E of RawAcc_E."""
     return re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))
 
 
@@ -137,7 +137,7 @@ def _kinds_of_words(words: list[str]) -> list[str]:
 
 
 def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
-    """Return "spectrum" for a name with Sa, Sv or Sd if a file with acc in its place exists; else an empty text."""
+    """Return "spectrum" if the name contains Sa, Sv or Sd and a file with acc instead exists; else an empty text."""
     for match in _ORDINATE.finditer(path.stem):
         names = (f"{path.stem[: match.start()]}{acc}{path.name[match.end() :]}" for acc in ("acc", "Acc", "ACC"))
         if any(file.beside(name) is not None for name in names):
@@ -146,7 +146,7 @@ def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
 
 
 def _letter_of_three(file: SourceFile, path: PurePosixPath) -> str:
-    """Return the kind of motion for a letter a, v or d in a name, if files with the two others exist."""
+    """Return the kind of motion for a letter a, v or d in a name, if files with the two other letters exist."""
     for match in _LETTER.finditer(path.name):
         found = match[0]
         others = [letter.upper() if found.isupper() else letter for letter in _LETTERS if letter != found.lower()]

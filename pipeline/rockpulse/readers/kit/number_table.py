@@ -26,8 +26,8 @@ _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
 #: Number of rows from which the layout of samples is recognised, and smallest number of rows of a series in rows.
 _LOOK_AT, FEWEST_ROWS = 50, 20
-#: Largest ratio of mean squares of the steps from value to value to those from row to row for a series wrapped into
-#: rows; for independent channels it exceeds 1.
+#: Largest ratio, for a series wrapped into rows, of the mean square of steps from value to value to that of steps from
+#: row to row; for independent channels the ratio exceeds 1.
 SMOOTHER = 0.5
 #: For a series wrapped into rows, the ratio of mean squares of the steps between rows to those within rows is within
 #: this factor of 1. Channels that move together have small steps within a row and larger ones between rows.
@@ -53,7 +53,7 @@ def split_row(line: str, delimiter: str | None) -> list[str]:
 
 
 def _find_delimiter(rows: Sequence[str]) -> str | None:
-    """Return the delimiter of rows of numbers; None for blanks, also if commas are decimal marks."""
+    """Return the delimiter of rows of numbers; None for blanks, even if commas are decimal marks."""
     if any(";" in row for row in rows):
         return ";"
     split = (split_row(row, None) for row in rows if "," in row)
@@ -98,12 +98,14 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
     """Raise an error if it is unclear whether commas in the rows separate columns or mark decimals."""
     points = any("." in row for row in rows)
     if layout.delimiter == "," and layout.width > 1 and not points and (layout.width == 2 or not named):
-        expected = "to know whether a comma separates columns or marks decimals"
-        advice = "write decimal points, or separate the columns with ';'"
-        raise unexpected(f"{name}:{first}", expected, f"{rows[0].strip()[:_SHOWN]!r} and no point in any row", advice)
+        raise RecordFormatError(
+            f"{name}:{first}: cannot tell whether the comma separates columns or marks decimals: "
+            f"{rows[0].strip()[:_SHOWN]!r}, and no row contains a decimal point; write decimal points, or separate the "
+            "columns with ';'"
+        )
     if layout.decimal == "," and points:
         at = next(index for index, row in enumerate(rows) if "." in row)
-        expected, found = "commas as decimal marks like in other rows", f"a point in {rows[at].strip()[:_SHOWN]!r}"
+        expected, found = "decimal commas, as in other rows", f"a point in {rows[at].strip()[:_SHOWN]!r}"
         raise unexpected(f"{name}:{first + at}", expected, found, "write one decimal mark throughout")
 
 
@@ -216,7 +218,7 @@ def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
 
 
 def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered | None:
-    """Return the count, and perhaps the interval, at the top of a single column; None if it has no count."""
+    """Return the count, and perhaps the interval, at the top of a single column; None if there is no count."""
     rows = [index for index in range(layout.start, len(lines)) if lines[index].strip()]
     texts = [split_row(lines[index][:LINE_LIMIT], layout.delimiter)[0] for index in rows[:_LOOK_AT]]
     for used in (2, 1):
@@ -232,9 +234,9 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
 def runs_on(table: np.ndarray) -> bool:
     """Return whether the rows (n, columns) are one series wrapped into rows, rather than channels in columns.
 
-    For m channels of a common motion and noise, whose steps have mean squares in the ratio x, the first criterion is
-    (m + x)/(m (1 + x)) < 1/2, met only for x > m/(m - 2), and the second ratio is 1 + x. Channels never meet both
-    criteria.
+    True if both criteria `SMOOTHER` and `ALIKE` are met. Channels cannot meet both: for m channels of a common motion
+    and noise, with x the ratio of the mean squares of their steps, the first ratio is (m + x)/(m (1 + x)), below 1/2
+    only for x > m/(m - 2), and the second ratio is 1 + x.
     """
     if table.shape[0] < FEWEST_ROWS or table.shape[1] < 2:
         return False

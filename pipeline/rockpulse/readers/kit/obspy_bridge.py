@@ -15,6 +15,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.kit.checks import doubted_direction
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical
 from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
@@ -45,8 +46,8 @@ def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
                 yield notes
         finally:
             sys.unraisablehook = before
-    told = [str(item.message) for item in caught if not issubclass(item.category, _NO_NEWS)]
-    notes += dict.fromkeys(f"obspy: {' '.join(text.split())}" for text in (*told, *printed, *lost))
+    messages = [str(item.message) for item in caught if not issubclass(item.category, _NO_NEWS)]
+    notes += dict.fromkeys(f"obspy: {' '.join(text.split())}" for text in (*messages, *printed, *lost))
 
 
 @contextmanager
@@ -115,11 +116,12 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
     else:
         lies = "vertical" if _STEEP <= abs(dip) <= 90.0 else "horizontal" if abs(dip) <= _FLAT else "unknown"
         if lies == "horizontal" and means_vertical(code):
-            told = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
-            return Direction("vertical", note=WarningText("vertical_by_code", channel=code, told=told))
+            stated = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
+            return Direction("vertical", note=WarningText("vertical_by_code", channel=code, stated=stated))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
             both = f"the channel code says {code!r}, the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
-            return Direction(note=f"the direction is unknown: {both}")
+            note = doubted_direction(named, Direction(lies), f"the direction is unknown: {both}")
+            return Direction(note=note)
     if lies == "vertical" and dip is not None:
         return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
     if lies != "horizontal" or azimuth is None:
@@ -236,11 +238,11 @@ def _overlap(one: Any, other: Any) -> bool:
 
 
 def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
-    """Return the name of the first property in which two channels differ, and both values; None if they agree."""
+    """Return the name and the two values (as one text) of the first property in which two channels differ, or None."""
     if full and one.response != other.response:
         return "responses", ""
     states = {True: "corrected", False: "raw", None: "unknown"}
-    told = []
+    stated = []
     for channel in (one, other):
         sensitivity = channel.response.instrument_sensitivity
         facing = seed_direction(channel.code, channel.azimuth, channel.dip)
@@ -248,6 +250,6 @@ def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
         if facing.orientation == "vertical":
             words = "up" if facing.sign > 0.0 else "down"
         per = f"{float(sensitivity.value)!r} per {str(sensitivity.input_units).upper()}"
-        told.append((per, words, states[PROCESSED.get(channel.description, False)]))
-    pairs = zip(("sensitivities", "directions", "states of processing"), *told, strict=True)
+        stated.append((per, words, states[PROCESSED.get(channel.description, False)]))
+    pairs = zip(("sensitivities", "directions", "states of processing"), *stated, strict=True)
     return next(((what, f"{mine}; {theirs}") for what, mine, theirs in pairs if mine != theirs), None)

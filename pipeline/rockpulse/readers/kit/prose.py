@@ -100,7 +100,7 @@ _NUMBERED = re.compile(
 class Statement(NamedTuple):
     """A statement of the header: the number of its line (from 1), its words, and its value.
 
-    The value of a unit is 1 if the word "unit" precedes it, else 0. Intervals and durations are in s.
+    The value of a unit is 1 if the word "unit" precedes the unit, else 0. Intervals and durations are in s.
     """
 
     line: int
@@ -144,7 +144,7 @@ def _units(line: str) -> list[tuple[str, str]]:
 
 
 def _unit_words(text: str) -> list[tuple[str, bool]]:
-    """Return the words after "in" or "unit" (in several languages), each with True if it follows "unit"."""
+    """Return the words after "in" or "unit" (in several languages), and for each whether it follows "unit"."""
     found = []
     for match in _UNIT.finditer(text):
         word = _ONE_UNIT.match(text, match.end())
@@ -153,7 +153,7 @@ def _unit_words(text: str) -> list[tuple[str, bool]]:
 
 
 def stated_units(header: Sequence[str]) -> list[Statement]:
-    """Return the units of acceleration that a header states; the value is 1 after the word "unit", else 0."""
+    """Return the units of acceleration in a header; the value is 1 if the word "unit" precedes the unit, else 0."""
     found = []
     for number, line in enumerate(header, 1):
         named = {word for word, with_word in _unit_words(folded_text(line)) if with_word}
@@ -210,7 +210,7 @@ def stated_counts(header: Sequence[str]) -> list[Statement]:
 
 
 def surely_counts(said: Statement) -> bool:
-    """Return whether a statement certainly gives the number of samples, by its clear words and large number."""
+    """Return whether a statement certainly gives the number of samples: its words are clear and the number is large."""
     return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
 
 
@@ -228,7 +228,7 @@ def _peak_unit(match: re.Match[str]) -> str:
 
 
 def stated_durations(header: Sequence[str]) -> list[Statement]:
-    """Return the durations of the record [s] that a header states, but not those of its strong part."""
+    """Return the durations [s] of the record that a header states; durations of the strong part are ignored."""
     found = []
     for number, line in enumerate(header, 1):
         text = folded_text(line)

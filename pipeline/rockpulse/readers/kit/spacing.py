@@ -228,7 +228,8 @@ def counts_rows(table: np.ndarray, headings: Sequence[ColumnHeading]) -> bool:
 def jitters(times: np.ndarray) -> bool:
     """Return whether rising times (n,) come from a clock with jitter or drift, with no row missing or damaged.
 
-    No step is as long as at a missing row or as short as at an additional row, and many steps differ from the median.
+    True if every step is shorter than at a missing row and longer than at an additional row, and many steps differ
+    from the median.
     """
     steps = np.diff(times)
     usual = float(np.median(steps))
@@ -240,7 +241,7 @@ def jitters(times: np.ndarray) -> bool:
 
 
 def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, WarningText]:
-    """Interpolate columns by splines to equal time steps; return them with a warning that says so."""
+    """Return the columns interpolated by splines to equal time steps, and a warning about the interpolation."""
     from scipy.interpolate import CubicSpline
 
     step = float(times[-1] - times[0]) / (times.size - 1)
@@ -285,7 +286,7 @@ def time_column_step(
     if falls or (declared is None and not rising):
         at, advice = int(np.argmin(steps)), "repair the times"
         if not falls:
-            advice += ", or give the interval (option dt) if they are rounded more coarsely than it"
+            advice += ", or give the interval (option dt) if they are rounded to more than one interval"
         found = f"{first[at + 1]:g} after {first[at]:g}"
         raise unexpected(f"{name}:{start + at + 2}", f"increasing times in the {column}", found, advice)
     at = int(np.argmax(np.abs(steps - np.median(steps))))

@@ -63,12 +63,12 @@ def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELER
 
 def other_kind(where: str, kind: str) -> OtherKind:
     """Return the error for a file whose name alone says that it contains velocity or displacement."""
-    advice = f"{ACCELERATION_FILE}, or give the file another name if it holds accelerations"
+    advice = f"{ACCELERATION_FILE}, or rename the file if it contains accelerations"
     return OtherKind(f"{where}: {kind}, as its name says, expected accelerations; {advice}")
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
-    """Return a group of a pattern that matches the start of a text; empty if it does not match."""
+    """Return a group of a pattern matched at the start of a text; empty if the pattern does not match."""
     match = pattern.match(text)
     return (match[group] or "") if match else ""
 
@@ -113,7 +113,7 @@ def text_lines(content: bytes) -> list[str]:
 
 
 def printed_number(text: str) -> tuple[float, float]:
-    """Return a number and half a unit of its last digit: 39.1 and 0.05 for "3.91E+1"; else NaN and 0."""
+    """Return a number and half a unit of its last digit: 39.1 and 0.05 for "3.91E+1"; NaN and 0 for other text."""
     mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
     value = float(text.lower().replace("d", "e") or "nan")
     # int() rejects texts of thousands of digits.
@@ -257,8 +257,8 @@ def other_readings(peak: float, unit: str = "") -> str:
     own = UNITS.get(unit)
     others = {name: factor for name, factor in UNITS.items() if name != "gal" and factor != own}
     readings = {name: peak * factor / STANDARD_GRAVITY for name, factor in others.items()}
-    fitting = [f"{value:.3g} g if it were {name}" for name, value in readings.items() if low <= value <= high]
+    fitting = [f"{value:.3g} g if it is {name}" for name, value in readings.items() if low <= value <= high]
     if fitting:
         return " or ".join(fitting)
     nearest = (max if max(readings.values()) < low else min)(readings, key=lambda name: readings[name])
-    return f"{readings[nearest]:.3g} g if it were {nearest}, no ordinary acceleration either"
+    return f"{readings[nearest]:.3g} g if it is {nearest}, which is not an ordinary acceleration either"

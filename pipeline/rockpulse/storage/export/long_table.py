@@ -19,7 +19,7 @@ from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Dimensions that become columns, one per label, if they are the only dimension besides those of the rows.
+#: Dimensions that become columns, one per label, if a variable has only one of them besides those of the rows.
 SPREAD = ("demand", "parameter")
 #: Dimension to which each index variable of a table refers.
 POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
@@ -33,10 +33,10 @@ CHUNK = 50_000
 class TableColumn:
     """A column of a long table: where its values are stored, and what they mean."""
 
-    name: str  # its heading
+    name: str  # heading of the column
     units: str
     long_name: str
-    words: dict[int, str]  # words of a flag; empty for other variables
+    words: dict[int, str]  # word for each value of a flag; empty for other variables
     variable: xr.Variable  # not yet read
     labels: np.ndarray | None = None  # labels, if the values are indices into them; -1: no label
     #: For a ragged array: index after the last row of each label.
@@ -113,8 +113,8 @@ def long_table(
         for name in columns:
             if not any(_answers_to(column, name) for column in [*labels, *found]):
                 known = [column.name for column in found]
-                told = f"it has {', '.join(known)}"
-                raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, told)}")
+                choices = f"it has {', '.join(known)}"
+                raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, choices)}")
         found = [column for column in found if any(_answers_to(column, name) for name in columns)]
     masks, selection = _masks(dataset, named, labels, selection)
     places, count = rows(dataset, dims, selection, masks)
@@ -145,7 +145,7 @@ def results_table(
     path : str or Path
         Results file of any kind.
     group : str, optional
-        Group of the file; by default the main one (`summary` of an assessment).
+        Group of the file; by default the main group (`summary` of an assessment).
     dims : sequence of str, optional
         Dimensions of the rows: ``["record"]`` gives one row per record; by default each result has a row.
     columns : sequence of str, optional
@@ -263,7 +263,7 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 def _masks(
     dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: RowSelection
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], RowSelection]:
-    """Return row masks for selected names that the table contains only as indices, and the selection without them."""
+    """Return row masks for selected names that the table has only as indices, and the selection without these names."""
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:

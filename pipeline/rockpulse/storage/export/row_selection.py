@@ -119,17 +119,17 @@ class RowSelection:
     @property
     def words(self) -> list[str]:
         """Return a description of each part of the selection, for a heading or a README."""
-        told = [f"{dim} {' or '.join(patterns)}" for dim, patterns in self.names.items() if patterns]
-        told += [f"{item.name} {item.comparison} {item.value}" for item in self.conditions]
+        parts = [f"{dim} {' or '.join(patterns)}" for dim, patterns in self.names.items() if patterns]
+        parts += [f"{item.name} {item.comparison} {item.value}" for item in self.conditions]
         if self.sort is not None:
-            told.append(f"sorted by {self.sort}, {'largest' if self.descending else 'smallest'} first")
+            parts.append(f"sorted by {self.sort}, {'largest' if self.descending else 'smallest'} first")
         if self.limit is not None:
-            told.append(f"at most {self.limit} rows")
-        return told
+            parts.append(f"at most {self.limit} rows")
+        return parts
 
 
 def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Return the indices of labels that match a pattern (of all labels without patterns); `what` is their kind."""
+    """Return the indices of labels that match a pattern (all without patterns); `what` is the kind of label."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}
@@ -147,15 +147,15 @@ def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str)
 def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
     """Return the error for an unknown name, with the known names; `what` is the kind of name, such as "record"."""
     within = [label for label in known if name.lower() in label.lower()]
-    told = "there are:"
+    choices = "there are:"
     if within:
         start = within[0].lower().index(name.lower())
         pattern = f"*{within[0][start : start + len(name)]}*"
-        told = f"{len(within)} of {len(known)} names contain it; the pattern '{pattern}' selects:"
+        choices = f"{len(within)} of {len(known)} names contain it; the pattern '{pattern}' selects:"
     listed = within or known
     shown = "\n".join(f"  {label}" for label in listed[:LISTED])
     more = f"\n  and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
-    return ResultsError(f'no {what} "{name}" in these results{hint(name, known, told)}\n{shown}{more}')
+    return ResultsError(f'no {what} "{name}" in these results{hint(name, known, choices)}\n{shown}{more}')
 
 
 def rows(
@@ -211,6 +211,6 @@ def rows(
 def _variable(dataset: xr.Dataset, name: str) -> xr.Variable:
     if name not in dataset.variables:
         known = [str(other) for other in dataset.variables]
-        told = f"there are: {', '.join(known)}"
-        raise ResultsError(f"no variable {name!r} in these results{hint(name, known, told)}")
+        choices = f"there are: {', '.join(known)}"
+        raise ResultsError(f"no variable {name!r} in these results{hint(name, known, choices)}")
     return dataset.variables[name]

@@ -27,7 +27,7 @@ TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
 
 def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
-    """Write all rows to the Excel or Parquet file `part`; `seen` is called with each data frame of rows."""
+    """Write all rows to the Excel or Parquet file `part`; call `seen` with each data frame of rows."""
     import pandas as pd
 
     if kind == ".parquet":
@@ -94,7 +94,7 @@ def write_table(
     """Write a table and its README atomically, and return the paths of both; CSV files are written piece by piece.
 
     `about` states the origin of the table in the README. `on_rows` is called with the number of rows of each piece.
-    `decimal_comma` selects semicolons, decimal commas and a byte order mark. `raw` keeps strings except line breaks.
+    `decimal_comma` selects semicolons, decimal commas and a byte order mark. `raw` changes only line breaks in strings.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)

@@ -121,7 +121,7 @@ def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
     if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
         raise ResultsError(f"{where}: compressed by {', '.join(foreign)}, which results files never are")
     if h5py.h5ds.is_scale(dataset.id) and is_bare_dimension(dataset.attrs.get("NAME")):
-        return  # a dimension without a variable has a length but no values, and is never read
+        return  # a dimension without a variable has a length but no values to be read
     declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()
     if declared > FREE + PACKED * held:
         raise ResultsError(f"{where}: declares {declared:,} bytes of values, but the file contains {held:,}")

@@ -79,10 +79,10 @@ class Variable:
 
     name: str
     stored: h5py.Dataset
-    scales: Mapping[h5py.Dataset, str]  # names of the dimension scales of its group, which HDF5 is slow to find
+    scales: Mapping[h5py.Dataset, str]  # names of the dimension scales of the group, which HDF5 is slow to find
 
     def dimensions(self) -> tuple[str, ...]:
-        """Return the names of the dimensions of the variable; raise ValueError if one has no name."""
+        """Return the names of the dimensions of the variable; raise ValueError if a dimension has no name."""
         stored = self.stored
         if not stored.shape:
             return ()
@@ -115,7 +115,7 @@ def variables_of(group: h5py.Group) -> list[Variable]:
 
 
 def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
-    """Return the attributes of a group or variable except internal ones; an array of one value becomes the value."""
+    """Return the attributes of a group or variable, without internal ones; an array of one value becomes a scalar."""
     held = item.attrs
     return {name: _plain(held[name]) for name in held if name not in HIDDEN}
 
@@ -146,7 +146,7 @@ def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.nda
 
 
 def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
-    """Read the smallest box of values that contains all indices; return it and the indices within the box."""
+    """Read the smallest box of values that contains all indices; return the box and the indices within it."""
     box: dict[Any, slice] = {}
     inside = {}
     for dim in variable.dims:

@@ -35,7 +35,7 @@ class Verification:
     variables: int  # number of checksums that were compared
     inputs: int  # number of input files that were found and read
     absent: tuple[str, ...]  # input files that are missing
-    differences: tuple[str, ...]  # one sentence each; empty if file and inputs are unchanged
+    differences: tuple[str, ...]  # one sentence for each change; empty without changes
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def _checksum(variable: h5py.Dataset) -> str:
 
 
 def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
-    """Return the names of the input files of every record in a results file, each with its stored SHA-256."""
+    """Return, for every record in a results file, the names of its input files and their stored SHA-256, as texts."""
     groups = [
         item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
     ]
@@ -139,7 +139,7 @@ def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
 
 
 def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
-    """Return the stored SHA-256 of each input file; there are several if the file changed during the run."""
+    """Return the stored SHA-256 of each input file; several if the file changed during the run."""
     found: dict[str, set[str]] = {}
     for source, checksum in stored:
         for name, one in _apart(source, checksum):
@@ -158,7 +158,7 @@ def record_folders(configuration: str) -> list[Path]:
 
 
 def existing_path(source: str, folders: Iterable[Path]) -> str:
-    """Return the stored path of a file, or its path in one of the folders if the file exists only there."""
+    """Return the stored path of a file, or the path in one of the folders if the file exists only there."""
     named = (source, *(str(folder / source) for folder in folders))
     return next((name for name in named if _there(_location(name)[0])), source)
 
@@ -191,7 +191,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield each of the sorted files with its SHA-256, an error if it is unreadable, or None if it is missing."""
+    """Yield the files, sorted, each with its SHA-256, the error on reading it, or None if the file is missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

@@ -137,7 +137,7 @@ class TreeWriter:
         self._scales[group, dim] = scale
 
     def _take_place(self, group: str, dim: str, dtype: Any, fill: np.ndarray | None) -> h5py.Dataset:
-        """Replace the placeholder of a dimension by the variable of the same name, also where it is referenced."""
+        """Replace the placeholder of a dimension, and all references to it, by the variable of the same name."""
         before = self._scales[group, dim]
         attached = [
             (self._variables[path].id, dims.index(dim))

@@ -36,8 +36,8 @@ class StoredVariable:
     first: int = 0
     explanation: str = ""  # further text for docs/schema.md
     stored: Callable[[Config], bool] | None = None  # whether the variable is stored under a configuration; None: always
-    comment: Callable[[Config], str] | None = None  # its attribute `comment` for a configuration
-    of_ground: bool = False  # whether it needs a record, and is absent for a sequence of impulses
+    comment: Callable[[Config], str] | None = None  # attribute `comment` of the variable for a configuration
+    of_ground: bool = False  # whether the variable needs a record, and is absent for a sequence of impulses
     sample_dimension: str = ""  # for counts of values in a ragged array (CF): the dimension that is counted
 
     @property
@@ -97,7 +97,7 @@ def along(
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """Declare variables with the same dimensions; `by(name)` gives the function `take` of a variable without one."""
+    """Declare variables with the same dimensions; `by(name)` returns the function `take` if one is missing."""
     return {
         name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()

@@ -33,7 +33,7 @@ def _model(rows: Any) -> np.ndarray:
 
 
 def _pointers(table: str) -> dict[str, StoredVariable]:
-    """Declare the index columns of a table; as it belongs to one record, the index of the record is 0."""
+    """Declare the index columns of a table of one record; the index of this record is 0."""
     return {
         "record_index": whole("index into record of /summary", _column(table, _first_record)),
         "block_index": whole("index into block of /summary", _column(table, lambda rows: rows.block)),

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from rocking.body.block import Block
-from rockpulse.config.block_settings import floors_as_text
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
+from rockpulse.config.floor_settings import floors_as_text
 from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
 

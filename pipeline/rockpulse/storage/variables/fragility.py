@@ -20,7 +20,7 @@ QUALITIES = ("duration", "period", "strong_half_waves")
 TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 
-#: Status of a curve, with the reason for a missing one.
+#: Status of a curve, with the reason why a curve is missing.
 Status = IntEnum(
     "Status",
     "FITTED NO_RECORD ONE_RECORD NOTHING_REACHED EVERYTHING_REACHED ONE_REACHED STEP SEPARATED NOT_INCREASING "
@@ -29,7 +29,7 @@ Status = IntEnum(
 )
 
 
-#: Status of a confidence band, with the reason for a missing one.
+#: Status of a confidence band, with the reason why a band is missing.
 Band = IntEnum("Band", "GIVEN NO_CURVE ONE_EVENT FEW_EVENTS RESTS_ON_ONE_EVENT", start=0)
 
 

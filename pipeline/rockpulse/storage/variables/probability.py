@@ -38,14 +38,14 @@ def _comment(config: Config) -> str:
     shares = known.of_draws().restitution
     return (
         f"nonlinear model; scale factor lognormal ({100.0 * known.factor:g} %), C between {min(shares):.3g} and "
-        f"{max(shares):.3g} times nominal, at most 1, critical angle reduced by {100.0 * known.geometry:g} % |N|; "
-        f"scale factors up to {config.search.factor_max:g}"
+        f"{max(shares):.3g} times nominal, at most 1, critical angle reduced by |N| times "
+        f"{100.0 * known.geometry:g} % (N standard normal); scale factors up to {config.search.factor_max:g}"
     )
 
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
     """Declare a variable and the two ends of its 90 % interval."""
-    told = {
+    meanings = {
         name: long_name,
         f"{name}_low": f"lower end of the interval of 90 % of {name}",
         f"{name}_high": f"upper end of the interval of 90 % of {name}",
@@ -54,7 +54,7 @@ def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredV
         key: real(
             words, take=_of_lanes(key), of_ground=True, explanation=explanation if key == name else "", comment=_comment
         )
-        for key, words in told.items()
+        for key, words in meanings.items()
     }
 
 

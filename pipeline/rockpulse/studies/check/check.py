@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -10,8 +10,9 @@ import xarray as xr
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.config import CODES
-from rockpulse.config.block_settings import BlockSettings, FloorSettings
+from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config, config_from_text, given_config
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.option import hint
@@ -19,33 +20,41 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import given_results
 from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.code_spectra import DemandSpectrum, TableEnds, spectrum_of
-from rockpulse.studies.check.codes import CHECKS, Checked, worst
+from rockpulse.studies.check.codes import CHECKS, STATES, Checked, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
+from rockpulse.studies.check.records import check_records, rotations_at
 
-#: Settings of a body that the codes do not use.
-NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
+#: Settings of a body that either the codes or the time histories do not use.
+NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
+NOT_SHARED |= {"elastic_modulus", "kappa"}
+#: The code that uses the rotations of the results, and the code that is checked only if it is named.
+RECORDS, FRAME = "circolare_2019_records", "circolare_2019_frame"
 
 
 def check(
     results: xr.DataTree | str | os.PathLike[str] | None = None,
     config: Config | str | os.PathLike[str] | None = None,
-    code: str | Sequence[str] = CODES,
+    code: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Check the bodies of a configuration according to codes, from their geometry and the demand of [check].
 
     Parameters
     ----------
     results : xarray.DataTree or path, optional
-        Results of :func:`rockpulse.assess` for the same bodies, for comparison.
+        Results of :func:`rockpulse.assess` for the same bodies, for comparison and for the check of the rotations under
+        the records at each [[demand]] (C8.7.1.2.1.9).
     config : Config or path, optional
         Configuration with [[block]] and [check]; by default from the results.
-    code : str or sequence of str
-        Codes to check: "circolare_2009", "circolare_2019", "en_1998".
+    code : str or sequence of str, optional
+        Codes to check: "circolare_2009", "circolare_2019", "en_1998", "circolare_2019_records" (for results with a
+        demand) and "circolare_2019_frame" (C7.2.11, elements of framed buildings; only if named).
 
     Returns
     -------
     xarray.Dataset
-        Over (block): `multiplier` alpha_0 [-] and `share` e* [-]. Over (block, code): `activation` and
+        Over (block): `multiplier` alpha_0 [-], `share` e* [-] and `initial_period` T_0 [s], 0 if the body is rigid
+        until it opens. Over (block, code), where "circolare_2019_records" gives "records_slv" and "records_slc",
+        followed by the name of the demand if there are several: `records`, the number of records; `activation` and
         `activation_demand` [m/s2] and their `activation_ratio`; `displacement` and `displacement_demand` [m], their
         `period` [s] and `displacement_ratio`; and `statement`, the reason for NaN. A ratio of 1 or more passes; it is
         for the worse direction of rotation, named in `activation_sense` and `displacement_sense`. If results are given,
@@ -55,7 +64,8 @@ def check(
     Raises
     ------
     ConfigError
-        If there are no bodies or no demand, or for an unknown code.
+        If there are no bodies or no demand, for an unknown code, or for "circolare_2019_records" without results at a
+        demand.
     ResultsError
         For results of another kind.
 
@@ -67,8 +77,8 @@ def check(
     >>> [round(found[name].item(), 3) for name in ("multiplier", "activation_ratio", "period", "displacement_ratio")]
     [0.1, 1.333, 1.238, 1.734]
     """
-    codes = [code] if isinstance(code, str) else list(code)
-    if unknown := [one for one in codes if one not in CHECKS]:
+    codes = [code] if isinstance(code, str) else [one for one in CODES if one != FRAME] if code is None else list(code)
+    if unknown := [one for one in codes if one not in CODES]:
         raise ConfigError(f"code: expected some of {', '.join(CODES)}, found {unknown[0]!r}{hint(unknown[0], CODES)}")
     if isinstance(results, Config):
         raise ConfigError("results: expected the results of assess, found a Config; give it as config=")
@@ -83,57 +93,97 @@ def check(
     if not config.bodies:
         raise ConfigError("no body to check: give [[block]] entries in the configuration")
     spectrum = spectrum_of(config.check, config.folder)
-    found: dict[str, tuple[Sequence[Mechanism], list[Checked]]] = {}
-    for body in config.bodies:
-        try:
-            of_body = mechanisms(body)
-        except ConfigError:
-            raise
-        except ValueError as error:
-            found[body.name] = (), [Checked(statement=str(error))] * len(codes)
-            continue
-        for name, senses in of_body.items():
-            found[name] = senses, [_checked(one, senses, spectrum, body.floors, config.check) for one in codes]
-    names = list(found)
-    weakest = [min(senses, key=lambda one: one.multiplier) if senses else None for senses, _ in found.values()]
+    answers = None if tree is None else answers_of(tree)
+    rule = "EN 1998-1, 4.3.3.4.3" if config.check.spectrum.startswith("en_1998") else "NTC 2018, 7.3.5"
+    found = _mechanisms(config)
+    others = {} if answers is None else _others(answers, stored, config)
+    columns = {
+        one: [_checked(one, senses, why, spectrum, floors, config.check) for senses, why, floors in found.values()]
+        for one in codes
+        if one != RECORDS
+    }
+    if RECORDS in codes:
+        of_records = {} if answers is None else _of_records(answers, found, others, rule)
+        if code is not None and not of_records:
+            raise ConfigError(f"code {RECORDS}: expected results with a [[demand]], found none; assess with --demand")
+        columns |= of_records
+    weakest = [min(senses, key=lambda one: one.multiplier) if senses else None for senses, _, _ in found.values()]
+    of_body = ("multiplier", "share", "initial_period")
     values = {
-        **{name: np.array([getattr(one, name, math.nan) for one in weakest]) for name in ("multiplier", "share")},
-        **({} if tree is None else history_results(tree, config, names)),
+        **{name: np.array([getattr(one, name, math.nan) for one in weakest]) for name in of_body},
+        **({} if answers is None else history_results(answers, others)),
         **{
-            name: np.array([[getattr(one, name) for one in row] for _, row in found.values()])
+            name: np.array([[getattr(one, name) for one in row] for row in zip(*columns.values(), strict=True)])
             for name in (*Checked._fields, "activation_ratio")
         },
     }
     factors = {name: config.check[name] for name in ("q", "confidence_factor", "q_a", "gamma_a")}
     return xr.Dataset(
         {name: CHECK[name].variable(values[name]) for name in CHECK if name in values},
-        {"block": names, "code": list(codes)},
-        {"spectrum": spectrum.words, "limit_state": config.check.limit_state, **factors},
+        {"block": list(found), "code": list(columns)},
+        {"spectrum": spectrum.words, "limit_state": config.check.limit_state, "rule": rule, **factors},
     )
+
+
+def _mechanisms(config: Config) -> dict[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]]:
+    """Return for each body its mechanisms or the reason why it has none, and the floors under it."""
+    found: dict[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]] = {}
+    for body in config.bodies:
+        try:
+            found |= {name: (senses, "", body.floors) for name, senses in mechanisms(body).items()}
+        except ConfigError:
+            raise
+        except ValueError as error:
+            found[body.name] = (), str(error), ()
+    return found
 
 
 def _checked(
     code: str,
     senses: Sequence[Mechanism],
+    why: str,
     spectrum: DemandSpectrum,
     floors: Sequence[FloorSettings],
     settings: CheckSettings,
 ) -> Checked:
+    if why:
+        return Checked(statement=why)
     try:
         return worst([CHECKS[code](one, spectrum, floors, settings) for one in senses])
     except TableEnds as error:
         return Checked(statement=str(error))
 
 
-def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return `probability`, `factor_50` and `beside` (the reason for missing values) of m bodies, from the results."""
-    answers = answers_of(results)
-    assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
-    beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]
-    probability, factor = np.full((2, len(names)), math.nan)
+def _of_records(
+    answers: Answers,
+    found: Mapping[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]],
+    others: Mapping[str, str],
+    rule: str,
+) -> dict[str, list[Checked]]:
+    """Return the checks of the rotations of all bodies for each demand and limit state, by the name of the code."""
+    columns: dict[str, list[Checked]] = {}
+    for demand in answers.demands:
+        rotations = rotations_at(answers, demand)
+        for state in STATES:
+            columns[f"records_{state}" + f", {demand}" * (len(answers.demands) > 1)] = [
+                Checked(statement=why or others[name])
+                if why or others[name]
+                else check_records(senses, rotations[name], state, rule)
+                for name, (senses, why, _) in found.items()
+            ]
+    return columns
+
+
+def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np.ndarray]:
+    """Return `probability`, `factor_50` and `beside` (the reason for missing values) of m bodies, from the results.
+
+    `others` gives for each body the reason why the results are not those of the same body, or an empty text.
+    """
+    beside = [why or ("" if answers.probable else "the results contain no probability") for why in others.values()]
+    probability, factor = np.full((2, len(beside)), math.nan)
     if answers.probable:
         every, motions = verdicts(answers), answers.motions.over(answers["factor_50"], np.nan)
-        for place, name in enumerate(names):
+        for place, name in enumerate(others):
             lanes = [lane for lane, one in enumerate(every) if one.body.block == name]
             if beside[place] or not lanes:
                 continue
@@ -144,20 +194,24 @@ def history_results(results: xr.DataTree, config: Config, names: Sequence[str]) 
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each of them."""
+    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each pedestal."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
+
+
+def _others(answers: Answers, stored: str, config: Config) -> dict[str, str]:
+    """Return for each body of a configuration why the results are not those of the same body, or an empty text."""
+    assessed = _bodies(config_from_text(stored))
+    return {name: _why_not(name, answers, assessed.get(name), body) for name, body in _bodies(config).items()}
 
 
 def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: BlockSettings) -> str:
     if name not in answers.blocks:
         return "the results have no body of this name"
-    if not answers.probable:
-        return "the results contain no probability"
     if there is None:
         return "the results do not contain the geometry of their bodies"
-    others = [key for key in sorted({*here.keys()} - NOT_OF_A_CODE) if here[key] != there[key]]
-    told = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
-    return f"the results have another body of this name ({told})" if others else ""
+    others = [key for key in sorted({*here.keys()} - NOT_SHARED) if here[key] != there[key]]
+    differences = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
+    return f"the results have another body of this name ({differences})" if others else ""
 
 
 def _short(value: object) -> str:

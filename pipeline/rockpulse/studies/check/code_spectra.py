@@ -56,7 +56,7 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the largest spectral displacement S_De [m] up to a period [s]; S_De never decreases."""
+        """Return the spectral displacement S_De [m] at a period [s], which is the largest up to this period."""
         return displacement_of(period, self(period, damping))
 
 
@@ -99,7 +99,7 @@ class TabledSpectrum:
         return value * damping_factor(damping) if period > 0.0 else value
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the largest spectral displacement S_De [m] at all periods up to a given one [s]."""
+        """Return the largest spectral displacement S_De [m] at periods up to a given period [s]."""
         periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest period first, as it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
 
@@ -150,7 +150,7 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
 def read_spectrum(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Read a table "period [s],sa [g]" or "sa [m/s2]"; return ascending periods [s] and positive accelerations [m/s2].
 
-    Raises ConfigError, with the row, for other numbers.
+    Raises ConfigError, with the row, for invalid numbers.
     """
     if not path.exists() or path.is_dir():
         raise ConfigError(f"{path}: no such file; expected a table of a spectrum")

@@ -5,9 +5,11 @@
    a_g S/q and on floors S_e(T_1) psi gamma/q; nonlinear on the ground, d_u* = 0.4 d_0* >= S_De(T_s), T_s = 2 pi
    sqrt(d_s*/a_s*) at d_s* = 0.4 d_u*. Circolare 7/2019: linear, the same with a_Z(z) on floors (C8.7.1.8, C7.2.8);
    displacement, d_SLV = 0.4 d_0 or d_SLC = 0.6 d_0 against S_De(T), T = 1.68 pi or 1.56 pi sqrt(d/a(d)) (C8.7.1.10,
-   .11), with a damping of 8 or 10 %, on floors with the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12. EN 1998-1,
-   4.3.5.2: F_a = S_a W_a gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at least alpha S
-   (4.25), T_a = 0 for a rigid block.
+   .11), with a damping of 8 or 10 %, on floors with the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12; d_SLV ends also
+   where ties break that carry half of the capacity, both where a beam loses its support (C8.7.1.2.1.6). An element that
+   is free to vibrate opens at S_eZ(T_0) (C8.7.1.9) instead of a_Z. Frames: F_a = S_a W_a/q_a, S_a of C7.2.11.
+   EN 1998-1, 4.3.5.2: F_a = S_a W_a gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at
+   least alpha S (4.25). T_a = T_0, or 0 for a rigid block.
 """
 
 import math
@@ -18,8 +20,7 @@ import numpy as np
 
 from rocking.body.block import Block
 from rocking.pictures import short_repr
-from rockpulse.config import CODES
-from rockpulse.config.block_settings import FloorSettings
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.code_spectra import (
     DemandSpectrum,
@@ -37,6 +38,8 @@ ULTIMATE, SECANT = 0.4, 0.4
 STATES = {"slv": (0.4, 1.68, 0.08), "slc": (0.6, 1.56, 0.1)}
 #: a and b of Circolare 7/2019, C7.2.6: the plateau of the floor spectrum is between periods of a T_k and b T_k.
 PLATEAU = (0.8, 1.1)
+#: a, b and a_p of Circolare 7/2019, Table C7.2.II, for T_1 below 0.5 s, up to 1 s, and above.
+FRAMES = ((0.8, 1.4, 5.0), (0.3, 1.2, 4.0), (0.3, 1.0, 2.5))
 
 
 class Checked(NamedTuple):
@@ -49,6 +52,7 @@ class Checked(NamedTuple):
     displacement_demand: float = math.nan  #: demand on the spectral displacement [m]
     displacement_ratio: float = math.nan  #: allowed displacement over demand [-]; passes if at least 1
     statement: str = ""  #: reason for missing values
+    records: int = 0  #: number of records of a check of rotations
     activation_sense: str = ""  #: one of SENSES; empty if both are equal
     displacement_sense: str = ""
 
@@ -88,9 +92,11 @@ def circolare_2019(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
     """Run the linear kinematic analysis with q and the displacement check of Circolare 7/2019, C8.7.1.2.1."""
-    activation, asked = _activation(body, settings), max(spectrum.ground, floor_peak(spectrum, floors))
-    part, factor, damping = STATES[settings.limit_state]
-    allowed = part * body.collapse_displacement
+    activation, asked = _activation(body, settings), spectrum(body.initial_period)
+    if floors:
+        asked = max(asked, floor_spectrum(spectrum, floors, body.initial_period, 0.05))
+    _, factor, damping = STATES[settings.limit_state]
+    allowed = allowed_displacement(body, settings.limit_state)
     pull = body.capacity(allowed) * body.gravity / (body.share * settings.confidence_factor)
     if pull <= 0.0:  # a tie breaks before the displacement that the weights alone allow
         return Checked(activation, asked / settings.q, allowed, statement="no resistance is left at the displacement")
@@ -109,6 +115,12 @@ def circolare_2019(
     )
 
 
+def allowed_displacement(body: Mechanism, limit_state: str) -> float:
+    """Return d_SLV or d_SLC [m] of Circolare 7/2019, C8.7.1.2.1.6."""
+    limits = [STATES[limit_state][0] * body.collapse_displacement, body.unsupported * body.lever]
+    return min(limits + [body.rupture_displacement] * (limit_state == "slv"))
+
+
 def en_1998(
     body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
@@ -118,8 +130,24 @@ def en_1998(
     if floors and not levels:
         return Checked(opens, statement="level (height of the floor/height of the building) is not given")
     height = max(levels, default=0.0)
-    seismic = spectrum.ground * max(1.0, 3.0 * (1.0 + height) / 2.0 - 0.5)
+    apart = 1.0 - body.initial_period / max(one.period for one in floors) if floors else 1.0
+    seismic = spectrum.ground * max(1.0, 3.0 * (1.0 + height) / (1.0 + apart**2) - 0.5)
     return Checked(opens, seismic * settings.gamma_a / settings.q_a)
+
+
+def circolare_2019_frame(
+    body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
+) -> Checked:
+    """Check the force on a non-structural element of a framed building (NTC 2018, 7.2.3; Circolare 7/2019, C7.2.11)."""
+    levels = [one.level for one in floors if one.level is not None]
+    opens = body.multiplier * body.gravity
+    if not levels:
+        return Checked(opens, statement="C7.2.11 is for a framed building: give [[block.floor]] with its level")
+    first = max(one.period for one in floors)
+    start, end, most = FRAMES[int(first >= 0.5) + int(first > 1.0)]
+    apart = max(0.0, 1.0 - body.initial_period / (start * first), body.initial_period / (end * first) - 1.0)
+    seismic = spectrum.ground * max(1.0, (1.0 + max(levels)) * most / (1.0 + (most - 1.0) * apart**2))
+    return Checked(opens, seismic / settings.q_a)
 
 
 def _activation(body: Mechanism, settings: CheckSettings) -> float:
@@ -162,14 +190,14 @@ def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], per
     return max(found, least) if period > PLATEAU[1] * own else found
 
 
-#: The check function of each code, by its name.
-CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], CheckSettings], Checked]] = dict(
-    zip(CODES, (circolare_2009, circolare_2019, en_1998), strict=True)
-)
+#: The check function of each code that uses a spectrum, by its name.
+CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], CheckSettings], Checked]] = {
+    one.__name__: one for one in (circolare_2009, circolare_2019, en_1998, circolare_2019_frame)
+}
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Combine the checks of both directions of rotation: the worse acceleration and the worse displacement check."""
+    """Combine the checks of both directions of rotation: return the worse acceleration and displacement checks."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:
@@ -182,11 +210,11 @@ def worst(senses: Sequence[Checked]) -> Checked:
     places = range(len(senses))
     opens = min(places, key=lambda at: senses[at].activation)
     moves = min(places, key=of_displacement)
-    told = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
+    statements = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
     return senses[moves]._replace(
         activation=senses[opens].activation,
         activation_demand=senses[opens].activation_demand,
-        statement="; ".join(told),
+        statement="; ".join(statements),
         activation_sense=named[opens],
         displacement_sense="" if math.isnan(senses[moves].displacement) else named[moves],
     )

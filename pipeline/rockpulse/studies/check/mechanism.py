@@ -1,7 +1,7 @@
 """A body as the kinematic mechanism of the codes: weights and forces on a body that turns about a corner.
 
-.. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. A virtual rotation moves it by z_i
-   sideways and lifts it by x_i minus z_i times the rotation (small rotations, as in codes). The multiplier of the
+.. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. A virtual rotation moves W_i by z_i
+   sideways and lifts W_i by x_i minus z_i times the rotation (small rotations, as in codes). The multiplier of the
    horizontal forces at the rotation theta is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the last
    sum over the weights whose mass moves with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond
    their gap they resist with their yield force until they break.
@@ -19,6 +19,8 @@ from rocking.body.block_lanes import STANDARD_GRAVITY
 from rocking.body.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
+#: Relative distance from a displacement at which the multiplier changes abruptly.
+ROUNDING = 1e-9
 #: Names of the directions of rotation in :func:`senses_of`.
 SENSES = ("positive", "negative")
 
@@ -48,6 +50,8 @@ class Mechanism:
     weights: tuple[Weight, ...]  # the weight of the body first
     forces: tuple[Force, ...] = ()  # ties, friction and thrusts
     gravity: float = STANDARD_GRAVITY  # [m/s2]
+    initial_period: float = 0.0  # T_0 of an element that is free to vibrate [s]; 0 if rigid until it opens
+    unsupported: float = math.inf  # rotation at which a beam on the body loses its support [rad]
 
     @property
     def _driving(self) -> float:
@@ -66,7 +70,7 @@ class Mechanism:
         return self._driving**2 / (sum(one.weight for one in moving) * squares)
 
     @property
-    def _lever(self) -> float:
+    def lever(self) -> float:
         """Ratio of spectral displacement to rotation [m]: Circolare 7/2019, (C8.7.1.4)."""
         return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
 
@@ -87,12 +91,30 @@ class Mechanism:
         for begin, end in zip(knots, [*knots[1:], math.inf], strict=True):
             zero = begin + self.at(begin, lasting=True) * self._driving / weights
             if zero < end:
-                return max(begin, zero) * self._lever
+                return max(begin, zero) * self.lever
+        return math.inf
+
+    @property
+    def slope(self) -> float:
+        """Tangent of the critical angle of the body with the loads that move with it [-]."""
+        moving = [one for one in self.weights if one.moving]
+        return sum(one.weight * one.arm for one in moving) / self._driving
+
+    @property
+    def rupture_displacement(self) -> float:
+        """Spectral displacement at which ties break that carry more than half of the largest multiplier [m]."""
+        ties = sorted((one for one in self.forces if math.isfinite(one.ends)), key=lambda one: one.ends / one.height)
+        begins = (one.begins / one.height * (1.0 + ROUNDING) for one in self.forces)
+        most, lost = max(self.at(rotation) for rotation in (0.0, *begins)), 0.0
+        for one in ties:
+            lost += one.force * one.height / self._driving
+            if lost > 0.5 * most:
+                return one.ends / one.height * self.lever * (1.0 - ROUNDING)  # just before the tie breaks
         return math.inf
 
     def capacity(self, displacement: float) -> float:
         """Return the multiplier alpha [-], at least 0, at the rotation that gives a spectral displacement [m]."""
-        return max(0.0, self.at(displacement / self._lever))
+        return max(0.0, self.at(displacement / self.lever))
 
 
 def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
@@ -148,5 +170,7 @@ def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)
     alone = replace(body, loads=rest).block() if carried else None
-    found = {body.name: senses_of(body.block(), alone, carried)}
+    senses = senses_of(body.block(), alone, carried)
+    period, lost = body.initial_period, body.unsupported
+    found = {body.name: tuple(replace(one, initial_period=period, unsupported=lost) for one in senses)}
     return found | {name: senses_of(block) for name, block in body.with_pedestals().items()}

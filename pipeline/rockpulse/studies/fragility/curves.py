@@ -76,14 +76,14 @@ def fit_capacities(
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:
-    """Fit a fragility curve to the capacities from an incremental dynamic analysis, truncated or not.
+    """Fit a fragility curve to the capacities from an incremental dynamic analysis, which may be truncated.
 
     Parameters
     ----------
     capacities : (n,) array_like
         Smallest value of the measure at which the limit state is reached; inf if it was not reached.
     clusters, records : (n,) sequence, optional
-        Labels of event and record; by default each row has its own.
+        Labels of event and record; by default each row is a different event and record.
     limits : (n,) array_like, optional
         Largest value of the measure that was analysed; required if a capacity is inf.
     model : {"lognormal", "logistic"}

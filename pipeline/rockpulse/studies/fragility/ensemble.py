@@ -1,9 +1,9 @@
 """The capacities of all records and bodies, the curves fitted to them, and the efficiency of each measure.
 
-.. note:: A measure is efficient if the dispersion beta of capacities in it is small, and sufficient if they depend on
-   no other property of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The test of sufficiency adds a
-   covariate to the likelihood of the curve, z = a + b ln x + c ln u, for the records whose property u, such as the
-   magnitude, is known.
+.. note:: A measure is efficient if capacities in this measure have a small dispersion beta, and sufficient if these
+   capacities depend on no other property of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The test of
+   sufficiency adds a covariate to the likelihood of the curve, z = a + b ln x + c ln u, for the records whose property
+   u, such as the magnitude, is known.
 """
 
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
-    """Return the slope d ln median/d ln u for a property u of the records, and its p-value; NaN if not determined."""
+    """Return the slope d ln median/d ln u for a property u of the records, and the p-value; NaN if not determined."""
     nothing = np.nan, np.nan
     known = rows.with_property(column)
     if not np.all(known):
@@ -70,7 +70,7 @@ class Ensemble:
     measures: np.ndarray  # (n, k, m) intensity measures of the unscaled records
     qualities: np.ndarray  # (n, c) properties in the order of QUALITIES
     facts: dict[str, np.ndarray]  # (n,) properties of earthquake and site by name
-    factors: np.ndarray  # (n, s, m) first scale factors that reach a state, or (n, r, m) all of them [-]
+    factors: np.ndarray  # (n, s, m) first scale factors that reach a state, or (n, r, m) all scale factors [-]
     step: np.ndarray | None  # (n, m) ratio of successive scale factors in the search for the first
     reached: np.ndarray | None  # (n, s, r, m) 1 if the limit state was reached, 0 if not, or NOT_KNOWN
     weight: np.ndarray | None  # (n, r) weight of each scale factor [-]
@@ -102,7 +102,7 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """Properties (n, c) in the order of STATED, the magnitude as exp(magnitude); NaN if the file lacks it."""
+        """Properties (n, c) in the order of STATED, the magnitude as exp(magnitude); NaN if not stated in a file."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
@@ -170,7 +170,7 @@ class Fits:
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit all curves and test the measures for sufficiency; groups of bodies have only dimensionless measures."""
+    """Fit all curves and test sufficiency; a group of several bodies is fitted only in dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

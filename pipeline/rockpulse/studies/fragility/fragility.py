@@ -68,8 +68,8 @@ def fragility(
     -----
     With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
     probability of reaching the limit state at a level. With ``data = "ida"`` the capacity is the first scale factor
-    that reaches it, and the curve is the probability of reaching it at or below a level, which is larger, as the
-    rotation need not increase with the factor (docs/decisions/012).
+    that reaches the limit state, and the curve is the probability of reaching it at or below a level. This probability
+    is larger, as the rotation need not increase with the scale factor (docs/decisions/012).
 
     Examples
     --------

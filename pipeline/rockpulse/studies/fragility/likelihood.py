@@ -3,7 +3,7 @@
 .. note:: The logarithm x of a capacity has the distribution F(a + b x), F normal or logistic. A known capacity adds log
    f(a + b x) + log b to the log-likelihood, a capacity above x (the limit state was not reached at x) adds log (1 - F),
    and a capacity not above x adds log F. Incremental analysis, truncated or not, and stripes have the same likelihood.
-   It is concave in (a, b) (Olsen 1978), so that Newton's method with halved steps finds its only maximum.
+   The likelihood is concave in (a, b) (Olsen 1978): Newton's method with halved steps finds its only maximum.
 """
 
 from collections.abc import Callable
@@ -29,7 +29,7 @@ class Observations:
     record: np.ndarray  # (n,) index of the record of each row
     events: tuple[str, ...]  # labels of the events, sorted
     qualities: np.ndarray  # (n, c) positive properties tested for an effect on capacity; NaN if unknown
-    weight: np.ndarray  # (n,) with mean one
+    weight: np.ndarray  # (n,) weight of each row; the mean is one
 
     @classmethod
     def of(
@@ -77,7 +77,7 @@ class Observations:
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Return the weights (1 + events, n) of the observations: first all of them, then with each event left out."""
+        """Return the weights (1 + events, n) of the observations: first for all events, then without each event."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 

@@ -29,7 +29,7 @@ from rockpulse.storage.variables.summary import FACTS, facts_of
 
 #: Value for a result that the model cannot resolve.
 NOT_KNOWN = -1
-#: A half-wave is strong if its impulse is above this share of the largest one.
+#: A half-wave is strong if its impulse is above this share of the largest impulse.
 STRONG_SHARE = 0.5
 
 
@@ -42,7 +42,7 @@ def scale_capacities(
     computed at `points` scale factors up to `factor_max`. If the model cannot resolve a scale factor (free flight), the
     limit state counts as reached.
 
-    Returns the scale factors (s, m), inf if none reaches the state; larger ones need not reach it. The step (m,) is the
+    Returns the scale factors (s, m), inf if none reaches the state; a larger factor may not. The step (m,) is the
     ratio of successive scale factors [-]: an interval narrower than the step may be missed, which makes the first scale
     factor larger. The step is 1 for uplift alone.
     """
@@ -92,7 +92,7 @@ def reached_at(
 
 
 def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
-    """Return the equation of motion of a model, and the vertical acceleration that it uses or None."""
+    """Return the equation of motion of a model, and the vertical acceleration that the model uses, or None."""
     equation = MODELS[model].equation
     assert equation is not None
     return equation, MODELS[model].vertical_of(scene)
@@ -115,11 +115,11 @@ def motion_capacity(
     order of ``[fragility] measures``, and "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
     "factors" (1, s, m), the first scale factor that reaches each limit state (inf if none), and "step" (1, m). Other
     analyses add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), for the rows of the record in a
-    `selection`. An incremental analysis ends at the limits of ``[fragility] factors``, and a stripe beyond these is
-    unknown.
+    `selection`. An incremental analysis ends at the limits of ``[fragility] factors``, and stripes beyond these
+    limits are unknown.
 
     For a body beside a wall, the record and its reverse are two rows of one earthquake. Raises ValueError if a record
-    has no intense phase or the model rejects it, and TooWeak if its PGA is too small or the selection lacks it.
+    has no intense phase or the model rejects it, TooWeak if its PGA is too small or it is not in the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -148,8 +148,8 @@ def motion_capacity(
                 found.setdefault(name, whole)[..., own] = array
         named = {"record": f"{record.id} reversed" if reverse else record.id, "source": record.source}
         qualities = record_qualities(scene)
-        told = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
-        rows.append({**found, **_weights(record.id, config, selection), **named, **told})
+        facts = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
+        rows.append({**found, **_weights(record.id, config, selection), **named, **facts})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 

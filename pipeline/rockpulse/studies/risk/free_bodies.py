@@ -37,13 +37,13 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Create the curves from spectra and the ln of the records' measures (`own`); ResultsError for gaps."""
+        """Create the curves from spectra and `own`, the ln of the records' measures; ResultsError if a C is missing."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
             raise ResultsError(
-                "results: the spectra have no values at the C of these bodies, for [uncertainty] restitution is no "
-                "range or a narrow one; assess again with a range such as [0.95, 1.05]"
+                "results: the spectra have no values at the C of these bodies, because [uncertainty] restitution is "
+                "not a range, or too narrow a range; assess again with a range such as [0.95, 1.05]"
             )
         stored = spectra["probability"].transpose("p", "restitution", "record", "level").values
         floor = np.log(block.gravity * np.tan(block.alpha_c))
@@ -57,7 +57,7 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the index (m, r) of the interval between stored levels that contains a level, or the nearest one."""
+        """Return the index (m, r) of the interval of stored levels that contains or is nearest to a level."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
@@ -75,7 +75,7 @@ class BodyCurves(NamedTuple):
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Return the ln of the levels (m,) at which the mean probability over records, by `weights` (r,), is 1/2."""
+        """Return the ln of the levels (m,) at which the mean probability over records with `weights` (r,) is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -132,7 +132,7 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     -------
     xarray.Dataset
         Over (body, level): `probability`, the mean over records, and `lognormal`, from the `median` and `dispersion` of
-        S over (body). In PGA both are 0 below g tan(alpha). NaN for a body that the spectra do not cover.
+        S over (body). In PGA both are 0 below g tan(alpha). Both are NaN for a body that the spectra do not cover.
 
     Raises
     ------

@@ -3,7 +3,7 @@
 .. note:: lambda = integral of P(x) (-dH/dx) dx; the shares from levels outside the range of the records or of the
    hazard are reported. In PGA, levels below the uplift PGA of a body on the ground contribute nothing. A body that
    overturns lambda times a year survives T years with the probability exp(-lambda T). At a confidence q, survival
-   allows frequencies up to -ln(1 - q)/T; a larger one contradicts the hazard, to which it is proportional.
+   allows frequencies up to -ln(1 - q)/T; a larger frequency contradicts the hazard, as it is proportional to that.
 """
 
 import math
@@ -34,7 +34,7 @@ COMPONENTS = {
     "sweep": "an arbitrary horizontal component, not the larger of two",
 }
 
-#: Description of the data of a fragility, for each value of [fragility] data.
+#: Description of the data of a fragility analysis, for each value of [fragility] data.
 DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
@@ -58,7 +58,7 @@ def several_events(count: int) -> str:
 
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
-    """Return the warnings on a hazard in words, with the ground and the component to which it must refer."""
+    """Return the warnings on a hazard in words, with the ground and the component to which the hazard must refer."""
     wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 
@@ -151,8 +151,8 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
         with np.errstate(divide="ignore"):
             low, high = np.log(asked.hazard.covered).tolist()
         whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
-        told = "every ground motion above the uplift PGA lifts the body, so that the frequency is exact and has no band"
-        return found | _frequency(whole, low, high, asked) | {"statement": told}
+        text = "every ground motion above the uplift PGA lifts the body, so that the frequency is exact and has no band"
+        return found | _frequency(whole, low, high, asked) | {"statement": text}
     status = missing(rows)
     if status != Status.FITTED:
         return found | {"statement": f"{STATEMENTS[status](rows)} ({asked.hazard.measure} in SI units)"}
@@ -166,15 +166,15 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
     if not math.isfinite(whole.frequency):
         return found | {
             "status": RiskStatus.NO_LIMIT,
-            "statement": "no frequency: towards small levels the fragility falls less than the hazard rises; the "
-            "frequency would depend on levels that were not analysed",
+            "statement": "no frequency: towards small levels the fragility decreases more slowly than the hazard "
+            "increases; the frequency would depend on levels that were not analysed",
         }
     found |= _frequency(whole, low, high, asked)
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of one frequency; its data cover the levels with logarithms from `low` to `high`."""
+    """Return the variables of one frequency; the data cover levels with logarithms from `low` to `high`."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -190,15 +190,15 @@ def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) ->
 
 def _warning(below: float, above: float, low: float, high: float, hazard: Hazard) -> str:
     """Return a warning if much of the frequency comes from levels outside the data; empty if not."""
-    told = []
+    parts = []
     ends = zip((below, above), (low, high), ("below", "above"), hazard.covered, strict=True)
     for share, limit, side, end in ends:
         if share > OUTSIDE:
             curve = math.isclose(math.exp(limit), end)
             of = "where the hazard curve ends" if curve else "beyond which no record was analysed"
             shown = f"{math.exp(limit) / hazard.unit_in_si:.3g} {hazard.unit}"
-            told.append(f"{share:.0%} of its frequency comes from levels {side} {shown}, {of}")
-    return "; ".join(told)
+            parts.append(f"{share:.0%} of its frequency comes from levels {side} {shown}, {of}")
+    return "; ".join(parts)
 
 
 def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _RiskOptions) -> dict[str, Any]:
@@ -213,12 +213,12 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     lost = f"{limits.lost:.0%} of the resamples give no curve, or no curve without one of their earthquakes"
     if math.isnan(limits.low):
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
-    told = []
+    reasons = []
     if events < LEAST_EVENTS:
-        told.append(f"the band is too narrow: {several_events(events)}, {LEAST_EVENTS} are needed")
+        reasons.append(f"the band is too narrow: {several_events(events)}, {LEAST_EVENTS} are needed")
     if limits.lost:
-        told.append(f"{lost}: they are left out of the band")
-    found: dict[str, Any] = {"statement": "; ".join(told)}
+        reasons.append(f"{lost}: they are left out of the band")
+    found: dict[str, Any] = {"statement": "; ".join(reasons)}
     for end, value in (("low", limits.low), ("high", limits.high)):
         found |= {f"frequency_{end}": value, f"probability_{end}": -math.expm1(-value * asked.years)}
     return found
@@ -264,7 +264,7 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     -------
     xarray.Dataset
         Over the bodies: survival probability `chance` = exp(-frequency age) with `chance_low` and `chance_high`,
-        `largest`, the frequency at which it is 1 - confidence [1/year], the `factor` on the hazard that gives this
+        `largest`, the frequency with `chance` = 1 - confidence [1/year], the `factor` on the hazard that gives this
         frequency, and `contradicted`.
 
     Raises

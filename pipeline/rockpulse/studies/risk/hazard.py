@@ -21,7 +21,7 @@ from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
-    """Return the factor from a unit of a measure to SI; raise ConfigError for an unknown unit, found at `where`."""
+    """Return the factor from a unit of a measure to SI; raise ConfigError, with the location `where`, if unknown."""
     known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
@@ -29,10 +29,10 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """Return the measure unchanged; raise ConfigError if a hazard cannot have it, with its location `where`."""
+    """Return the measure; raise ConfigError, with the location `where`, if it is not a measure of hazards."""
     if measure not in HAZARD:
-        told = f"found {measure!r}{hint(measure, HAZARD)}"
-        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {told}")
+        found = f"found {measure!r}{hint(measure, HAZARD)}"
+        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {found}")
     return measure
 
 
@@ -327,10 +327,10 @@ class SiteHazards:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings on the hazards, and the largest distance of a body from the point of its hazard."""
-        told = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
+        texts = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
-            return told
-        return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *told)
+            return texts
+        return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *texts)
 
     @property
     def words(self) -> str:

@@ -1,4 +1,4 @@
-"""Readers of hazard curves for one or many points: rates or probabilities of levels, OpenQuake, return periods."""
+"""Readers of hazard curves of one or many points: rates or probabilities, OpenQuake's files, or return periods."""
 
 import re
 from collections.abc import Callable
@@ -37,7 +37,7 @@ OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """The content of a hazard file: levels in the file's unit and annual rates [1/year], for one or n points."""
+    """The content of a hazard file: levels in the file's unit and annual rates [1/year], for one point or n points."""
 
     path: str
     measure: str
@@ -66,23 +66,24 @@ class _Sheet(NamedTuple):
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """Return the row of the point nearest to a site, and its distance as a warning; ConfigError if none is near."""
+        """Return the row of the point nearest to a site, and its distance as a warning; ConfigError if too far."""
         if self.places is None:
             if site is None:
                 return 0, ()
             raise ConfigError(
-                f"{self.path}: one curve without a place, but a site was named; expected OpenQuake's hazard curves or "
-                "the grid of NTC 2008, or no longitude and latitude"
+                f"{self.path}: one hazard curve without coordinates, so no site can be looked up in it; remove the "
+                "longitude and latitude of the site, or give a file of several sites (OpenQuake's hazard curves or the "
+                "grid of NTC 2008)"
             )
         if site is not None:
             rows, distance = nearest_places(self.path, self.places, _checked_sites([site]))
             return int(rows[0]), (f"{1e-3 * distance[0]:.1f} km from the site",)
         if len(self.places) > 1:
             raise ConfigError(
-                f"{self.path}: curves of {len(self.places)} sites; name one by its longitude and latitude ([hazard] "
+                f"{self.path}: curves of {len(self.places)} sites; select one by its longitude and latitude ([hazard] "
                 "longitude, latitude, or --site)"
             )
-        return 0, ("the only place of the file",)
+        return 0, ("the only site in the file",)
 
 
 def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_factor: float = 1.0) -> HazardCurve:
@@ -153,8 +154,9 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:
         raise ConfigError(
-            f"{path}: one curve without a place, but the bodies have sites; expected OpenQuake's hazard curves or the "
-            "grid of NTC 2008, or a table of bodies without longitude and latitude"
+            f"{path}: one hazard curve without coordinates, so the sites of the bodies cannot be looked up in it; "
+            "give a file of several sites (OpenQuake's hazard curves or the grid of NTC 2008), or remove longitude and "
+            "latitude from the table of bodies"
         )
     rows, distance = nearest_places(sheet.path, sheet.places, asked)
     keys = np.stack([rows, of_each(soil_factor, len(asked), "soil factor")], axis=1)
@@ -162,7 +164,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if one is invalid."""
+    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if a site is invalid."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)
@@ -185,20 +187,20 @@ def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """Return the hazards of `count` bodies; [hazard] replaces `sites` or `soil_factor` that are None."""
-    for key, told, own in (
+    """Return the hazards of `count` bodies; `sites` or `soil_factor` that are None are taken from [hazard]."""
+    for key, stated, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil != 1.0, soil_factor),
     ):
-        if told and own is not None:
-            raise ConfigError(f"[hazard] {key}: the bodies have their own; expected one of the two, found both")
+        if stated and own is not None:
+            raise ConfigError(f"[hazard] {key}: also given for each body; remove it here or in the table of bodies")
     factors = of_each(settings.soil if soil_factor is None else soil_factor, count, "soil factor")
     if sites is None:
         return SiteHazards.distinct(factors[:, np.newaxis], _of_factor(settings, folder))
     if settings.file is None:
         raise ConfigError(
-            "[hazard] file: the bodies have sites of their own, so expected a file with the curves of many places, "
-            "found none; or remove longitude and latitude from the table of bodies"
+            "[hazard] file: each body has its own site; give a file with the hazard curves of several sites, or remove "
+            "longitude and latitude from the table of bodies"
         )
     return load_site_hazards(folder / settings.file, sites, factors)
 
@@ -237,9 +239,9 @@ def _read(path: str | Path) -> _Sheet:
     return _levels(name, table, heads)
 
 
-def _measure_of(path: str, told: str) -> str:
-    found = re.fullmatch(r"(\w+)\s*\(\s*([0-9.]+)\s*s?\s*\)", told.strip().lower())
-    return known_measure(f"{found[1]}_{float(found[2]):g}" if found else told.strip().lower(), path)
+def _measure_of(path: str, text: str) -> str:
+    found = re.fullmatch(r"(\w+)\s*\(\s*([0-9.]+)\s*s?\s*\)", text.strip().lower())
+    return known_measure(f"{found[1]}_{float(found[2]):g}" if found else text.strip().lower(), path)
 
 
 def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
@@ -286,22 +288,22 @@ def _with_one_heading(lines: list[str]) -> str:
     names = lines[1].split(between)
     for place, name in enumerate(names):
         cells = above.split(between)
-        told = re.search(r"TR\s*=\s*(\d+)", cells[place] if place < len(cells) else "", re.IGNORECASE)
-        period = f"T{told[1]}" if told else period
+        stated = re.search(r"TR\s*=\s*(\d+)", cells[place] if place < len(cells) else "", re.IGNORECASE)
+        period = f"T{stated[1]}" if stated else period
         heads.append(name if re.match(r"\s*t\d", name, re.IGNORECASE) else f"{period}{name.strip()}")
     return "\n".join([between.join(heads), *lines[2:]])
 
 
 def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) -> _Sheet:
     found = [OF_PERIOD.fullmatch(name.lower().replace(" ", "")) for name in heads]
-    columns = [(place, told) for place, told in enumerate(found) if told]
-    units = {told[3] or ANNEX for _, told in columns}
+    columns = [(place, stated) for place, stated in enumerate(found) if stated]
+    units = {stated[3] or ANNEX for _, stated in columns}
     if len(columns) < 2 or len(units) > 1:
         raise ConfigError(
             f"{path}: expected, in addition to LON and LAT, a_g of several return periods in one unit (T30ag, T50ag, "
             f"...), found {', '.join(heads)}"
         )
-    period = np.array([float(told[1] or told[2]) for _, told in columns])
+    period = np.array([float(stated[1] or stated[2]) for _, stated in columns])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
     level = np.stack([column_numbers(path, table, heads[place]) for place, _ in columns], axis=1)
@@ -311,15 +313,15 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
     # A spreadsheet may add commas to the end of the comment line.
-    told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[^\s,\"']+)", lines[0]))
-    if set(told) != {"investigation_time", "imt"}:
+    stated = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[^\s,\"']+)", lines[0]))
+    if set(stated) != {"investigation_time", "imt"}:
         raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
-    years = float(told["investigation_time"].strip("'\""))
-    measure = _measure_of(path, told["imt"].strip("'\""))
+    years = float(stated["investigation_time"].strip("'\""))
+    measure = _measure_of(path, stated["imt"].strip("'\""))
     unit = MEASURES[measure].openquake
     if not unit:
         known = [name.upper() + "(...)" * bool(row.periods) for name, row in ROWS.items() if row.openquake]
-        raise ConfigError(f"{path}, line 1: expected imt among {', '.join(known)}, found {told['imt']}")
+        raise ConfigError(f"{path}, line 1: expected imt among {', '.join(known)}, found {stated['imt']}")
     table = table_of(path, "\n".join(lines[1:]))
     heads = [str(name) for name in table.columns]
     columns, places = (

@@ -7,8 +7,8 @@
 
 The band is a bootstrap-t over earthquakes, since records of one earthquake are not independent. Each bootstrap sample
 has a frequency and, from leaving out each of its earthquakes in turn, a standard error; the quantiles of (ln lambda of
-the sample - estimate)/standard error over the samples give the band of the estimate. The hazard counts as exact. Efron,
-B., Tibshirani, R. (1993), An Introduction to the Bootstrap, chapter 12.
+the sample - estimate)/standard error over the samples give the band of the estimate, without errors of the hazard.
+Efron, B., Tibshirani, R. (1993), An Introduction to the Bootstrap, chapter 12.
 """
 
 import itertools

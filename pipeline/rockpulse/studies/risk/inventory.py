@@ -179,7 +179,7 @@ def _of_bodies(
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
-        """Return the frequency (m, r) that comes from levels above a limit."""
+        """Return the frequency (m, r) from levels with logarithms above `log_level`."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)

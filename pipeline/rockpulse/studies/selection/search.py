@@ -1,8 +1,8 @@
-"""Searches a set of spectra whose mean fits a target, by greedy choice from several starts and exchange of members.
+"""Searches for a set of spectra whose mean fits a target, by greedy choice from several starts and exchange of members.
 
-.. note:: Each spectrum has a scale factor of its own, with which the mean over the periods of its ratio to the target
-   is 1, so that every member is as strong as the target. The search minimises max/min over the periods of the mean
-   ratio of the set, which does not depend on a common factor; one is applied at the end and centres the deviations.
+.. note:: The scale factor of each spectrum makes the mean over the periods of its ratio to the target equal to 1, so
+   that every member is as strong as the target. The search minimises max/min over the periods of the mean
+   ratio of the set. Finally all scale factors are multiplied by a common factor, which centres the deviations.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: Largest number of spectra from which a search begins: those whose own shape is nearest to that of the target.
+#: Largest number of spectra from which a search begins: the spectra with the shapes nearest to the target.
 STARTS = 40
 
 
@@ -23,7 +23,7 @@ class SpectrumSet(NamedTuple):
 
 
 def own_factors(ratios: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Return the own scale factor (m,) of each ratio to the target (m, k); NaN if it is outside the bounds."""
+    """Return the scale factor (m,) that makes the mean of each row of `ratios` (m, k) 1; NaN outside the bounds."""
     with np.errstate(divide="ignore"):
         factors = 1.0 / ratios.mean(axis=1)
     return np.where((factors >= bounds[0]) & (factors <= bounds[1]), factors, np.nan)
@@ -52,8 +52,8 @@ def fitting_set(
     per_event : int
         Largest number of members of one earthquake.
     tolerance : (2,) tuple of float
-        Allowed deviations of the mean below and above the target [-]. They move the common factor if the mean is within
-        them only with another one than that which centres the deviations.
+        Allowed deviations of the mean below and above the target [-]. If the common factor that centres the deviations
+        does not keep them within these limits, another common factor is used if one does.
     """
     own = own_factors(ratios, bounds)
     usable = np.flatnonzero(np.isfinite(own))
@@ -76,7 +76,7 @@ def _spread(ratios: np.ndarray) -> np.ndarray:
 
 
 def _best(shapes: np.ndarray, codes: np.ndarray, others: list[int], per_event: int) -> tuple[float, int]:
-    """Return the smallest spread of the other members with one more spectrum, and the index of that spectrum."""
+    """Return the smallest spread of the other members plus one spectrum, and the index of this spectrum."""
     taken = np.bincount(codes[others], minlength=codes.max() + 1)[codes] >= per_event
     taken[others] = True
     spread = np.where(taken, np.inf, _spread(shapes[others].sum(axis=0) + shapes))
@@ -92,7 +92,7 @@ def _greedy(shapes: np.ndarray, codes: np.ndarray, start: int, count: int, per_e
 
 
 def _exchanged(shapes: np.ndarray, codes: np.ndarray, members: list[int], per_event: int) -> list[int]:
-    """Exchange one member at a time, the best exchange of all, while it reduces the spread."""
+    """Return the members after exchanging one at a time, always by the best exchange, until none reduces the spread."""
     spread = float(_spread(shapes[members].sum(axis=0)))
     while True:
         others = [members[:place] + members[place + 1 :] for place in range(len(members))]

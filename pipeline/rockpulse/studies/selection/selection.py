@@ -76,7 +76,7 @@ def select(
 
 
 class SelectionAnalysis(Analysis):
-    """The selection: computes the spectrum of every record, and searches the set whose mean fits the target."""
+    """The selection: computes the spectrum of every record, and searches for the set whose mean fits the target."""
 
     name = "select"
     doing = "computing spectra"
@@ -109,7 +109,7 @@ class SelectionAnalysis(Analysis):
         return {"record": none, "event": none, "spectrum": np.zeros((0, PERIODS))}
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Search the set of records, and return its tree."""
+        """Search for the set of records, and return the tree of results."""
         asked, rows = self.config.selection, joined([self.empty_part, *parts])
         place = {str(name): row for row, name in enumerate(rows["record"])}
         groups = [[row] for row in place.values()]
@@ -117,8 +117,8 @@ class SelectionAnalysis(Analysis):
             pairs, alone = find_pairs([one.channels[0] for one in planned if one.name in place])
             groups = [[place[channel.id] for channel in pair.channels] for pair in pairs]
             if alone:
-                told = f"channels without a known partner, {len(alone)}: {some([row.reason for row in alone], 1)}"
-                failures = [*failures, Failure("[selection] components", "pair", told, "skipped")]
+                reason = f"channels without a known partner, {len(alone)}: {some([row.reason for row in alone], 1)}"
+                failures = [*failures, Failure("[selection] components", "pair", reason, "skipped")]
         spectra = rows["spectrum"]
         with np.errstate(divide="ignore"):
             ratios = np.array([np.exp(np.log(spectra[group]).mean(axis=0)) for group in groups]) / self.target
@@ -162,10 +162,11 @@ class SelectionAnalysis(Analysis):
             return
         unknown = "; name the earthquakes of the records in the table [records] events" if usable[UNKNOWN] else ""
         raise ConfigError(
-            f"[selection] records: expected {asked.records} {asked.components}, at most {asked.per_earthquake} of one "
-            f"earthquake, found {enough}: of {len(events)}, {usable.total()} of {len(usable)} earthquakes have a scale "
-            f"factor between {asked.factors[0]:g} and {asked.factors[1]:g}; give more records, change records, factors "
-            f"or per_earthquake{unknown}"
+            f"[selection] records: expected {asked.records} {asked.components} that can be selected, at most "
+            f"{asked.per_earthquake} of each earthquake, found {enough}. Of {len(events)} {asked.components}, "
+            f"{usable.total()} (of {len(usable)} earthquake{'s' * (len(usable) != 1)}) can be scaled by "
+            f"{asked.factors[0]:g} to {asked.factors[1]:g}. Give more record files, or change the keys records, "
+            f"factors or per_earthquake{unknown}"
         )
 
 

@@ -132,7 +132,7 @@ def baseline_response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Return peak/alpha after the record, and whether the block overturns, from x = theta/alpha > 0 and u = x'/p."""
+    """Return peak/alpha after the record and whether the block overturns; at its end x = theta/alpha > 0, u = x'/p."""
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

@@ -31,7 +31,7 @@ FEW_SAMPLES = 200
 
 
 def synthetic_motion(peaks: str, samples: int, quiet: int) -> np.ndarray:
-    """Return parabolic half-waves, one after another, with these peaks [m/s2], then `quiet` half-waves of zeros."""
+    """Return successive parabolic half-waves with these peaks [m/s2], followed by `quiet` half-waves of zeros."""
     place = np.arange(samples) / samples
     shape = 4.0 * place * (1.0 - place)
     return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])
@@ -52,7 +52,7 @@ class Case:
     dt: float  # [s]
     samples: int  # number of samples of a half-wave; a power of two
     ground: str  # peaks of the half-waves of the ground motion [m/s2]
-    quiet: int  # number of half-waves of zeros after these
+    quiet: int  # number of half-waves of zeros at the end
     vertical: str  # peaks of as many vertical half-waves [m/s2]; empty without vertical motion
     scale: float  # scale factor [-]
     wall: int  # 1 for a body beside a wall

@@ -30,7 +30,7 @@ class Flip(NamedTuple):
 
 @dataclass
 class Changes:
-    """The changes of one variable: their number in all models and in the most complete model, and the first few."""
+    """The changes of one variable: their numbers in all models and in the most complete one, and the first changes."""
 
     listed: int = 0
     compared: int = 0
@@ -46,7 +46,7 @@ class Changes:
         return [*self._first, *self._others][: self.listed]
 
     def add(self, places: np.ndarray, leading: np.ndarray, named: Callable[[int], Flip]) -> None:
-        """Add changes at indices `places`; `leading` is True for those in the most complete model."""
+        """Add changes at indices `places`; `leading` is True for changes in the most complete model."""
         self.count += places.size
         self.count_by_model += int(leading.sum())
         for kept, some in ((self._first, places[leading]), (self._others, places[~leading])):

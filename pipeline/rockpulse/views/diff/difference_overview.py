@@ -137,12 +137,12 @@ def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
-    """Return at most `most` lines, then a line with the number of the other ones."""
+    """Return at most `most` lines, then a line with the number of the others."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
-    """Return a title, a line for each listed change, and a line with the number of the other ones."""
+    """Return a title, a line for each listed change, and a line with the number of the others."""
     rows = tuple(
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
@@ -178,7 +178,7 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
 
 
 def _place(names: Sequence[str]) -> str:
-    """Return the names on one line; the longest ones are shortened so that the line fits the column."""
+    """Return the names on one line; the longest names are shortened so that the line fits the column."""
     room = PLACE_WIDTH - 2 * (len(names) - 1)
     width = max(map(len, names), default=0)
     while sum(min(len(name), width) for name in names) > room:

@@ -19,7 +19,7 @@ from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_o
 
 #: Number of values of a variable that are read at once; more are slower, as their memory is allocated each time.
 PART = 1_000_000
-#: Variables whose changes are listed: for the first all changes, for the others crossings of 1.
+#: Variables whose changes are listed: all changes of the first variable, and crossings of 1 for the others.
 OUTCOME = "/summary/outcome"
 SAFETY = "/summary/safety_factor"
 CAPACITY = "/summary/capacity_ratio"
@@ -33,7 +33,7 @@ APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_diges
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """The differences of one variable: how many values differ, and where the difference is largest."""
+    """The differences of one variable: the number of different values, and the place of the largest difference."""
 
     name: str  # group and variable
     differing: int  # number of values beyond the tolerance
@@ -80,10 +80,10 @@ def compare_results(
     ignore: Sequence[str] = (),
     listed: int = 20,
 ) -> Differences:
-    """Compare two open results files; ResultsError if they are of different kinds or `ignore` has an unknown name.
+    """Compare two open results files; raise ResultsError for different kinds or an unknown name in `ignore`.
 
-    Two numbers are equal if they differ by at most `atol` + `rtol` times the larger one, or if both are NaN or the same
-    infinity; texts, integers and flags must be identical. Variables in `ignore`, as ``name`` or ``/group/name``, are
+    Two numbers are equal if they differ by at most `atol` + `rtol` times the larger number, or if both are NaN or the
+    same infinity; texts, integers and flags must be identical. Variables in `ignore` (``name`` or ``/group/name``) are
     not compared. At most `listed` changed verdicts and `listed` crossed ratios are named.
     """
     if first.kind != second.kind:
@@ -181,7 +181,7 @@ def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], 
 
 
 def _not_alike(before: xr.Variable, after: xr.Variable) -> str:
-    """Return why two variables cannot be compared (units, flags, dimensions or type); empty if they can."""
+    """Return the reason why two variables cannot be compared (units, flags, dimensions or type); empty if they can."""
     for what in ("units", "flag_meanings"):
         if str(before.attrs.get(what)) != str(after.attrs.get(what)):
             return f"{what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}"
@@ -237,7 +237,7 @@ def _compare_values(
 def _parts(
     before: xr.Variable, after: xr.Variable, rows: list[Matched]
 ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yield parts of a variable: the index of the first row, and the values in both files."""
+    """Yield the index of the first row and the values in both files, for one part of a variable after the other."""
     if not rows:
         yield 0, np.asarray(before.values), np.asarray(after.values)
         return

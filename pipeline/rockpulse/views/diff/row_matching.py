@@ -12,7 +12,7 @@ from rockpulse.storage.export.long_table import POINTS_AT
 
 @dataclass(frozen=True)
 class OnlyIn:
-    """Names that only the first or only the second of two files contains; ``what`` says what they name."""
+    """Names that only the first or only the second of two files contains; ``what`` is the kind of the named objects."""
 
     what: str
     first: tuple[str, ...]
@@ -140,7 +140,7 @@ class RowMatcher:
         return Matched(first, second, self._names(dim, pointers, first), whole)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
-        """Return a function that gives the names to which a matched row refers, and its index in the first file."""
+        """Return a function that gives, for a matched row, the names it refers to and its index in the first file."""
         labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:
@@ -153,7 +153,7 @@ class RowMatcher:
         return name
 
     def _common(self, pointed: np.ndarray, at: str, side: str) -> np.ndarray:
-        """Return for each row the index of the name it refers to among the matched names; -1 if it is not matched."""
+        """Return for each row the index of the name it refers to among the matched names; -1 for other names."""
         if at not in self.named:
             return pointed.astype(np.int64)
         place = getattr(self.named[at], side)

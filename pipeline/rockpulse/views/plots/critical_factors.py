@@ -20,7 +20,7 @@ from rockpulse.views.shared.words import listed, numerals, say, translated
 
 #: Style of a gap between two intervals of overturning, in which the body survives: hatched, or light grey if narrow.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
-#: Styles of an interval of overturning, and of one without a result.
+#: Styles of an interval of overturning, and of an interval without a result.
 _OVERTURNS: dict[str, Any] = {"fc": RED, "ec": RED}
 _UNKNOWN: dict[str, Any] = {"fc": "white", "ec": GREY, "hatch": "xxxx"}
 #: Smallest drawn width of an interval of overturning [pt], so that narrow intervals remain visible.
@@ -215,7 +215,7 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> N
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
-    """Draw the scale factors of one model, and return the smallest one."""
+    """Draw the scale factors of one model, and return the smallest scale factor."""
     appearance, factor = style.look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0

@@ -33,7 +33,7 @@ from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impu
 from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation_panels import rotation_history
-from rockpulse.views.plots.site import calibration
+from rockpulse.views.plots.site import calibration, site_accelerogram
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.record_facts import Known
@@ -58,6 +58,8 @@ def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -
 def _limit_accelerogram(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
 ) -> np.ndarray:
+    if "site" in tree.children:
+        return site_accelerogram(tree, block)
     record, block, name = _pair(tree, record, block, case)
     body, sequence = selection.block_of(tree["summary"].to_dataset(), block, case), selection.sequence_of(tree, record)
     try:
@@ -116,7 +118,7 @@ def has_spectra(tree: xr.DataTree) -> bool:
 
 
 def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[str] | None = None) -> xr.Dataset:
-    """Return the spectra in the file; otherwise compute those of few records with any motion, at the nearest C."""
+    """Return the spectra in the file or, if it has none, spectra computed from the records at the nearest C."""
     if "spectra" in tree.children:
         stored = tree["spectra"].to_dataset()
         return stored if records is None else stored.sel(record=list(records))
@@ -176,8 +178,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     **options
         Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or several
         names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
-        "housner"). None is the default. A record or a body may be omitted if there is only one; instead of a name, a
-        pattern (* and ?) that matches one name may be given.
+        "housner"); None means the default. A record or a body may be omitted if there is only one; instead of a name,
+        a pattern (* and ?) that matches one name may be given.
 
     Returns
     -------
@@ -199,14 +201,13 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, available)}')
     row = KINDS[kind]
     found = str(tree.attrs.get("kind", ASSESSMENT))
-    if found != row.file:
+    if found not in row.files:
         raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)}")
     given = {name: value for name, value in options.items() if value is not None}
     for name in list(given):
         if name not in row.options:
-            flags = ", ".join(OPTIONS[option] for option in row.options)
-            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
-            raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
+            takes = ", ".join(f"{option} ({OPTIONS[option]})" for option in row.options) or "none"
+            raise ResultsError(f'the picture "{kind}" has no option {name}; its options: {takes}')
         if name in SEVERAL:
             value = given.pop(name)
             given[f"{name}s"] = [value] if isinstance(value, str) else value
@@ -292,7 +293,7 @@ def _first(tree: xr.DataTree) -> str:
     for kind in FIRST.get(found, ()):
         if kind != "spectrum" or has_spectra(tree):
             return kind
-    raise ResultsError(f"plot: there is no picture of {kind_in_words(found)}")
+    raise ResultsError(f"plot: {kind_in_words(found)} cannot be drawn")
 
 
 #: Functions that draw an object, by its type.

@@ -16,7 +16,7 @@ from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREEN, GREY, PALE, 
 from rockpulse.views.shared.formatting import shortened, six_digits
 from rockpulse.views.shared.words import listed, say
 
-#: Largest number of rows on a page (with the smallest factors), height of a row [in], and longest name next to it
+#: Largest number of rows on a page (with the smallest factors), height of a row [in], and longest name next to a row
 #: [characters].
 ROWS, ROW, NAME = 60, 0.155, 34
 #: Largest number of listed names of rows that are merged.
@@ -26,7 +26,7 @@ LISTED = 3
 def drawn_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """Return the indices of the drawn rows, the rows merged into one (by merged row), the names, and the notes."""
+    """Return the indices of the drawn rows, the indices combined in each merged row, the row names, and notes."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
@@ -50,7 +50,7 @@ def drawn_rows(
 
 
 def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the ticks of the drawn rows; a merged row whose rows have different ticks has none (NaN)."""
+    """Return the ticks of the drawn rows; NaN for a merged row that combines different ticks."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
         if np.unique(ticks[group]).size > 1:
@@ -86,7 +86,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """Return for each demand the factors that scale the records to it; NaN for factors above `end`."""
+    """Return the scale factors of the records for each demand; NaN for factors above `end`."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
@@ -98,12 +98,12 @@ def factors_to_demands(
 
 
 def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
-    """Return the smallest of the factors to the demands, or `otherwise` if it is smaller."""
+    """Return the smallest scale factor for a demand, or `otherwise` if that is smaller."""
     return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """Draw the factors to the demands as ticks, one row for each factor; ticks of further demands are shorter."""
+    """Draw a tick in each row at the scale factor for each demand; ticks of demands after the first are shorter."""
     for place, (name, factors) in enumerate(needed.items()):
         words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
@@ -153,5 +153,5 @@ def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None
 
 
 def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    """Draw a bar from one scale factor to another; `words` is the key of its label in the section [plot.bar]."""
+    """Draw a bar from one scale factor to another; `words` is the key of the label in the section [plot.bar]."""
     ax.barh(place, high - low, left=low, height=2.0 * HALF, label=say(f"plot.bar.{words}"), **style)

@@ -129,7 +129,7 @@ def _measure_words(own: xr.Dataset) -> str:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw the curves over one measure and return the notes; `alone` if the picture has no other panel."""
+    """Draw the curves over one measure and return the notes; `alone` is true if there is no other panel."""
     level, measure = own["level"].values, str(own["measure"].item())
     drawn = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
@@ -237,7 +237,7 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, drawn: n
 
 
 def _merged_warnings(warnings: dict[str, list[str]], states: int) -> list[str]:
-    """Return the warnings on the curves, each once, with the limit states that it concerns."""
+    """Return each distinct warning on the curves with the limit states that it concerns."""
     every = say("plot.fragility.all")
     words = [
         f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {warning}."

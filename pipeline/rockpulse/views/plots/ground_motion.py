@@ -111,7 +111,7 @@ def motion_of_record(
 
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:
-    """Return a conditioned record that is stored in results; ResultsError if its accelerogram is not stored."""
+    """Return a conditioned record stored in results; raise ResultsError if its accelerogram is not stored."""
     own = tree["summary"].to_dataset().sel(record=record)
     samples = _samples(tree, own, "row_size", ["acceleration"])
     return Record(samples["acceleration"].values, dt=float(own["dt"]), id=record)
@@ -207,7 +207,7 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
 
 
 def _strong(motion: xr.Dataset) -> np.ndarray:
-    """Return the mask of the half-waves of the intense phase whose impulse is above half the largest one."""
+    """Return the mask of the half-waves of the intense phase whose impulse is above half of the largest impulse."""
     impulse, centroid = np.abs(motion["impulse"].values), motion["centroid"].values
     first, last = _phase(motion)
     within = (centroid >= first) & (centroid <= last)

@@ -38,8 +38,8 @@ def limit_accelerogram(
     Returns
     -------
     (2,) ndarray of Axes
-        The main sequence alone (Figure 1 of the paper), and with the secondary sequence (Figure 2). The last of the
-        ``lines`` of each are the half-cycles of the block, with abs(theta)/alpha_c at their peaks.
+        The main sequence alone (Figure 1 of the paper), and with the secondary sequence (Figure 2). The last of
+        ``ax.lines`` are bars, one for each half-cycle of the block, with its largest abs(theta)/alpha_c as a number.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def limit_accelerogram(
 
 
 def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Return a mask (k,) of the main impulses among all impulses; needed if both kinds have the same size."""
+    """Return a mask (k,) of the main impulses among all impulses, as both kinds may have the same size."""
     table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)

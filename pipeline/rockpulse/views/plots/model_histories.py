@@ -11,7 +11,7 @@ from rocking.body.block import Block
 from rocking.pictures import short_repr
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
 from rockpulse.assessment.scene import acting, floor_record
-from rockpulse.config.block_settings import floors_from_text
+from rockpulse.config.floor_settings import floors_from_text
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ResultsError
 from rockpulse.model_row import Scene
@@ -71,8 +71,8 @@ def histories(
     record, block : str, optional
         Names; not needed if there is only one.
     models : sequence of str, optional
-        Any of nonlinear, linear, impulsive, sequence and resonance. The first three use the record; the default is
-        those of them that the results contain. A model without a result (UNRESOLVED) has an empty history and a
+        Any of nonlinear, linear, impulsive, sequence and resonance. The first three use the record; by default
+        those of the three that are in the results. A model without a result (UNRESOLVED) has an empty history and a
         warning.
     case : int
         Number of the restitution, from 1.
@@ -192,7 +192,7 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
 ) -> list[ModelHistory]:
-    """Recompute the motions of a body under a scaled record, one for each factor; ResultsError if not possible."""
+    """Recompute the motion of a body under a record at each scale factor; raise ResultsError if this is impossible."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
     azimuth, own = float(summary["azimuth"].sel(record=record)), float(summary["body_azimuth"].sel(block=block))
@@ -247,7 +247,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
 
 
 def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
-    """Return the motion for each scale factor; of several responses, the one with the largest rotation."""
+    """Return the motion for each scale factor, from the response in `found` with the largest rotation."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
     time, histories = np.asarray(found[0].time), []

@@ -40,7 +40,7 @@ def motion_samples(cycles: list[HalfCycle], p: float, secondary: float, spacing:
     impulse acts until alpha_c, and the rotation is NaN afterwards. At exactly the critical velocity a block never
     reaches alpha_c.
     """
-    # Natural motion from a time [s] on, with x and x' [-], and its side.
+    # Pieces of free motion: time of the start [s], x and x' there [-], and side.
     pieces: list[tuple[float, float, float, float]] = []
     start, side = 0.0, -1.0
     for cycle in cycles:

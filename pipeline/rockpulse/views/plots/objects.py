@@ -14,7 +14,7 @@ from rocking.body.outline import Outline
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.pictures import thinned
 from rocking.response import Outcome, Response
-from rockpulse.config.block_settings import floors_from_text
+from rockpulse.config.floor_settings import floors_from_text
 from rockpulse.record.half_wave import STRONG, HalfWaves
 from rockpulse.views.plots import style
 from rockpulse.views.plots.rotation_panels import moving_stretch
@@ -23,7 +23,7 @@ from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREY, INSTANTS, ORA
 from rockpulse.views.shared.formatting import six_digits, three_digits
 from rockpulse.views.shared.words import say
 
-#: Colours of the outcomes, and largest number of lanes whose histories are drawn.
+#: Colours of the outcomes, and largest number of motions whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
 LANES = 6
 #: Largest number of bodies in a picture and in a row; height of the bar of an overturning body, divided by alpha_c [-].
@@ -31,7 +31,7 @@ MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
 def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
-    """Draw the impulses of half-waves at their centroids; impulses above half the largest have another colour.
+    """Draw the impulses of half-waves at their centroids; impulses above half of the largest have another colour.
 
     Parameters
     ----------

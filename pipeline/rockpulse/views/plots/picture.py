@@ -54,7 +54,7 @@ def svg(figure: Figure, name: str | None = None) -> str:
     figure : matplotlib Figure
         The figure.
     name : str, optional
-        Prefix of every id of the element and of the references to it, made of letters, digits, "-" and "_", and
+        Prefix of every id in the element, and of references to ids, made of letters, digits, "-" and "_", and
         different for each picture of a page. By default it is made from the content, so that only equal pictures share
         ids.
 
@@ -90,5 +90,5 @@ class NotebookFigure(Figure):
     """A figure without a window that a notebook displays."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """Return a PNG and its width on the screen [px], for the display in a notebook."""
+        """Return a PNG and its width on the screen [px], for display in a notebook."""
         return picture_bytes(self, "png"), {"width": round(self.get_figwidth() * self.get_dpi())}

@@ -15,9 +15,9 @@ def selected_spectra(selection: xr.DataTree, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     selection : xarray.DataTree
-        As :func:`rockpulse.select` returns it.
+        Result of :func:`rockpulse.select`.
     ax : matplotlib Axes, optional
-        Axes to draw on; by default new ones.
+        Axes to draw on; by default a new figure.
 
     Returns
     -------

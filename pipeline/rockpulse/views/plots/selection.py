@@ -23,20 +23,20 @@ LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """Return the name along a dimension that matches a name or pattern; ResultsError unless exactly one matches."""
+    """Return the name along a dimension that matches a name or pattern; raise ResultsError unless one matches."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]
     if name is None:
         option = dimension.replace("_", "-")
-        raise ResultsError(f"expected one of {len(known)} {dimension}s, none was named (--{option}): {_listed(known)}")
+        given = f"expected the name of one of {len(known)} {dimension}s (--{option}), found none"
+        raise ResultsError(f"{given}; there are: {_listed(known)}")
     met = [name] if name in known else [label for label in known if fnmatchcase(label, name)]
     if len(met) == 1:
         return met[0]
     if met:
-        raise ResultsError(
-            f'{dimension}: "{name}" matches {len(met)} in these results, but the picture shows one: {_listed(met)}'
-        )
+        found = f'"{name}" matches {len(met)} {dimension}s in these results'
+        raise ResultsError(f"{dimension}: {found}, but the picture shows only one; choose among: {_listed(met)}")
     spelt = {label.lower(): label for label in known}
     near = [spelt[label] for label in get_close_matches(name.lower(), list(spelt), n=3, cutoff=0.4)]
     nearest, there = f"the nearest: {_listed(near)}; " if near else "", f"there are: {_listed(known)}"

@@ -156,7 +156,7 @@ def overturning_spectra(
     demands: Mapping[str, np.ndarray] | None = None,
     gravity: float = 9.80665,
 ) -> Axes:
-    """Draw overturning spectra S(p) at one restitution; a record overturns a body if its curve is above the point.
+    """Draw overturning spectra S(p) at one restitution; a record overturns the bodies below its curve.
 
     Parameters
     ----------

@@ -196,7 +196,7 @@ def notes(**held: bool) -> list[str]:
 
 
 def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
-    """Label a logarithmic axis with plain numbers; only with powers of ten if the ratio of its ends is >= `wide`."""
+    """Label a logarithmic axis with plain numbers, or only powers of ten if the ratio of its ends is `wide` or more."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
@@ -205,7 +205,7 @@ def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
 
 #: Printed form of each CF unit in results.
 _UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
-#: Formulas for the symbols in long names; of two with the same start, the longer one comes first.
+#: Formulas for the symbols in long names; of two symbols with the same start, the longer one comes first.
 _SYMBOLS = {
     "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
     "theta/alpha_c": r"$\theta/\alpha_c$",

@@ -77,7 +77,7 @@ class AnswerCells:
         return int(np.argmax(np.nan_to_num(table[record])))
 
     def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
-        """Return the cells of the columns `of`, with one row for each element of `records` and of `lanes`."""
+        """Return rows of cells of the columns `of`; row k is for record `records[k]` and body `lanes[k]`."""
         places = (np.array(one, dtype=int) for one in (records, lanes))
         return col.filled(of, col.AnswerRows(self.answers, *places))
 

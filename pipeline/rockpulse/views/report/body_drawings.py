@@ -25,7 +25,7 @@ LEFT, BOTTOM, TOP = 52, 20, 8
 
 @dataclass(frozen=True)
 class Support:
-    """The floor and the pedestals [m], from top to bottom, below a body; the first `joined` ones rock with it."""
+    """The floor and the pedestals [m] (from the top) below a body; the first `joined` pedestals rock with the body."""
 
     floor: bool = False
     pedestals: Sequence[tuple[float, float]] = ()

@@ -112,7 +112,7 @@ def _fact(key: str) -> Fact:
 
 
 def _model(name: str, judging: bool) -> Fact:
-    """Describe a model as a fact; `judging` if the verdicts follow from this model."""
+    """Describe a model as a fact; `judging` is true if the verdicts follow from this model."""
     heading = say(f"models.{name}")
     words = translated(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
     return Fact(say("method.judging", model=heading) if judging else heading, (words,))

@@ -27,7 +27,7 @@ from rockpulse.views.shared.words import body_name, say, section
 
 #: Number of scale factors of each record.
 STEPS = 5
-#: Scale factors that complete the list of meaningful ones, and smallest distance between two of them.
+#: Scale factors that are added if fewer are meaningful, and smallest distance between two scale factors.
 OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
 #: Probabilities for which scale factors are stored, and their variables.
 SHARES = {0.1: "factor_10", 0.5: "factor_50"}
@@ -101,14 +101,14 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
 
 
 class _Scenes:
-    """Collects scenes; a scene contains the motions of a body under one record at several scale factors."""
+    """Collects the scenes of the page: motions of a body under one record at several scale factors."""
 
     def __init__(self, tree: xr.DataTree, answers: Answers, words: Mapping[str, str]) -> None:
         self._tree, self._answers, self._words = tree, answers, words
         self._plain = set(plain_bodies(answers.summary))
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
-        """Return a scene for each record shown for a body, or the reason why its motions are missing."""
+        """Return the scenes of a body, one for each of its records; without motions, a scene contains the reason."""
         found = []
         for row, why in selected_records(self._answers, lane).items():
             reasons = [self._words[one] for one in why]
@@ -242,7 +242,7 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
 
 
 def _distance(factor: float, others: Mapping[float, str]) -> float:
-    """Return the smallest difference between the logarithm of a factor and those of others."""
+    """Return the smallest difference between the logarithm of a factor and the logarithms of the others."""
     return min((abs(math.log(factor / one)) for one in others), default=math.inf)
 
 
@@ -255,14 +255,14 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
     for name in answers.demands:
         factor, share = (answers.of_demand(f"demand_{what}", name)[row, lane] for what in ("factor", "probability"))
         found.append((float(factor), float(share)))
-    told = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
-    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
+    finite = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
+    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(finite)]
 
 
 def probability_at(
     factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
 ) -> float | None:
-    """Return the probability of overturning at a scale factor: the stored one if there is one, else from the curve."""
+    """Return the probability of overturning at a scale factor: from the results if stored, else from the curve."""
     for at, probability in points:
         if math.isclose(at, factor, rel_tol=0.005):
             return probability

@@ -61,7 +61,7 @@ def record_named(known: Known, name: str) -> str:
 
 
 def used_table(answers: Answers) -> Table:
-    """Return a table of the records by station and earthquake, limited to the strongest ones."""
+    """Return a table of the records by station and earthquake, limited to the strongest records."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):

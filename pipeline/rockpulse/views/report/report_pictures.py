@@ -20,7 +20,7 @@ from rockpulse.views.report.site_and_fragility import MatchedFile
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import body_name, say
 
-#: Number of records up to which all are drawn with half-waves and impulses; of more, only those that govern a body.
+#: Number of records up to which all are drawn with half-waves and impulses; of more, only governing records.
 IN_FULL = 20
 #: Largest number of records in the map of a body, which are those with the smallest scale factors.
 IN_A_MAP = 20
@@ -132,8 +132,7 @@ class Pictures:
 
         tree = self._site
         assert tree is not None
-        kind = "spectrum" if tree["site"].attrs["method"] == "spectrum" else "parameters"
-        return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say(f"picture.site_{kind}"))
+        return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say("picture.site_spectrum"))
 
     def fragility(self, block: str) -> PageElement:
         """Return the fragility curves of a body; a fragility file must have been given."""
@@ -145,7 +144,7 @@ class Pictures:
         return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
-        """Return the picture made by `draw` with ids that start with `name`; if drawing fails, the error message."""
+        """Return the picture made by `draw` with ids that start with `name`, or the error message if drawing fails."""
         from rockpulse.views.plots.picture import svg
 
         try:

@@ -160,7 +160,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def counted_by(answers: Answers) -> str:
-    """Explain how probability or share are computed, and which values separate the verdicts."""
+    """Explain how probability or share is computed, and which values separate the verdicts."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
@@ -208,5 +208,5 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
 def _governing(answers: Answers, record: int) -> Cell:
     """Return the name of a record (a row of /summary) with a link to its section."""
     name = record_cells(answers.summary)[record]
-    told = record_named(Known(answers.summary, record=answers.records[record]), name.text)
-    return unexplained(name)._replace(text=told, link=f"record-{record}")
+    label = record_named(Known(answers.summary, record=answers.records[record]), name.text)
+    return unexplained(name)._replace(text=label, link=f"record-{record}")

@@ -127,7 +127,7 @@ def report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a report to be written; ResultsError if it cannot or must not be written."""
+    """Return the path of a report to be written; raise ResultsError if it cannot or must not be written."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -256,7 +256,7 @@ def _text(name: str) -> str:
 
 
 def browser() -> str:
-    """Return the path of a browser that can print a PDF; ResultsError if none is found."""
+    """Return the path of a browser that can print a PDF; raise ResultsError if none is found."""
     for name in BROWSERS:
         if found := shutil.which(name):
             return found
@@ -275,7 +275,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """Print an HTML page with a browser and return the PDF; ResultsError if this fails."""
+    """Print an HTML page with a browser and return the PDF; raise ResultsError if this fails."""
     program = browser()
     # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

@@ -37,7 +37,7 @@ def uncertain(answers: Answers) -> str:
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """Explain the columns of the scale factors; `swept` if each factor is the smallest over all directions."""
+    """Explain the columns of scale factors; `swept` is true if a factor is the smallest over all directions."""
     if not answers.has_factor:
         return []
     factor = answers[answers.factor]
@@ -67,7 +67,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
 
 
 def none_found(answers: Answers) -> str:
-    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are none."""
+    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are no such bodies."""
     factor = answers[answers.factor]
     if not np.isinf(factor).any():
         return ""
@@ -124,10 +124,11 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """Return a sentence for every body on a pedestal and for every body that may slide."""
     notes = []
     for alone, worst in worse_with_pedestal(answers, found):
-        told = ", ".join(filter(None, (worst.grade.word, ratio(worst.share.value))))
+        value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
+        outcome = ", ".join(filter(None, (worst.grade.word, value)))
         notes.append(
-            f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
-            f"({told}) and decides; simultaneous motions of both parts are not modelled."
+            f"{alone}: assessed alone and as one body with its pedestal; the worse result governs: {worst.body.name} "
+            f"({outcome}); simultaneous motions of both parts are not modelled."
         )
     notes += [
         f"{one.body.name}: slides under {one.above} of {several(one.total, 'record')}: the required friction "

@@ -1,4 +1,4 @@
-"""Facts about a record or a body as text; a missing fact is a dash, or empty if most records do not have it."""
+"""Facts about a record or a body as text; a missing fact is a dash, or an empty text if most records lack it."""
 
 import json
 import math
@@ -174,7 +174,7 @@ class Known(RecordFacts):
     def impact_friction(self, c: float) -> float:
         """Return the ratio of horizontal to vertical impulse at an impact, h (1 - C)/(b_1 + C b_2).
 
-        It is 0 without friction or next to a wall. The formula of :func:`rocking.impact_friction`, without its import.
+        The ratio is 0 without friction or next to a wall. :func:`rocking.impact_friction` has the same formula.
         """
         friction = self.value("friction")
         if friction is None or math.isnan(float(friction)) or self.value("one_sided"):

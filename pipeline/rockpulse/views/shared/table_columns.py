@@ -22,13 +22,13 @@ from rockpulse.warning_text import has_warning
 
 #: Largest width of the id of a record and of the name of a body in a table [characters].
 ID_WIDTH, NAME_WIDTH = 36, 29
-#: Marks of a peak, of a factor or a capacity, and of the name of a record with a doubtful peak.
+#: Marks of a rotation, of a scale factor or a capacity, of a drifting baseline, and of a record with doubtful samples.
 OUTSIDE, NO_ANSWER = CellMark("outside", "*"), CellMark("no_answer", "!")
 NONE_UP_TO, AT_MOST = CellMark("none_up_to", ">", before=True), CellMark("at_most", "≤", before=True)
 DRIFT = CellMark("drift", "~", before=True)
 PEAK, CLIPPED, DEFECT = CellMark("peak"), CellMark("clipped"), CellMark("defect")
 DOUBTS = PEAK, CLIPPED, DEFECT
-#: Sort values of outcomes; overturned and unresolved ones come after all rotations.
+#: Sort values of outcomes; overturned and unresolved bodies come after all rotations.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
 
@@ -83,7 +83,7 @@ def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Return the marks of doubt of a record, from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or has_warning(codes, "header_peak")
-    found = (peak, has_warning(codes, "clipped", "full_scale"), has_warning(codes, *DEFECTS))
+    found = (peak, has_warning(codes, "clipped", "clipped_crests", "full_scale"), has_warning(codes, *DEFECTS))
     return tuple(mark for mark, marked in zip(DOUBTS, found, strict=True) if marked)
 
 

@@ -19,7 +19,7 @@ _MEANINGS = ("overturns", "may_overturn", "rocks", "at_rest", "not_known")
 
 
 def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Column, ...]:
-    """Return the columns of the table after the names of the bodies; at a demand, all refer to it."""
+    """Return the columns of the table after the names of the bodies; with demands, all columns refer to a demand."""
     if answers.motions.kind == "sequence":
         return col.columns("verdict", "smallest_safety_factor")
     if not answers.demands:
@@ -59,7 +59,7 @@ def verdict_rows(
 
 
 def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
-    """Explain columns and words of the table, and the records that do not count in it."""
+    """Explain columns and words of the table, and the records that it does not count."""
     if answers.motions.kind == "sequence":
         return [say("legend.sequence")]
     factor = f" {say(f'legend.{answers.factor}')}" if answers.has_factor else ""
@@ -78,7 +78,7 @@ def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
 
 
 def _not_counted(rows: Sequence[Finding]) -> list[str]:
-    """State how many motions are too far from a demand, or too weak, and demands with too few earthquakes."""
+    """State how many motions are too far from a demand or too weak, and which demands have too few earthquakes."""
     notes = []
     for demand in dict.fromkeys(row.demand for row in rows):
         own = [row for row in rows if row.demand == demand]

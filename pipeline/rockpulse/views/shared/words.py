@@ -1,4 +1,4 @@
-"""The texts of the views in English or in the language set by :func:`writing`, and numbers in its form."""
+"""The texts of the views, and the form of numbers, in English or in the language set by :func:`writing`."""
 
 import re
 import tomllib
@@ -30,7 +30,7 @@ _RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
 
 @contextmanager
 def writing(code: str) -> Iterator[None]:
-    """Set the language in a ``with`` block, by its code; ConfigError if the language is not available."""
+    """Set the language in a ``with`` block, by its code; raise ConfigError if it is not available."""
     table(code)
     before = _LANGUAGE.set(code)
     try:

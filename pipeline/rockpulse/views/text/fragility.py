@@ -96,7 +96,7 @@ def median_table(tree: xr.DataTree) -> Table:
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Return a table with the dispersion for every measure; the smallest one of each limit state is marked."""
+    """Return a table with the dispersion for every measure; the smallest dispersion of each limit state is marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:
@@ -142,7 +142,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
-    """State for each property that only some files give how many records have it."""
+    """State how many records have each of the properties that only some files state."""
     total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):

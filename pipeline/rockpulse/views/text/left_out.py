@@ -11,7 +11,7 @@ from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.formatting import WIDTH, paragraph, several
 from rockpulse.warning_text import PLAIN
 
-#: Largest number of rows of a kind other than "failed" in the overview, and in a brief one; equal reasons are one row.
+#: Largest number of rows of a kind other than "failed" in the overview, and in a brief list; equal reasons are one row.
 LISTED, FEW = 12, 3
 #: Kinds whose rows are grouped by reason; for other kinds the reasons name other records.
 _GROUPED = frozenset({"failed", "skipped"})
@@ -28,7 +28,7 @@ _KINDS = {
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """List the files and channels that were not assessed, by kind, and the warnings; shorter if `brief`."""
+    """List the files and channels that were not assessed, by kind, and the warnings; the list is shorter if `brief`."""
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
     found, beside = apart(failure_rows(tree))
@@ -135,7 +135,7 @@ def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
 
 
 def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return a record, its warning and the count of similar ones for each kind of warning, most frequent first."""
+    """Return a record, its warning and a count of similar warnings for each kind of warning, most frequent first."""
     found: dict[str, list[tuple[str, str]]] = {}
     names = ("record", "warnings", "warning_codes")
     for record, text, codes in zip(*(summary[name].values for name in names), strict=True):

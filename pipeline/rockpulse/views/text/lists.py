@@ -18,7 +18,7 @@ from rockpulse.views.shared.notes import factor_heading, factor_name
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell
 from rockpulse.views.shared.words import say
 
-#: Columns of a list of cases; for each scale factor that may be known, its columns and their notes.
+#: Columns of a list of results; for each scale factor that may be known, its columns and their notes.
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
 OF_FACTOR = {"factor_10": ("overturning_probability", "factor_10"), "safety_factor": ("safety_factor", "capacity_pga")}
 _MEANING = {

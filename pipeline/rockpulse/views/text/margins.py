@@ -51,7 +51,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
-    """Return lines with capacity/demand of every record and body, each starting with the name of one of them."""
+    """Return lines with capacity/demand of every record and body; each starts with the record or body, as `of` says."""
     if not answers.demands:
         return []
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]

@@ -25,9 +25,9 @@ from rockpulse.views.text.margins import capacities, direction_table, smallest_c
 BODIES, MOTIONS = 12, 10
 #: Largest number of results of a model up to which all are listed.
 WHOLE = 200
-#: Number of worst cases and bodies shown, and of worst pairs of channels of a sweep.
+#: Number of worst results and bodies shown, and of worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
-#: Number of cases shown of a record or body that has too many.
+#: Number of results shown of a record or body that has too many.
 CASES = 20
 
 
@@ -154,7 +154,7 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
-    """Return all facts and results of one record as text; ResultsError if the id is unknown."""
+    """Return all facts and results of one record as text; raise ResultsError if the id is unknown."""
     answers = _only(summary, "record", record)
     one = Known(answers.summary, record=record)
     number, words, pga = one.number, one.words, one.value("pga")
@@ -187,7 +187,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
 
 
 def block_details(summary: xr.Dataset, block: str) -> str:
-    """Return all facts and results of one body as text; ResultsError if the name is unknown."""
+    """Return all facts and results of one body as text; raise ResultsError if the name is unknown."""
     answers = _only(summary, "block", block)
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]

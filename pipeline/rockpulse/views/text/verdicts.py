@@ -86,7 +86,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return a table as text: below the heading of each record, its body rows; `table` has their further cells."""
+    """Return a table as text, with a row for each body below the heading of each record; `table` has further cells."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -114,7 +114,7 @@ def overturned(answers: Answers, files: str = "") -> str:
     lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
     text_lines = [
-        f"Records that overturn each body ({answers.model} model):",
+        f"Records that overturn each body{', as recorded' if answers.demands else ''} ({answers.model} model):",
         *([paragraph(files, "    ", "  ! ")] if files else []),
     ]
     rows, by_weaker = [], []
@@ -168,12 +168,12 @@ def _under(answers: Answers) -> str:
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
     named = answers.demands.items()
-    demands = " and ".join(name if name.startswith(one.title) else f"{name} ({one.words})" for name, one in named)
+    demands = " and ".join(f"“{name}”" + f" ({one.words})" * (not name.startswith(one.title)) for name, one in named)
     return f"{counted_motions(motions)} scaled to the demand {demands}"
 
 
 def worst_motions(answers: Answers, most: int) -> str:
-    """Return the records most likely to overturn a body, unscaled or at the worst demand, with body, P and factor."""
+    """Return the records most likely to overturn a body, unscaled or at the worst demand, with P and scale factor."""
     motions, found = answers.motions, [one.deciding for one in verdicts(answers)]
     if not motions.names or not found:
         return ""
@@ -218,7 +218,7 @@ def worst_motions(answers: Answers, most: int) -> str:
     note += " PGA and PGV: as recorded." if demand is not None else ""
     if np.isinf(values["near"]).any() and not math.isnan(limit):
         note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest scale factor tried."
-    scaled = "unscaled" if demand is None else f"scaled to the demand {demand}"
+    scaled = "unscaled" if demand is None else f"scaled to the demand “{demand}”"
     return "\n".join(
         [f"{which} {what} ({scaled}), worst first:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
     )

@@ -198,8 +198,8 @@ COLUMNS = "".join(f"{0.01 * index:.2f} {value:.6f}\n" for index, value in enumer
     ("content", "message"),
     [
         (f"# NPTS= 1000, DT= 0.01\n# units: g\n{COLUMNS}".encode(), r"RSN1.AT2:\d: expected 1000 numbers .* of 2: col"),
-        (at2(pulse(206), count_line="NPTS= 200, DT= .01 SEC"), "found 206, more than a row too many"),
-        (at2(pulse(1000), per_row=1, count_line="NPTS= 998, DT= .01 SEC"), "found 1000, more than a row too many"),
+        (at2(pulse(206), count_line="NPTS= 200, DT= .01 SEC"), "found 206"),
+        (at2(pulse(1000), per_row=1, count_line="NPTS= 998, DT= .01 SEC"), "found 1000"),
         (at2(pulse(5000), count_line="NPTS= 5 000, DT= .01 SEC"), "expected 5 numbers .* found 5000"),
         (at2(pulse(), count_line="NPTS= {n}, DT= 1/200 SEC"), r"RSN1.AT2:4: expected 'NPTS= n"),
         (at2(pulse(), count_line=f"DT= .01, NPTS={'1' * 5000}"), "expected 1{180,} samples"),

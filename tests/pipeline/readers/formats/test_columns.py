@@ -162,11 +162,11 @@ def test_a_spectrum_that_falls_is_refused_and_a_column_that_goes_up_and_down_is_
     [
         ("", "end\n", "line 201: the numbers stop at 'end', and the header does not state how many there are"),
         ("NPTS = 200\n", "end\n", ""),
-        ("NPTS = 200\n", "end\n1.0 2.0\n3.0 4.0\n", "line 202: the numbers stop at 'end'; 2 rows of numbers behind"),
+        ("NPTS = 200\n", "end\n1.0 2.0\n3.0 4.0\n", "line 202: the numbers stop at 'end'; 2 rows of numbers after"),
         (
             "",
             "velocity\n1.0 2.0\n",
-            "line 201: the numbers stop at 'velocity'; 1 rows of numbers behind it were left out",
+            "line 201: the numbers stop at 'velocity'; 1 rows of numbers after it were left out",
         ),
         ("", "\n \n", ""),
     ],

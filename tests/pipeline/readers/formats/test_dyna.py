@@ -281,4 +281,6 @@ def test_two_records_in_one_file_are_refused():
 @pytest.mark.parametrize("key", ["PGA_CM/S^2", "TIME_PGA_S", "DURATION_S", "HIGH_CUT_FREQUENCY_HZ"])
 def test_what_is_held_against_the_samples_and_is_no_number_is_told(key):
     record = got(dyna(VALUES, **{key: "1E308"}))
-    assert any(re.fullmatch(rf"line \d+: {re.escape(key)} is no number .* '1E308'", note) for note in record.warnings)
+    assert any(
+        re.fullmatch(rf"line \d+: {re.escape(key)} is not a valid number: '1E308'", note) for note in record.warnings
+    )

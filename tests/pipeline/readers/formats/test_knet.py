@@ -10,6 +10,7 @@ from record_writers import knet, pulse
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
+from rockpulse.record.defects import deciding
 
 COUNTS = (np.round(pulse(500, peak=40000.0)) - 18000).astype(int)
 NAME = "AKT0139608110312.EW"
@@ -58,6 +59,7 @@ def test_the_extension_tells_the_direction_and_says_so(write, name, component, o
     (record,) = read(write(knet(COUNTS, peak_gal=11.0), name))
     assert (record.component, record.orientation) == (component, orientation)
     assert any("the file name is used" in warning for warning in record.warnings) is (name not in {"A.EW", "A.dat"})
+    assert bool(deciding(record)) is (name == "A.UD")  # the header says E-W
 
 
 @pytest.mark.parametrize(

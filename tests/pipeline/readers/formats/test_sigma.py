@@ -139,7 +139,7 @@ def test_a_time_of_the_earthquake_that_is_none_is_left_out(moment):
 
 def test_a_peak_that_is_no_number_is_told():
     record = got(CONTENT.replace(b": 2.0000000E+00", b": 2.0000000E+999"))
-    assert record.warnings == ("line 9: the peak is no number that can be: '2.0000000E+999'",)
+    assert record.warnings == ("line 9: the peak is not a valid number: '2.0000000E+999'",)
     assert np.isnan(record.header_peak)
 
 

@@ -233,13 +233,13 @@ def test_a_problem_that_the_agency_flags_is_passed_on(write, flag, warned):
 @pytest.mark.parametrize(
     ("moment", "words"),
     [
-        ((2011, 235, 17, 50, 56, 9_999_999_999), "is no start time"),
-        ((2011, 235, 17, 50, 56, -1), "is no start time"),
-        ((2011, 235, 17, 50, 56, 1000), "is no start time"),
-        ((2011, 366, 17, 50, 56, 0), "is no start time"),
-        ((2011, 0, 17, 50, 56, 0), "is no start time"),
-        ((2011, 235, 24, 50, 56, 0), "is no start time"),
-        ((9999, 365, 23, 59, 60, 999), "is no start time"),
+        ((2011, 235, 17, 50, 56, 9_999_999_999), "is not a valid start time"),
+        ((2011, 235, 17, 50, 56, -1), "is not a valid start time"),
+        ((2011, 235, 17, 50, 56, 1000), "is not a valid start time"),
+        ((2011, 366, 17, 50, 56, 0), "is not a valid start time"),
+        ((2011, 0, 17, 50, 56, 0), "is not a valid start time"),
+        ((2011, 235, 24, 50, 56, 0), "is not a valid start time"),
+        ((9999, 365, 23, 59, 60, 999), "is not a valid start time"),
         ((2011, 235, 5, 50, 56, 0), "lies 12.0 h from the earthquake of 2011-08-23 17:51:00"),
     ],
 )

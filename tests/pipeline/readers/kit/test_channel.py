@@ -12,6 +12,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.channel import build_record, clipping_warning, odd_peak, usable_channels
 from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY as G
 from rockpulse.warning_text import code_of
 
@@ -29,6 +30,11 @@ def test_two_samples_are_a_record_and_one_is_none():
         record(samples=np.array([0.1]))
 
 
+@pytest.mark.parametrize(("stated", "decides"), [(0.45, True), (0.44, False), (0.2, True), (0.21, False), (0.0, False)])
+def test_a_peak_that_differs_greatly_from_the_header_must_be_confirmed(stated, decides):
+    assert bool(deciding(record(header_peak=(stated, 0.0)))) is decides
+
+
 def test_a_channel_of_zeros_is_dead_whatever_peak_its_header_states():
     for stated in (np.nan, 0.0, 0.3):
         (note,) = record(samples=np.zeros(9), header_peak=(stated, 0.0)).warnings
@@ -38,12 +44,12 @@ def test_a_channel_of_zeros_is_dead_whatever_peak_its_header_states():
 @pytest.mark.parametrize(
     ("peak", "unit", "words"),
     [
-        (50.0, "g", r"peak 50 g in the unit g; the values would be 0.051 g if it were cm/s2"),
-        (6000.0, "cm/s2", r"peak 6.12 g in the unit cm/s2; the values would be 0.612 g if it were mm/s2"),
-        (5.01, "g", r"peak 5.01 g in the unit g; the values would be 0.511 g if it were m/s2"),
-        (9.9e-7, "g", r"peak 9.9e-07 g in the unit g; "),
-        (5e-7, "g", r"peak 5e-07 g in the unit g; the values would be 5.1e-08 g if it were m/s2, no ordinary"),
-        (5e-3, "mm/s2", r"peak 5.1e-07 g in the unit mm/s2; .*0.005 g if it were g"),
+        (50.0, "g", r"peak 50 g if the unit is g; 0.051 g if it is cm/s2"),
+        (6000.0, "cm/s2", r"peak 6.12 g if the unit is cm/s2; 0.612 g if it is mm/s2"),
+        (5.01, "g", r"peak 5.01 g if the unit is g; 0.511 g if it is m/s2"),
+        (9.9e-7, "g", r"peak 9.9e-07 g if the unit is g; "),
+        (5e-7, "g", r"peak 5e-07 g if the unit is g; 5.1e-08 g if it is m/s2, which is not an ordinary"),
+        (5e-3, "mm/s2", r"peak 5.1e-07 g if the unit is mm/s2; .*0.005 g if it is g"),
     ],
 )
 def test_a_peak_beyond_belief_is_printed_in_both_units(peak, unit, words):
@@ -98,11 +104,9 @@ def test_the_header_describes_the_peak_before_resampling():
 
 
 def test_the_unit_of_an_odd_peak():
-    assert "peak 10 g in the unit m/s2; the values would be 0.1 g if it were cm/s2" in odd_peak(10.0 * G, "", 7.0)
+    assert "peak 10 g if the unit is m/s2; 0.1 g if it is cm/s2" in odd_peak(10.0 * G, "", 7.0)
     # 200 G counts, which are 2 G m/s2 if a count is a cm/s2
-    assert "peak 100 g in the unit counts x 0.5 m/s2; the values would be 2 g if it were cm/s2" in odd_peak(
-        100.0 * G, "counts", -0.5
-    )
+    assert "peak 100 g if the unit is counts x 0.5 m/s2; 2 g if it is cm/s2" in odd_peak(100.0 * G, "counts", -0.5)
 
 
 @pytest.mark.parametrize(
@@ -120,7 +124,7 @@ def test_the_unit_of_an_odd_peak():
 def test_a_channel_code_that_says_vertical_outweighs_a_horizontal_azimuth(known, orientation, told):
     one = record(**known)
     assert one.orientation == orientation
-    warnings = [f"the channel code {known['channel']} means vertical, the header states "] if told else []
+    warnings = [f"the channel code {known['channel']} means vertical, but the header states "] if told else []
     assert [warning[: len(warnings[0])] for warning in one.warnings] == warnings
     assert told in " ".join(one.warnings)
     assert np.isnan(one.azimuth) == (orientation == "unknown" or bool(told) or known["channel"] == "BNZ")
@@ -276,6 +280,21 @@ def test_one_end_does_not_hide_the_other():
     assert note == "6 samples in a row at the smallest value: the record may be clipped"
     (note,) = clipping_warning(-np.r_[spread, np.full(6, -300), 0])
     assert note == "6 samples in a row at the largest value: the record may be clipped"
+
+
+@pytest.mark.parametrize(("lengths", "warned"), [((3, 3), True), ((3, 2, 2), False), ((4, 2, 3), True), ((4,), False)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_several_short_flat_crests_are_clipping_too(lengths, warned, sign):
+    crests = [np.r_[700, 300, 200, 300, 700, np.zeros(length), 700, 300] for length in lengths]
+    notes = clipping_warning(sign * (1000.0 - np.concatenate([[1001, 1000], *crests])), "g")
+    count = sum(length > 2 for length in lengths)
+    said = f"{count} crests are flat at the largest or smallest value: the record may be clipped"
+    assert notes == ([said] if warned else [])
+
+
+def test_crests_of_both_ends_count_together():
+    assert not clipping_warning(np.r_[0, 1, 500, 1000, 1000, 1000, 500, -400, -1000, -1000, -400, 0])
+    assert clipping_warning(np.r_[0, 1, 500, 1000, 1000, 1000, 500, -400, -1000, -1000, -1000, -400, 0])
 
 
 @pytest.mark.parametrize("amplitude", [20, 150, 1000, 30_000])

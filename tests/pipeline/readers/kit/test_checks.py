@@ -102,7 +102,7 @@ def test_one_unit_under_two_names_is_one():
 def test_one_length_in_several_spellings_is_one():
     assert held_lengths_of_units(["CMS/SEC/SEC", "cm/s", "cm"]) == []
     assert held_lengths_of_units(["mm/s/s", "CM/s"]) == [
-        "the header states mm/s/s beside CM/s: units of two lengths; one of them is wrong"
+        "the header states the units mm/s/s and CM/s, with different units of length; one of them is wrong"
     ]
 
 
@@ -320,7 +320,7 @@ def test_a_channel_that_stands_there_twice_is_read_once(name):
         records = got(content + content[first:last], name)
         assert same(records, expected)
         if len(starts) > 2:
-            assert all(any("stands in the file again" in note for note in record.warnings) for record in records)
+            assert all(any("is repeated in the file" in note for note in record.warnings) for record in records)
 
 
 @pytest.mark.parametrize("name", sorted(set(FILES) - WITHOUT_WORDS))
@@ -354,7 +354,7 @@ def test_sections_and_markers_by_their_words():
     assert [last_of_equal(lines, at) for at in (0, 2, 3, 8)] == [2, 2, 3, 8]
     kept, notes = distinct_sections(lines, [(2, 4), (4, 7), (7, 9)])
     assert kept == [(2, 4), (7, 9)]
-    assert notes == ("line 5: the channel of line 3 stands in the file again; it was read once",)
+    assert notes == ("line 5: the channel of line 3 is repeated in the file; it was read once",)
 
 
 def channels(numbers: str, counted: int, recorder: str = "A") -> list[Counted]:

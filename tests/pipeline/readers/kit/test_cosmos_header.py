@@ -146,7 +146,7 @@ CLOCK = "Rcrd start time: 8/29/2018, 02:33: 9.75"
         ({46: 0}, 7.5, CLOCK, "quality 0"),
         ({46: 1}, 7.5, CLOCK, 7.5),
         ({46: np.nan}, 7.5, CLOCK, 7.5),
-        ({44: 24}, 7.5, CLOCK, "2018-8-29 24:33:7.5 (integers 40 to 45) is no start time"),
+        ({44: 24}, 7.5, CLOCK, "2018-8-29 24:33:7.5 (integers 40 to 45) is not a valid start time"),
         *[({number: np.nan}, 7.5, CLOCK, "") for number in (40, 42, 43, 44, 45)],
         ({41: np.nan}, 7.5, CLOCK, 7.5),
     ],
@@ -281,7 +281,9 @@ def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
     assert (record.orientation, record.channel) == (orientation, "BNZ")
     assert np.sign(record.acceleration[strongest]) == sign * np.sign(pulse()[strongest])
     said = [
-        warning for warning in record.warnings if "the channel code BNZ means vertical, the header states " in warning
+        warning
+        for warning in record.warnings
+        if "the channel code BNZ means vertical, but the header states " in warning
     ]
     assert len(said) == bool(told)
     assert told in " ".join(said)

@@ -7,17 +7,21 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import RecordFormatError
+from rockpulse.readers.kit.checks import held_length
 from rockpulse.readers.kit.csmip_layout import (
     CsmipHeader,
     SeriesHeading,
     channels,
     equal_block,
     heading_at,
+    one_direction,
     read_csmip_header,
 )
 from rockpulse.readers.kit.spacing import ChannelSamples
 from rockpulse.readers.source import SourceFile
+from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY as G
+from rockpulse.record.record import Record
 
 TITLE = re.compile("title", re.IGNORECASE)
 
@@ -39,7 +43,11 @@ def spans_of(*lines):
             ["line 1: the line is repeated up to line 2"],
         ),
         (["Title", "x", "/&", "", "/&", "Title 2"], [(0, 2), (5, 6)], ["line 3: the line is repeated up to line 5"]),
-        (["Title 1", "x", "/&", "Title 1", "x", "/&"], [(0, 2)], ["line 4: the channel of line 1 stands in the file"]),
+        (
+            ["Title 1", "x", "/&", "Title 1", "x", "/&"],
+            [(0, 2)],
+            ["line 4: the channel of line 1 is repeated in the file"],
+        ),
         (["Title 1"], [(0, 1)], []),
         (["Title 1", "Title 2", "x", "/&", "", "Title 3", "/&", "Title 4"], [(0, 1), (1, 3), (5, 6), (7, 8)], []),
     ],
@@ -243,3 +251,21 @@ def test_the_record_of_a_channel():
     turned = CsmipHeader("90 Deg", code=270, repeated=("45",)).record(file, 2, block, **how)
     assert np.isnan(turned.azimuth)
     assert np.isnan(CsmipHeader("90 Deg", repeated=("45",)).record(file, 2, block, **how).azimuth)
+
+
+@pytest.mark.parametrize(
+    ("component", "code", "decides"),
+    [("Up", 90, True), ("90 Deg", 500, True), ("Up", 600, False), ("90 Deg", 45, False)],
+)
+def test_a_channel_that_may_be_vertical_must_be_confirmed(component, code, decides):
+    record = Record(np.sin(np.arange(50.0)), 0.01, id="a", warnings=(one_direction(component, code).note,))
+    assert bool(deciding(record)) is decides
+
+
+@pytest.mark.parametrize(
+    ("stated", "decides"), [("15", True), ("14.9", False), ("6.6", True), ("6.7", False), ("0", False)]
+)
+def test_a_length_that_differs_greatly_must_be_confirmed(stated, decides):
+    notes = held_length(stated, 1000, 0.01)
+    assert notes == [f"the header states {stated} s, 1000 samples at 0.01 s last 10 s"]
+    assert bool(deciding(Record(np.sin(np.arange(50.0)), 0.01, id="a", warnings=notes))) is decides

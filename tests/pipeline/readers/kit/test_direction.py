@@ -178,5 +178,5 @@ def test_a_code_of_seed_makes_a_horizontal_direction_vertical():
         upright = vertical_if_so(facing, " HNZ ")
         assert (upright.orientation, upright.sign) == ("vertical", 1.0)
         assert np.isnan(upright.azimuth)
-        assert upright.note.startswith("the channel code HNZ means vertical, the header states ")
+        assert upright.note.startswith("the channel code HNZ means vertical, but the header states ")
         assert told in upright.note

@@ -106,7 +106,7 @@ def test_a_sensitivity_against_the_gains_of_the_stages(value, unit, gains, first
     signed = tuple(gain and gain * (sign if number == 0 else 1.0) for number, gain in enumerate(gains))
     notes = sensitivity_notes(response(sign * value, unit, signed, first))
     assert notes[: len(notes) - bool(told)] == (
-        [f"the sensitivity is negative, {-value:g}: a sign is turned"] if sign < 0.0 else []
+        [f"the sensitivity is negative, {-value:g}: the polarity is reversed"] if sign < 0.0 else []
     )
     assert not told or notes[-1].endswith(told)
 
@@ -306,8 +306,14 @@ def test_the_gain_is_that_at_the_frequency_of_the_sensitivity_where_the_pass_ban
         (1.0, 0.01, 100.0, "M/S**2", []),
         (5.0, 0.01, 5.0, None, []),
         (106.0, 1.0, 100.0, "M/S", ["the sensitivity is stated for velocity, the stages of the response begin with "]),
-        (100.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: a sign is turned"]),
-        (110.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: a sign is turned", "the stages of the "]),
+        (100.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: the polarity is reversed"]),
+        (
+            110.0,
+            1.0,
+            -100.0,
+            "M/S**2",
+            ["the sensitivity is negative, -100: the polarity is reversed", "the stages of the "],
+        ),
         (np.nan, 1.0, -100.0, "M/S", []),
     ],
 )

@@ -272,3 +272,15 @@ def test_of_two_sines_none_is_the_integral_of_the_other(tmp_path):
     for name, values in (("x1", np.sin(phase)), ("x2", np.cos(phase))):
         (tmp_path / f"{name}.txt").write_text(rows(values), encoding="ascii")
     assert len(read_all(tmp_path, units="m/s2")[0]) == 2
+
+
+@pytest.mark.parametrize(
+    "heading", ["relative acceleration N", "PGA-normalised acc N", "acc N (normalized)", "accelerazione relativa N"]
+)
+def test_an_acceleration_that_is_not_of_the_ground_is_left_out(tmp_path, heading):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{0.01 * i:.2f},{value:.4f},{-value:.4f}\n" for i, value in enumerate(pulse(200)))
+    path.write_text(f"time [s],{heading} [m/s2],acc E [m/s2]\n{rows}", encoding="utf-8")
+    (record,) = read(path)
+    assert record.component == "E" or record.azimuth == 90.0
+    assert any("columns left out, no acceleration" in text for text in record.warnings)

@@ -54,7 +54,7 @@ def test_a_code_that_says_vertical_outweighs_a_dip_of_zero_and_says_so():
     facing = seed_direction("HNZ", 0.0, 0.0)
     assert (facing.orientation, facing.sign) == ("vertical", 1.0)
     assert facing.note == (
-        "the channel code HNZ means vertical, the header states a dip of 0 degrees "
+        "the channel code HNZ means vertical, but the header states a dip of 0 degrees "
         "(-90 is up, 0 horizontal); used as vertical"
     )
 

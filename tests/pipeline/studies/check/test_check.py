@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config import CODES
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.studies.check.check import check
@@ -19,7 +18,7 @@ def config(**more):
 
 def test_a_dataset_holds_all_codes_with_their_units():
     found = check(config=config())
-    assert found["code"].values.tolist() == list(CODES)
+    assert found["code"].values.tolist() == ["circolare_2009", "circolare_2019", "en_1998"]
     assert found["activation"].attrs["units"] == "m s-2"
     assert found["activation_ratio"].sel(block="wall", code="circolare_2009").item() == pytest.approx(
         0.1 / 1.35 / 0.14375
@@ -81,8 +80,11 @@ def test_of_two_senses_the_worse_acceleration_and_the_worse_displacement_count()
     assert found["multiplier"].item() == pytest.approx(0.26)
     assert found["activation_sense"].values.tolist() == [["negative"] * 3]
     assert found["displacement_sense"].values.tolist() == [["positive", "positive", ""]]
-    assert found["displacement"].values[0, :2] == pytest.approx([0.112, 0.112])
+    # The tie carries 0.1487 of 0.2887: SLV ends where it breaks, at 0.03/3.5 rad x 2 m (C8.7.1.2.1.6), SLC does not.
+    assert found["displacement"].values[0, :2] == pytest.approx([0.112, 0.03 / 3.5 * 2.0])
     assert np.all(found["displacement_ratio"].values[0, :2] < 0.9)
+    slc = check(config=rp.Config(bodies=(body,), check=replace(settings, limit_state="slc")), code="circolare_2019")
+    assert slc["displacement"].item() == pytest.approx(0.6 * 0.28)
     free = replace(body, ties=(replace(tie, side="negative"),))
     other = check(config=rp.Config(bodies=(free,), check=settings))
     # The tie on the other side leaves theta > 0 at alpha_0 = 0.14, and its displacement as it was.
@@ -101,3 +103,39 @@ def test_a_table_that_ends_early_costs_only_what_it_does_not_reach(tmp_path):
     assert "the table ends at 1 s, but 1.24 s is needed; extend it" in told[0]
     assert "but 1.95 s is needed" in told[1]
     assert told[2] == ""
+
+
+def test_a_beam_that_loses_its_support_limits_the_displacement():
+    """0.1 m at 4 m: 0.025 rad x 2 m = 0.05 m of the centre of mass, before 0.4 d_0 (0.08 m) and 0.6 d_0."""
+    roof = rp.LoadSettings(weight=1e3, height=4.0, friction=0.4, support=0.1)
+    wall = rp.BlockSettings(name="wall", width=0.4, height=4.0, mass=6000.0, loads=(roof,))
+    assert wall.block().restraints is not None  # the support is no argument of the model
+    for state in ("slv", "slc"):
+        settings = CheckSettings(spectrum="en_1998_1", ag=0.25, limit_state=state)
+        found = check(config=rp.Config(bodies=(wall,), check=settings), code="circolare_2019")
+        assert found["displacement"].item() == pytest.approx(0.05)
+
+
+def parapet(**more):
+    return rp.BlockSettings(name="parapet", width=0.3, height=1.2, density=1800.0, length=1.0, **more)
+
+
+def test_the_period_of_a_cantilever_is_that_of_the_beam():
+    """T_0 = 6.2 x 4 x 1.2 m x sqrt(1800/1e9) = 0.0399 s; a beam with distributed mass has 2 pi sqrt(12)/1.8751^2."""
+    found = parapet(elastic_modulus=1e9).initial_period
+    assert found == pytest.approx(6.2 * 4.0 * 1.2 * (1800.0 / 1e9) ** 0.5)
+    assert found == pytest.approx(2.0 * np.pi * 12.0**0.5 / 1.8751**2 * 4.0 * 1.2 * (1800.0 / 1e9) ** 0.5, rel=2e-3)
+    assert parapet(elastic_modulus=1e9, kappa=2.2).initial_period == pytest.approx(found * 2.2 / 6.2)
+    assert parapet().initial_period == 0.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"kappa": 6.2}, "kappa: it belongs to elastic_modulus"),
+        ({"elastic_modulus": 1e9, "one_sided": True}, "no wall, ties, loads or thrusts"),
+    ],
+)
+def test_an_element_that_is_not_free_to_vibrate_has_no_period(wrong, told):
+    with pytest.raises(ConfigError, match=told):
+        parapet(**wrong)

@@ -1,18 +1,20 @@
 """The checks of codes against numbers worked by hand (the derivation is in the manual)."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rocking.body.block import Block
 from rocking.body.restraint import Tie
-from rockpulse.config.block_settings import FloorSettings
+from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.code_spectra import spectrum_of
 from rockpulse.studies.check.codes import (
     circolare_2009,
     circolare_2019,
+    circolare_2019_frame,
     en_1998,
     floor_peak,
     floor_spectrum,
@@ -112,6 +114,41 @@ def test_en_1998():
     without = en_1998(WALL, SPECTRUM, (FloorSettings(period=0.5),), settings)
     assert math.isnan(without.activation_demand)
     assert "level" in without.statement
+
+
+def test_an_element_free_to_vibrate_opens_at_its_period():
+    """Ground C, T_B 0.2 s: S_e(0.04 s) = 0.2875 g (1 + 0.2 x 1.5) = 0.37375 g; aloft S_eZ(0.04 s, 5 %)."""
+    free = replace(WALL, initial_period=0.04)
+    ground = circolare_2019(free, SPECTRUM, (), SURE)
+    assert ground.activation_demand == pytest.approx(0.37375 * G / 2.0)
+    assert ground.displacement_demand == circolare_2019(WALL, SPECTRUM, (), SURE).displacement_demand
+    # A_k = 1.1/sqrt(0.05) = 4.9193 times a_Z = 8.5004 m/s2, over 1 + 3.9193 x (1 - 0.04/0.4)^1.6.
+    aloft = circolare_2019(free, SPECTRUM, (FLOOR,), SURE).activation_demand
+    assert aloft == pytest.approx(4.91935 * 8.5004 / (1.0 + 3.91935 * 0.9**1.6) / 2.0, rel=1e-4)
+    # EN 1998-1: S_a = 0.2875 g (3 x 1.8/(1 + 0.92^2) - 0.5).
+    asked = en_1998(free, SPECTRUM, (FLOOR,), CheckSettings()).activation_demand
+    assert asked == pytest.approx(0.2875 * G * (5.4 / (1.0 + 0.92**2) - 0.5))
+
+
+@pytest.mark.parametrize(
+    ("first", "period", "amplification"),
+    [
+        (0.4, 0.0, 1.8),
+        (0.4, 0.16, 1.8 * 5.0 / (1.0 + 4.0 * 0.5**2)),  # a T_1 = 0.32 s
+        (0.4, 0.4, 9.0),
+        (0.5, 0.2, 7.2),  # 0.15 to 0.6 s
+        (1.0, 1.8, 1.8 * 4.0 / (1.0 + 3.0 * 0.5**2)),  # b T_1 = 1.2 s
+        (1.1, 0.5, 4.5),
+        (0.4, 2.0, 1.0),  # not less than on the ground
+    ],
+)
+def test_an_element_of_a_framed_building(first, period, amplification):
+    """C7.2.11 at z/H 0.8 and alpha S 0.2875, without FC; q_a 2."""
+    floor = FloorSettings(period=first, level=0.8)
+    found = circolare_2019_frame(replace(WALL, initial_period=period), SPECTRUM, (floor,), CheckSettings(q_a=2.0))
+    assert found.activation_demand == pytest.approx(0.2875 * G * amplification / 2.0)
+    assert found.activation == pytest.approx(0.1 * G)
+    assert "with its level" in circolare_2019_frame(WALL, SPECTRUM, (), CheckSettings()).statement
 
 
 def test_the_confidence_factor_takes_from_both_circulars():

@@ -138,7 +138,7 @@ def test_correlated_records_of_few_events_widen_the_band():
         (
             lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
             Status.EVERYTHING_REACHED,
-            "all 4 records reached the limit state at every level, from 1; add lower levels",
+            "the limit state was reached by each of 4 records at every level, from 1; add lower levels",
         ),
         (
             lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [0, 0, 1, 1]),

@@ -73,7 +73,7 @@ def test_files_are_read_with_their_units(tmp_path, text, measure, level, rate):
 def test_a_site_is_chosen_among_several(tmp_path):
     text = "# investigation_time=1.0, imt='PGA'\nlon,lat,depth,poe-0.1,poe-0.4\n0,0,0,0.1,0.01\n13,42,0,0.2,0.02\n"
     path = written(tmp_path, text)
-    with pytest.raises(rp.ConfigError, match="curves of 2 sites; name one"):
+    with pytest.raises(rp.ConfigError, match="curves of 2 sites; select one"):
         rp.load_hazard(path)
     near = rp.load_hazard(path, (13.0, 42.1))
     assert near.rates[0] == pytest.approx(-math.log1p(-0.2))
@@ -147,7 +147,7 @@ def test_a_file_that_is_none_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"k0": 1e-4}, "expected both of the power law"),
+        ({"k0": 1e-4}, "needs both keys"),
         ({"file": "x.csv", "k0": 1e-4, "k": 2.0}, "expected a file or the power law"),
         ({"file": "x.csv", "latitude": 2.0}, "expected both or neither"),
         ({"k0": -1.0, "k": 2.0}, "k0: expected a positive number in 1/year"),

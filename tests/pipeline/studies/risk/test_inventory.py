@@ -117,12 +117,12 @@ def test_sites_without_a_curve_are_refused(results, tmp_path):
     with pytest.raises(rp.ConfigError, match="soil factor: expected one positive number, or one for each of 1"):
         rp.load_site_hazards(path, [[13.0, 42.0]], [1.0, 1.2])
     (tmp_path / "one.csv").write_text("pgv [cm/s],rate\n10,1e-2\n40,1e-3\n")
-    with pytest.raises(rp.ConfigError, match="one curve without a place, but the bodies have sites"):
+    with pytest.raises(rp.ConfigError, match="one hazard curve without coordinates, so the sites of the bodies"):
         rp.load_site_hazards(tmp_path / "one.csv", [[13.0, 42.0]])
     one = rp.load_site_hazards(path, [[13.0, 42.0]])
     with pytest.raises(rp.ConfigError, match="hazard: expected one for each of 2 bodies, got 1"):
         rp.inventory_frequency(results, models.Block(width=[0.4, 0.4], height=[3.0, 3.1]), one)
-    with pytest.raises(rp.ConfigError, match="expected a file with the curves of many places"):
+    with pytest.raises(rp.ConfigError, match="give a file with the hazard curves of several sites"):
         site_hazards_of(HazardSettings(k0=2e-3, k=2.0), np.array([[13.0, 42.0]]), None, 1, Path())
 
 

@@ -90,12 +90,12 @@ def test_a_wrong_target_is_an_error_of_its_file_and_row(tmp_path, text, told):
 
 
 def test_too_few_records_of_different_earthquakes_are_an_error():
-    with pytest.raises(ConfigError, match=r"expected 7 channels, .* found 6: of 6, 6 of 6 earthquakes"):
+    with pytest.raises(ConfigError, match=r"expected 7 channels .* found 6\. Of 6 channels, 6 \(of 6 earthquakes\)"):
         selected(records=7)
     nameless = [replace(one, event="") for one in RECORDS]
-    with pytest.raises(ConfigError, match=r"found 1: of 6, 6 of 1 earthquakes .*\[records\] events"):
+    with pytest.raises(ConfigError, match=r"found 1\. Of 6 channels, 6 \(of 1 earthquake\) .*\[records\] events"):
         rp.select(nameless, rp.Config(check=NTC, selection=rp.SelectionSettings(**WIDE)))
-    with pytest.raises(ConfigError, match=r"found 0: of 6, 0 of 0 earthquakes .* between 1000 and 1001"):
+    with pytest.raises(ConfigError, match=r"found 0\. Of 6 channels, 0 .* by 1000 to 1001"):
         selected(factors=(1000.0, 1001.0))
     with pytest.raises(ConfigError, match=r"\[selection\] target: no target spectrum is given"):
         selected(check=rp.CheckSettings())

@@ -91,7 +91,7 @@ def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, chan
 @pytest.mark.sweep
 def test_resonance_is_named_an_upper_bound_and_the_narrowest_interval_is_seen(assessed, changed, first):
     ax = overturning_map(assessed, block="wall", model="resonance")
-    assert "upper-bound type input" in ax.figure.get_suptitle()
+    assert "upper-bound input" in ax.figure.get_suptitle()
     assert "not a prediction" in small_print(ax)
     assert ax.get_xlabel() == "scale factor on the impulses of the sequence [-]"
     assert "not a prediction" in small_print(critical_scale(assessed, block="wall", models=["resonance"]))
@@ -146,7 +146,7 @@ def test_critical_scales_are_those_of_the_results(assessed, changed):
     (points,) = marks(ax, "nonlinear")
     assert points.get_xdata().tolist() == sorted(factor)
     words = in_legend(ax)
-    assert words == ["resonance (upper-bound type input)", "sequence", "impulsive", "linear", "nonlinear"]
+    assert words == ["resonance (upper-bound input)", "sequence", "impulsive", "linear", "nonlinear"]
     assert len({line.get_marker() for line in ax.lines if line.get_label() in words}) == 5
     shape = assessed["summary"]["safety_factor"].shape
     applicable, resolved = np.ones(shape, np.int8), np.ones(shape, np.int8)

@@ -58,5 +58,5 @@ def test_what_has_no_picture_is_reported(record):
         rp.plot(SEQUENCE, block="wall")
     unknown = xr.DataTree()
     unknown.attrs["kind"] = "other"
-    with pytest.raises(ResultsError, match="there is no picture of an other file"):
+    with pytest.raises(ResultsError, match="an other file cannot be drawn"):
         rp.plot(unknown)

@@ -39,7 +39,7 @@ def test_every_impulse_is_an_arrow(spacing):
 
 def test_main_impulses_come_with_the_half_cycles_which_are_bars_with_their_peaks():
     alone, _ = limit_accelerogram(BLOCK, sequence())
-    assert "upper-bound type input" in alone.get_title(loc="left")
+    assert "upper-bound input" in alone.get_title(loc="left")
     times = np.sort(marks(alone)[:, 0])
     duration = models.sequence_response(BLOCK, sequence(secondary=0.0)).half_cycles.duration
     assert np.allclose(np.diff(times), duration[: times.size - 1])

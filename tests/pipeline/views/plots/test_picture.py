@@ -82,11 +82,11 @@ def test_titles_and_small_print_of_somebody_elses_figure_stay():
     mine = Figure()
     mine.suptitle("mine")
     ax = mine.subplots()
-    panel_title(ax, "resonance: an upper-bound type input")
+    panel_title(ax, "resonance: an upper-bound input")
     title(ax, "a record")
     caption(ax, "small")
     assert mine.get_suptitle() == "mine"
-    assert ax.get_title(loc="left") == "a record\nresonance: an upper-bound type input"
+    assert ax.get_title(loc="left") == "a record\nresonance: an upper-bound input"
     assert [text.get_text() for text in ax.texts] == ["small"]
 
 

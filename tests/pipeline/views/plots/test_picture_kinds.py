@@ -80,7 +80,7 @@ def test_the_spectrum_is_that_of_the_record_with_the_bodies(assessed, changed):
     [
         pytest.param(kind, marks=pytest.mark.sweep if kind in SLOWER else ())
         for kind, row in KINDS.items()
-        if row.file == ASSESSMENT
+        if ASSESSMENT in row.files
     ],
 )
 def test_kinds_of_an_assessment_hold_long_names(assessed, changed, kind):
@@ -145,10 +145,14 @@ def test_the_tables_agree():
     [
         ("rotations-history", {}, r'did you mean "rotation-history"\? There are: '),
         ("fragility", {}, "expected a file of 'rockpulse fragility', found an assessment file"),
-        ("accelerogram", {"block": "wall"}, r"no block to choose; it takes record \(--record\)"),
+        ("accelerogram", {"block": "wall"}, r"has no option block; its options: record \(--record\)"),
         ("accelerogram", {"record": "CI.CLC..HN"}, r"the nearest: CI\.CLC.*; there are: CI\.CLC"),
-        ("accelerogram", {}, "expected one of 2 records, none was named"),
-        ("accelerogram", {"record": "CI.CLC*"}, r"matches 2 .*, but the picture shows one: CI\.CLC.*, CI\.CLC"),
+        ("accelerogram", {}, "expected the name of one of 2 records"),
+        (
+            "accelerogram",
+            {"record": "CI.CLC*"},
+            r"matches 2 .*, but the picture shows only one; choose among: CI\.CLC.*, CI\.CLC",
+        ),
         ("critical-scale", {"block": "xyz"}, "there are: wall"),
         ("critical-scale", {"block": "wall", "case": 2}, "from 1 to 1, got 2"),
         ("overturning-map", {"block": "wall", "model": ["linear", "nonlinear"]}, "expected one model"),

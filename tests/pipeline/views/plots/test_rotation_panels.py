@@ -81,7 +81,7 @@ def test_impacts_are_ticks_in_a_row_of_each_model_and_the_legend_says_how_it_end
     assert found[1].impacts.size > 10
     words = [line.get_label() for line in curves(drawn[1][0])]
     assert words[3].startswith("sequence: overturns by")
-    assert words[4].startswith("resonance (upper-bound type input): overturns by")
+    assert words[4].startswith("resonance (upper-bound input): overturns by")
     peak = float(assessed["summary"]["peak_rotation_ratio"].sel(record=first, block="wall", model="linear"))
     assert words[1] == f"linear: peak {peak:.3g}"
     start = float(assessed["summary"]["intense_start"].sel(record=first))

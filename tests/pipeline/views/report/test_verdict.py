@@ -91,8 +91,8 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     shown = headed(answers(summary), verdict(summary))
     assert shown["verdict"] == "may overturn"
     assert (shown["P"], shown["records that overturn"], shown["capacity/ demand"]) == ("0.080", "1 of 5", "1.80")
-    assert (shown["median rotation"], shown["largest of the others"]) == ("0.20", "0.30")
-    assert shown["its top displ."] == "6.00"
+    assert (shown["median rotation"], shown["largest rotation without overturning"]) == ("0.20", "0.30")
+    assert shown["top displ. at that rotation"] == "6.00"
     told = sentence(answers(summary), verdict(summary))
     assert told.startswith("Probability of overturning 0.080, upper 90 % ")
     assert told.endswith(
@@ -107,7 +107,7 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     assert told.startswith("Probability of overturning 0.90, upper 90 % ")
     assert told.endswith("from 4 earthquakes. 0 of 4 records overturn it. No verdict: 5 earthquakes are needed.")
     legend = verdict_legend(answers(summary), found.findings)
-    assert "Not counted: 2 motions with a scale factor for the demand ULS outside 0.25 to 4." in legend
+    assert "Not counted: 2 motions with a scale factor for the demand “ULS” outside 0.25 to 4." in legend
 
 
 def test_under_a_design_sequence_there_is_no_probability():

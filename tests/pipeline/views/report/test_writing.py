@@ -132,8 +132,8 @@ def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
     summary = tree["summary"].to_dataset().sel(model=["resonance"])
     parts = {"/": tree.to_dataset(), "/summary": summary, "/failures": tree["failures"].to_dataset()}
     words = Page(report_page(xr.DataTree.from_dict(parts))).text
-    assert "resonance model (upper-bound type input, no prediction)" in words
-    assert "judged by an upper-bound type input" in words
+    assert "resonance model (upper-bound input, no prediction)" in words
+    assert "judged by an upper-bound input" in words
 
 
 def test_cases_of_restitution_are_bodies_of_their_own():
@@ -144,13 +144,13 @@ def test_cases_of_restitution_are_bodies_of_their_own():
 def test_the_design_sequence_of_a_site(tmp_path, site, bodies, undrawn):
     rp.save(site, tmp_path / "site.h5")
     sequence = rp.load_design(tmp_path / "site.h5")
-    results = rp.assess_sequence(sequence, bodies=bodies)
+    results = rp.assess_sequence(sequence, bodies={name: bodies[name] for name in list(bodies)[:2]})
     assert "read and used" not in report_page(results)  # no file was read for it
     words = Page(report_page(results, site)).text
     assert "under one design sequence" in words
     said = words[words.index("The confidence is that of the site calibration") :].split("Site calibration")[0]
-    assert "a design made without the earthquake of a record covers" in said or "is not known" in said
-    assert "Design sequence (quantile 0.84 of the recorded rotations)" in words
+    assert "The design is the predictive 50 % quantile" in said
+    assert "Sequence of the site: number of main impulses N = " in words
 
 
 def changed(results, **values):

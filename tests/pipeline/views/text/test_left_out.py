@@ -75,7 +75,7 @@ def warned(*warnings):
 
 
 def test_one_warning_of_each_kind_is_shown_and_the_others_are_counted():
-    peak = "peak {} g in the unit g; the values would be {} g if it were cm/s2"
+    peak = "peak {} g if the unit is g; {} g if it is cm/s2"
     told = left_out(warned([peak.format(338, 0.344)], [peak.format(415, 0.42), "clipped for 7 samples"], []))
     assert "records with warnings: 2 " in told
     flat = " ".join(told.split())

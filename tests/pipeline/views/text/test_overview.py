@@ -29,7 +29,7 @@ def test_every_verdict_is_a_word_or_a_figure_and_resonance_an_upper_bound(summar
     assert row(text, "boundary wall", RECORDS[0]) == ["0.985", "2.50", "1.44", "OVERTURNS", "OVERTURNS", "OVERTURNS"]
     assert row(text, "column", RECORDS[0]) == ["0.930", "2.50", "0.63", "OVERTURNS", "0.41", "0.41"]
     assert row(text, "column", RECORDS[2])[2:] == ["-", "at", "rest", "at", "rest", "at", "rest"]
-    assert "upper-bound type input" in verdict_table(summary)
+    assert "upper-bound input" in verdict_table(summary)
     assert "not a prediction" in verdict_table(summary)
     assert "upper-bound" not in verdict_table(summary.sel(model=["nonlinear"]))
 
