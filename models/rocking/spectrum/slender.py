@@ -11,6 +11,7 @@
    ground. The growing mode is u - 1 + u' = A + s f G. It exceeds -1 at all later times, and the block never returns, if
    A > 0 and A + 1 > f max(-s G): it overturns.
 
+   At an impact s changes its sign (not beside a wall) and u' becomes C abs(u').
    Near the ground u'' is at most f abs(a_g) - 1. So if u vanishes within a piece of length h, it is at most
    (cosh h - 1) max(f abs(a_g) - 1) at its end: no other piece contains an impact (:mod:`.slender_piece`).
    The impacts of `WIDTH` lanes are solved together by Halley's steps from the root of the parabola; `first_impact`
@@ -306,9 +307,9 @@ def _peak_on_still_ground(u, v, restitution):
 
 @njit(_nrt=False)
 def march_lanes(first, last, s, slots, state, strength, restitution, count, points, rows, blocks, wall, final, peaks):
-    """March lanes `first` to `last` - 1 of one p through the tables of a `ground`.
+    """March lanes `first` to `last` - 1 of one p through tables of the ground (:class:`.slender_ground.Tables`).
 
-    The lanes (n,) have the strength f = x/p [s2/m] and C (the rebound e beside a wall, where s = 1 always). The `state`
+    `s` (ROWS * WIDTH,) and `slots` (2, WIDTH) of integers are working memory. The lanes (n,) have the strength f = x/p [s2/m] and C (the rebound e beside a wall, where s = 1 always). The `state`
     (n, 4) is updated: the largest u (inf if the lane overturns; without `peaks` it is found only for these), u, u' and
     s (0 at rest, NaN for a lane that has ended). After the `final` tables the ground is still.
     """

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, OverturningSpectrum, Uncertainty, recorded_response
+from rocking.spectrum import slender_ground
 from rocking.spectrum.body_probability import lane_capacity
 from rocking.spectrum.probability import MOST_RESTITUTION
 from rocking.spectrum.slender_lanes import (
@@ -76,6 +77,16 @@ def test_the_mirror_image_has_the_same_lanes(lanes):
     mirrored = spectrum_lanes(-MOTION, DT, P)
     assert np.array_equal(mirrored.log_x, lanes.log_x)
     assert np.array_equal(mirrored.peak, lanes.peak)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_a_long_record_is_marched_in_parts(side, monkeypatch):
+    whole = spectrum_lanes(MOTION, DT, P, side=side)
+    monkeypatch.setattr(slender_ground, "AT_ONCE", 333)
+    parts = spectrum_lanes(MOTION, DT, P, side=side)
+    assert np.mean(np.isinf(parts.peak) != np.isinf(whole.peak)) < 0.003  # rounding at edges
+    both = np.isfinite(parts.peak) & np.isfinite(whole.peak)
+    assert np.quantile(np.abs(parts.peak - whole.peak)[both], 0.98) < 1e-6
 
 
 def test_threads_do_not_matter(lanes):
@@ -155,7 +166,7 @@ def test_lanes_are_placed_and_weighed_as_their_notes_tell():
         shares = []
         for level in grid:
             near = np.exp(-(((levels - level) / 0.12) ** 2) / 2.0)
-            shares.append(sum(near[over]) / sum(near))
+            shares.append(round(sum(near[over]) / sum(near), 12))
         wanted = np.array([math.sqrt(share * (1.0 - share)) + 0.04 if share < 1.0 else 0.04 for share in shares])
         filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1])))
         places = np.interp((np.arange(700) + 0.5) / 700 * filled[-1], filled, grid)
