@@ -309,7 +309,8 @@ def _peak_on_still_ground(u, v, restitution):
 def march_lanes(first, last, s, slots, state, strength, restitution, count, points, rows, blocks, wall, final, peaks):
     """March lanes `first` to `last` - 1 of one p through tables of the ground (:class:`.slender_ground.Tables`).
 
-    `s` (ROWS * WIDTH,) and `slots` (2, WIDTH) of integers are working memory. The lanes (n,) have the strength f = x/p [s2/m] and C (the rebound e beside a wall, where s = 1 always). The `state`
+    `s` (ROWS * WIDTH,) and `slots` (2, WIDTH) of integers are working memory. The lanes (n,) have the strength
+    f = x/p [s2/m] and C (the rebound e beside a wall, where s = 1 always). The `state`
     (n, 4) is updated: the largest u (inf if the lane overturns; without `peaks` it is found only for these), u, u' and
     s (0 at rest, NaN for a lane that has ended). After the `final` tables the ground is still.
     """

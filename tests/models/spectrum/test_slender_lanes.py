@@ -86,7 +86,7 @@ def test_a_long_record_is_marched_in_parts(side, monkeypatch):
     parts = spectrum_lanes(MOTION, DT, P, side=side)
     assert np.mean(np.isinf(parts.peak) != np.isinf(whole.peak)) < 0.003  # rounding at edges
     both = np.isfinite(parts.peak) & np.isfinite(whole.peak)
-    assert np.quantile(np.abs(parts.peak - whole.peak)[both], 0.98) < 1e-6
+    assert np.quantile(np.abs(parts.peak[both] - whole.peak[both]), 0.9) < 1e-9
 
 
 def test_threads_do_not_matter(lanes):
