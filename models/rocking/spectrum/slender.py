@@ -36,6 +36,7 @@ from rocking.spectrum.slender_ground import (
     SLOPE,
     SPEED,
     START,
+    STRONGEST,
     UP,
 )
 from rocking.spectrum.slender_piece import first_impact, halley_step, hyperbolic, motion_at
@@ -179,7 +180,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
             below = (1.0 + force * q[j] + grow * e[j] + fall * d[j] <= near) & (j > k - first)
             found = min(found, j if below else BLOCK)
         if peaks:
-            high = s[PEAK + i] - blocks[block, REACH] * (1.0 + pushed)
+            high = s[PEAK + i] - blocks[block, REACH] * (1.0 + strength * blocks[block, STRONGEST])
             above = 0
             for j in range(BLOCK):
                 above += (1.0 + force * q[j] + grow * e[j] + fall * d[j] > high) & (j > k - first)
@@ -220,7 +221,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
 @njit(_nrt=False)
 def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
     """Raise the largest u of a lane by the tops between nodes `first` - 1 and `last`, within one block of the arc."""
-    margin = blocks[first // BLOCK, REACH] * (1.0 + abs(force) * blocks[first // BLOCK, HIGHEST])
+    margin = blocks[first // BLOCK, REACH] * (1.0 + abs(force) * blocks[first // BLOCK, STRONGEST])
     for k in range(first, last + 1):
         up, down = grow * points[k, UP], fall * points[k, DOWN]
         u = 1.0 + force * points[k, RESPONSE] + up + down

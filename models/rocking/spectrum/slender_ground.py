@@ -27,8 +27,9 @@ AT_ONCE = 2**16
 #: can lift a block at rest [m/s2].
 LENGTH, START, SLOPE, RESPONSE, SPEED, UP, DOWN, LIFTING = range(8)
 #: Columns of `Tables.blocks`: e^tau over the block; the largest LIFTING in the block and at the node before it;
-#: cosh h - 1 of the longest piece; the largest -G, and G (AHEAD + 1), from the block on, between nodes too.
-GROWTH, HIGHEST, REACH, AHEAD = range(4)
+#: cosh h - 1 of the longest piece; the largest abs(a_g) of all; the largest -G, and G (AHEAD + 1), from the block on,
+#: between nodes too.
+GROWTH, HIGHEST, REACH, STRONGEST, AHEAD = range(5)
 
 
 class Tables(NamedTuple):
@@ -37,7 +38,7 @@ class Tables(NamedTuple):
     pieces: int  #: their number
     points: np.ndarray  #: (n, 8)
     rows: np.ndarray  #: (3, n) Q, e^tau and e^-tau again, side by side
-    blocks: np.ndarray  #: (b, 5)
+    blocks: np.ndarray  #: (b, 6)
 
 
 @njit(_nrt=False)
@@ -127,11 +128,12 @@ class SlenderGround:
         longest = np.max(length)
         reach = np.full(growth.size, 0.505 * longest**2)
         left = np.maximum(np.maximum.accumulate(sides[:, ::-1], axis=1)[:, ::-1], 0.0)
+        strongest = np.full(growth.size, max(np.max(np.abs(start)), np.max(np.abs(ends))))
         slack = 0.5 * longest * (np.max(np.abs(after)) + np.max(np.abs(start)) + np.max(np.abs(ends)))
         points = np.zeros((size, 8))
         points[:count, :3] = np.stack([length, start, slope], axis=1)
         points[:, 3:] = np.stack([0.5 * (after + before), 0.5 * (after - before), up, down, push], axis=1)
-        blocks = np.vstack([growth, highest, reach, left + slack]).T.copy()
+        blocks = np.vstack([growth, highest, reach, strongest, left + slack]).T.copy()
         return Tables(count, points, points[:, [RESPONSE, UP, DOWN]].T.copy(), blocks)
 
     def _push(self, ground: np.ndarray) -> np.ndarray:
