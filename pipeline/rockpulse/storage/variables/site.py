@@ -29,7 +29,7 @@ OF_RECORDS: Declared = along(
     source_sha256=text("SHA-256 of the source file"),
     event=text("earthquake of the record, from the user's table, the title or the time"),
     weight=real("weight of the record, of mean one"),
-    scale_factor=real("factor on the conditioned record"),
+    scale_factor=real("scale factor on the conditioned record"),
     **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
     largest_impulse=real("largest half-wave impulse of the scaled record", "m s-1"),
     warnings=text("warnings on the record"),
@@ -41,25 +41,25 @@ OF_RECORDS: Declared = along(
 VARIABLES: Declared = {
     "quantile": real("share of the recorded rotations that the design has to cover"),
     "confidence": real("confidence of all intervals"),
-    "resamples": whole("bootstrap resamples of the events"),
-    "record_count": whole("records of a weight above zero"),
-    "event_count": whole("events of such records"),
+    "resamples": whole("number of bootstrap resamples of the earthquakes"),
+    "record_count": whole("number of records with a weight above zero"),
+    "event_count": whole("number of earthquakes of these records"),
     "lifting_events": whole("number of these earthquakes with a record that lifts a block"),
     "lifted_share": real("share of the pairs of record and block that are counted because the record lifts the block"),
     "unresolved_share": real("share of the pairs of record and block without a result, which count as overturned"),
     "design_set_by": text(
-        "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where larger "
-        "rotations reach the quantile"
+        "blocks whose overturning limits I: just below this I they survive and the quantile is not covered; empty if "
+        "larger rotations reach the quantile"
     ),
     "coverage": real(
-        "share of the pairs that count, on blocks left standing, whose recorded rotation is covered by the design made "
-        "without the event of the record; NaN where nothing can be left out or nothing is left standing"
+        "share of the counted pairs, on blocks that survive the design, whose recorded rotation is covered by the "
+        "design made without the earthquake of the record; NaN if no earthquake can be left out or no block survives"
     ),
-    "coverage_lower": real("lower end of its interval, clustered by event"),
-    "coverage_upper": real("upper end of its interval, clustered by event"),
-    "judged_pairs": whole("pairs of record and block that the coverage rests on"),
-    "judged_events": whole("events that the coverage rests on"),
-    "coverage_in_sample": real("the same share by the design made of all records: no test of it"),
+    "coverage_lower": real("lower end of the interval, clustered by earthquake"),
+    "coverage_upper": real("upper end of the interval, clustered by earthquake"),
+    "judged_pairs": whole("number of pairs of record and block on which the coverage is based"),
+    "judged_events": whole("number of earthquakes on which the coverage is based"),
+    "coverage_in_sample": real("coverage by the design made from all records, which is not a test of it"),
     "coverage_all": real("coverage including the blocks that the design overturns, which it always covers"),
     "standing_share": real("share of the counted pairs on blocks that survive the design"),
     "site_warnings": text("warnings on the calibration, one per line", explanation="the most serious first"),
@@ -67,35 +67,37 @@ VARIABLES: Declared = {
     **along(
         ("parameter",),
         median=real("lognormal median", _OF_PARAMETER),
-        median_lower=real("lower end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
-        median_upper=real("upper end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
-        dispersion=real("standard deviation of the logarithm, of records of different events"),
-        dispersion_lower=real("lower end of its interval, clustered by event; NaN with one event"),
-        dispersion_upper=real("upper end of its interval, clustered by event; inf if unbounded, NaN with one event"),
-        quantile_16=real("weighted 16 % quantile of the records, a value that occurs", _OF_PARAMETER),
-        quantile_50=real("weighted median of the records, a value that occurs", _OF_PARAMETER),
-        quantile_84=real("weighted 84 % quantile of the records, a value that occurs", _OF_PARAMETER),
+        median_lower=real("lower end of the interval, clustered by earthquake; NaN with one earthquake", _OF_PARAMETER),
+        median_upper=real("upper end of the interval, clustered by earthquake; NaN with one earthquake", _OF_PARAMETER),
+        dispersion=real("standard deviation of the logarithm over records of different earthquakes"),
+        dispersion_lower=real("lower end of the interval, clustered by earthquake; NaN with one earthquake"),
+        dispersion_upper=real(
+            "upper end of the interval, clustered by earthquake; inf if unbounded, NaN with one earthquake"
+        ),
+        quantile_16=real("weighted 16 % quantile of the records, an observed value", _OF_PARAMETER),
+        quantile_50=real("weighted median of the records, an observed value", _OF_PARAMETER),
+        quantile_84=real("weighted 84 % quantile of the records, an observed value", _OF_PARAMETER),
         design=real("design sequence", _OF_PARAMETER),
         design_lower=real(
-            "lower end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; NaN "
-            "where not known and of the other parameters",
+            "lower end of the interval of I of the design, for a constant shape, from resamples on a grid of about 2 %; "
+            "NaN if not known, and for the other parameters",
             _OF_PARAMETER,
         ),
         design_upper=real(
-            "upper end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; inf "
-            "where the overturning of a block is all that bounds I, NaN of the other parameters",
+            "upper end of the interval of I of the design, for a constant shape, from resamples on a grid of about "
+            "2 %; inf if I is bounded only by the overturning of a block, NaN for the other parameters",
             _OF_PARAMETER,
         ),
     ),
     **OF_RECORDS,
     **along(
         ("record",),
-        misfit=real("RMS of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing does"),
+        misfit=real("RMS of ln(sequence/recorded) of the peak rotations of blocks that rock in both; NaN if none does"),
         unsafe_share=real(
             "share of the lifted blocks whose rotation under the record's own sequence is below the recorded one"
         ),
         left_out_main=real(
-            "main impulse I of the design without the event of the record; NaN if there is none", "m s-1"
+            "main impulse I of the design made without the earthquake of the record; NaN if none", "m s-1"
         ),
     ),
     **along(("record", "parameter"), value=real("parameter of the record's own sequence", _OF_PARAMETER)),
@@ -104,19 +106,19 @@ VARIABLES: Declared = {
         alpha_c=real("critical angle", "rad"),
         p=real("frequency parameter", "s-1"),
         restitution=real("velocity ratio C of an impact"),
-        critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
-        design_rotation_ratio=real("theta_max/alpha_c under the design sequence; inf where it overturns"),
-        block_coverage=real("coverage by block, events left out, overturning designs included; NaN where not known"),
+        critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s-1"),
+        design_rotation_ratio=real("theta_max/alpha_c under the design sequence; inf if the block overturns"),
+        block_coverage=real("coverage of each block, including designs that overturn it; NaN if not known"),
     ),
     **along(
         ("site_event",),
-        event_records=whole("records of the event"),
+        event_records=whole("number of records of the earthquake"),
         event_coverage=real(
             "coverage of the records of the earthquake by the design made without it, on blocks that survive"
         ),
     ),
     "correlation": real(
-        "weighted correlation of the logarithms; NaN where one of the two does not vary",
+        "weighted correlation of the logarithms; NaN if one of the two does not vary",
         dims=("parameter", "other_parameter"),
     ),
     **along(
@@ -124,7 +126,7 @@ VARIABLES: Declared = {
         rotation_ratio=real("recorded theta_max/alpha_c; inf overturned, 0 at rest, NaN unresolved"),
         covered=flag(
             ("not_counted", "not_covered", "covered", "overturned_by_the_design"),
-            "whether the design made without the event of the record covers the recorded rotation",
+            "whether the design made without the earthquake of the record covers the recorded rotation",
             first=-1,
         ),
     ),
@@ -133,9 +135,9 @@ VARIABLES: Declared = {
 COORDINATES: Declared = {
     "record": text("record id", dims=("record",)),
     "block": text("name of the body", dims=("block",), explanation="one for each restitution of a body"),
-    "site_event": text("event", dims=("site_event",)),
+    "site_event": text("earthquake", dims=("site_event",)),
     "parameter": text("parameter of the impulse sequence", dims=("parameter",)),
-    "other_parameter": text("the other one of a pair", dims=("other_parameter",)),
+    "other_parameter": text("second parameter of a correlation", dims=("other_parameter",)),
     "parameter_unit": text("unit of the parameter", dims=("parameter",)),
     "parameter_name": text("meaning of the parameter", dims=("parameter",)),
 }
@@ -146,7 +148,9 @@ def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -
     return {
         name: real(meaning, units, explanation=explanation),
         **{
-            f"{name}_{end}": real(f"{end} end of its interval, events resampled; NaN with one event", units)
+            f"{name}_{end}": real(
+                f"{end} end of the interval of `{name}`, from resampled earthquakes; NaN with one earthquake", units
+            )
             for end in ("lower", "upper")
         },
     }
@@ -165,21 +169,23 @@ SITE: Declared = {
             "effective_impulse",
             "m s-1",
             "I_eff, the design spectrum at the p and C of the block",
-            "the block overturns where it reaches g tan(alpha_c)/p; NaN for a block outside the spectrum",
+            "the block overturns if I_eff is g tan(alpha_c)/p or more; NaN for a block outside the spectrum",
         ),
         **_with_interval(
-            "design_factor", "1", "factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
+            "design_factor", "1", "scale factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
         ),
         **_with_interval(
             "main",
             "m s-1",
-            "main impulse I of the sequence of that effect with the ratio and main_count of the block",
+            "main impulse I of the sequence with this I_eff and with the ratio and main_count of the block",
             "I = I_eff (alpha_c/sin(alpha_c))/[(1 - sigma) S_N + sigma/2], S_N = (1 - C^N)/(1 - C), so that the "
-            "sequence model, with I_1c = g alpha_c/(p cos(alpha_c)), has the same factor; ends: ratio and "
-            "main_count kept",
+            "sequence model, with I_1c = g alpha_c/(p cos(alpha_c)), has the same factor; interval for "
+            "constant ratio and main_count",
         ),
         **_with_interval("ratio", "1", "I_s/I, weighted median of the records on the time scale of the block"),
-        **_with_interval("main_count", "1", "number of main impulses, weighted median of the records likewise"),
+        **_with_interval(
+            "main_count", "1", "number of main impulses, weighted median of the records on this time scale"
+        ),
         overturned_share=real("share of the weight of the records whose own spectrum overturns the block"),
     ),
     "event_records": VARIABLES["event_records"],
@@ -191,14 +197,18 @@ SITE_AXES: Declared = {name: COORDINATES[name] for name in ("record", "block", "
 SPECTRA: Declared = {
     **along(
         ("p", "restitution"),
-        **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra; one of the values"),
-        **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, a value that occurs"),
-        **_with_interval("spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"),
+        **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra, an observed value"),
+        **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, an observed value"),
+        **_with_interval(
+            "spectrum_design", "m s-1", "design spectrum: the weighted quantile given by `quantile` in /site"
+        ),
     ),
     **along(
         ("p",),
         **_with_interval("ratio", "1", "I_s/I on the time scale 1/p, weighted median of the records"),
-        **_with_interval("main_count", "1", "number of main impulses on that time scale, likewise"),
+        **_with_interval(
+            "main_count", "1", "number of main impulses on this time scale, weighted median of the records"
+        ),
     ),
     "spectrum": real(
         "overturning spectrum of the scaled record: its effective impulse for a slender block",
@@ -208,7 +218,7 @@ SPECTRA: Declared = {
     **along(
         ("record", "p"),
         record_ratio=real("I_s/I of the half-waves of the record on the time scale 1/p"),
-        record_main_count=whole("number of main impulses of the record on that time scale"),
+        record_main_count=whole("number of main impulses of the record on this time scale"),
     ),
 }
 
