@@ -87,7 +87,7 @@ CASE = {
         "velocity ratio C of an impact",
         take=lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution)),
         dims=("block", "case"),
-        explanation="of the impact that ends the rotation about the right-hand corner; for a one-sided body the rebound",
+        explanation="of the impact that ends the rotation about the right-hand corner; the rebound of a one-sided body",
     ),
     "restitution_2": real(
         "velocity ratio C of an impact that ends the rotation about the left-hand corner",

@@ -91,7 +91,8 @@ PROBABILITY: Declared = {
         "source of the probability of overturning",
         _of_lanes("probability_source"),
         explanation="slender_limit: random realisations of the body in the limit of slender blocks; full_equation: "
-        "random realisations by the nonlinear equation (slenderness below 3.5, ties, loads or vertical acceleration); spectrum: the overturning "
+        "random realisations by the nonlinear equation (slenderness below 3.5, ties, loads or "
+        "vertical acceleration); spectrum: the overturning "
         'spectrum of the record, with `[uncertainty] spectrum = "all"`',
     ),
 }

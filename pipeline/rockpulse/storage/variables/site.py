@@ -79,8 +79,8 @@ VARIABLES: Declared = {
         quantile_84=real("weighted 84 % quantile of the records, an observed value", _OF_PARAMETER),
         design=real("design sequence", _OF_PARAMETER),
         design_lower=real(
-            "lower end of the interval of I of the design, for a constant shape, from resamples on a grid of about 2 %; "
-            "NaN if not known, and for the other parameters",
+            "lower end of the interval of I of the design, for a constant shape, from resamples on a grid of about "
+            "2 %; NaN if not known, and for the other parameters",
             _OF_PARAMETER,
         ),
         design_upper=real(

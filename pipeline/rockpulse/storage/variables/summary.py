@@ -191,7 +191,7 @@ ANSWER = along(
     (*LANES, "model"),
     lambda name: _OF_ANSWER.get(name, _per_model(lambda one, model: getattr(one.responses[model], name))),
     peak_rotation_ratio=real(
-        "largest rotation divided by alpha_c; inf if the block overturns, 0 at rest",
+        "largest rotation over alpha_c; inf if the block overturns, 0 at rest",
         explanation="theta_max/alpha_c; NaN: unresolved",
     ),
     outcome=flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
