@@ -137,8 +137,8 @@ def configured(args: argparse.Namespace) -> Config:
     records, calibration = config.records, config.calibration
     if records.events is not None:
         records = replace(records, events=str(located(records.events, config.folder).resolve()))
-    if calibration.weighting not in WEIGHTS:
-        calibration = replace(calibration, weights=str(located(calibration.weighting, config.folder).resolve()))
+    if calibration.weights not in WEIGHTS:
+        calibration = replace(calibration, weights=str(located(calibration.weights, config.folder).resolve()))
     given = getattr(args, "block", ())
     blocks = (*config.bodies, *(parse_block_option(option, args.confirm_size) for option in given))
     return replace(config, records=records, calibration=calibration, bodies=blocks)
