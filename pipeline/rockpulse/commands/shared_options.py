@@ -152,8 +152,8 @@ def configured(args: argparse.Namespace) -> Config:
     records, calibration = config.records, config.calibration
     if records.events is not None:
         records = replace(records, events=str(located(records.events, config.folder).resolve()))
-    if calibration.weighting not in WEIGHTS:
-        calibration = replace(calibration, weights=str(located(calibration.weighting, config.folder).resolve()))
+    if calibration.weights not in WEIGHTS:
+        calibration = replace(calibration, weights=str(located(calibration.weights, config.folder).resolve()))
     blocks = (*config.bodies, *(parse_block_option(one, args.confirm_size) for one in getattr(args, "block", ())))
     if table := getattr(args, "bodies", None):
         blocks = (*blocks, *bodies_of_table(table))
