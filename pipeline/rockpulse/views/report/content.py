@@ -264,14 +264,14 @@ def _of_block(answers: Answers, block: str, restitutions: list[float], given: Bl
         "rebound" if one.value("one_sided") else "restitution": ", ".join(map(restitution, restitutions)),
         "critical_impulse": known("critical_impulse", "m/s"),
     }
-    lists = {name: (value,) for name, value in facts.items() if value}
+    lists: dict[str, tuple[str, ...]] = {name: (value,) for name, value in facts.items() if value}
     lists |= _weights(one, given) | {"warnings": one.lines("block_warnings")}
     return tuple(Fact(say(f"fact.{name}"), lines) for name, lines in lists.items() if lines)
 
 
 def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ...]]:
     """Return mass, density, ties, loads, thrusts, modes of the floor and pedestals of a body, each as lines."""
-    found = {"mass": () if math.isnan(one.real("mass")) else (one.number("mass", "kg"),)}
+    found: dict[str, tuple[str, ...]] = {"mass": () if math.isnan(one.real("mass")) else (one.number("mass", "kg"),)}
     parts = json.loads(one.text("restraints") or "{}") | {"floors": json.loads(one.text("floors") or "[]")}
     if given is not None:
         parts |= {"density": [{name: given[name] for name in ("density", "length")}]}

@@ -186,7 +186,7 @@ def report_page(
     beside = others.get(SITE_KIND), others.get(FRAGILITY)
     checked = code_checks(loaded[ASSESSMENT], config)
     if isinstance(checked, xr.Dataset):
-        named = dict(zip(stored, tree["summary"]["block"].values.tolist(), strict=True))
+        named = dict(zip(stored, tree["summary"].to_dataset()["block"].values.tolist(), strict=True))
         checked = checked.assign_coords(block=[named.get(name, name) for name in checked["block"].values.tolist()])
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
