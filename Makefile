@@ -54,7 +54,7 @@ accuracy:  ## speed and error of solvers and models, on the samples or RECORDS (
 rule:  ## the rule and other measures on RECORDS of four earthquakes or more (OPTIONS=--fit: fits it anew)
 	$(LABORATORY).rule $(RECORDS) -o build/rule $(OPTIONS)
 
-site:  ## the methods of rockpulse calibrate on earthquakes left out, on RECORDS of ten or more (10 s a record)
+site:  ## the design of rockpulse calibrate on earthquakes left out, on RECORDS of ten or more (2 s a record)
 	$(LABORATORY).site $(RECORDS) -o build/site $(OPTIONS)
 
 check-histories:  ## the checks of codes against time histories of RECORDS

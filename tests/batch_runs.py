@@ -27,7 +27,7 @@ CONFIG = Config(
     search=SearchSettings(models=()),
     bodies=(BlockSettings(name="wall", width=0.4, height=3.0),),
 )
-SITE = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100), bodies=CONFIG.bodies)
+SITE = Config(calibration=CalibrationSettings(bootstrap=100), bodies=CONFIG.bodies)
 
 
 def four_records(folder):

@@ -1,4 +1,4 @@
-"""A site by the spectrum, from records with given overturning spectra."""
+"""A site from records with given overturning spectra."""
 
 from functools import cache
 
@@ -33,8 +33,9 @@ def done_with(strengths, events):
         "record": np.array([f"record{place:02d}" for place in range(count)]),
         "event": np.array([f"Earthquake {event}" for event in events]),
         "spectrum": np.asarray(strengths, dtype=float)[:, np.newaxis, np.newaxis] * BASE,
-        "record_ratio": np.outer(np.linspace(0.1, 0.5, count), np.ones(RATES.size)),
-        "record_main_count": np.outer(np.arange(2, 2 + count), np.ones(RATES.size, dtype=int)),
+        "record_ratio": np.linspace(0.1, 0.5, count),
+        "record_interval": np.linspace(0.1, 0.2, count),
+        "record_main_count": np.arange(2.0, 2.0 + count),
     }
 
 

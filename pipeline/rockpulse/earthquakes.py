@@ -8,7 +8,6 @@ estimate from all data, then one estimate for each of K earthquakes, without tha
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -81,35 +80,6 @@ def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np
     )
 
 
-def share_interval(
-    hits: np.ndarray, weights: np.ndarray, events: np.ndarray, confidence: float
-) -> tuple[float, float, float]:
-    """Return the weighted mean of hits (n,) from 0 to 1, and its confidence limits (NaN for a single earthquake).
-
-    Korn and Graubard's interval (1998, Survey Methodology 24, 193-201) is Clopper and Pearson's interval for the
-    effective number of independent trials, s(1 - s)/var s times (z/t_(g-1))^2, with the variance of the share s over
-    earthquakes. For s = 0 or 1 this variance is zero, and the number of trials is the number of earthquakes, so
-    that few earthquakes give a wide interval.
-    """
-    from scipy.stats import beta, norm, t
-
-    total = float(weights.sum())
-    share = float(weights @ hits) / total
-    names, place = np.unique(events, return_inverse=True)
-    count = names.size
-    if count < 2:
-        return share, math.nan, math.nan
-    residual = np.bincount(place, weights * (hits - share), count)
-    variance = count / (count - 1.0) * float(residual @ residual) / total**2
-    trials = share * (1.0 - share) / variance if variance > 1e-12 else float(count)
-    level = 0.5 * (1.0 + confidence)
-    trials *= float((norm.ppf(level) / t.ppf(level, count - 1)) ** 2)
-    hit = share * trials
-    lower = float(beta.ppf(1.0 - level, hit, trials - hit + 1.0)) if share > 1e-12 else 0.0
-    upper = float(beta.ppf(level, hit + 1.0, trials - hit)) if share < 1.0 - 1e-12 else 1.0
-    return share, lower, upper
-
-
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
@@ -154,33 +124,66 @@ class Quantiles(NamedTuple):
 def record_quantiles(
     values: np.ndarray,
     levels: list[float],
-    logarithmic: bool,
+    predictive: bool,
     *,
     weights: np.ndarray,
     events: np.ndarray,
     draws: np.ndarray,
     confidence: float,
 ) -> list[Quantiles]:
-    """Return the weighted quantiles of n records at each level; `logarithmic` computes their limits from logarithms."""
+    """Return quantiles of n records at each level: weighted ones that occur, or predictive ones, all positive.
+
+    The q-quantile of the values of g earthquakes is exceeded by a further earthquake with a probability above 1 - q.
+    The i-th smallest of g independent values is exceeded with the probability 1 - i/(g + 1) (Gumbel 1958, section
+    1.2.7). With cumulative weights W in earthquakes the predictive level of a value of weight w is (W - w/2 + 1/2)/(g +
+    1); logarithms are interpolated linearly between values, and limits computed from logarithms. g is the effective
+    number of earthquakes, (sum s)^2/sum s^2 for earthquakes of weight s.
+    """
     flat = values.reshape(values.shape[0], -1)
+    flat = np.log(flat) if predictive else flat
     found = np.empty((len(levels), 3, flat.shape[1]))
     sizes = np.bincount(events, weights)
-    drawn = draws[:, events] * weights
+    once = np.ones((1, draws.shape[1]))
+    drawn = np.concatenate([once, draws])[:, events] * weights
+    count = np.sum(sizes) ** 2 / np.sum(sizes**2)
     for column in range(flat.shape[1]):
         order = np.argsort(flat[:, column], kind="stable")
-        ordered = flat[order, column]
-        below, of_draws = np.cumsum(weights[order]), np.cumsum(drawn[:, order], axis=1)
+        ordered, below = flat[order, column], np.cumsum(np.take(drawn, order, axis=1), axis=1)
         for row, level in enumerate(levels):
-            share = level - ROUNDING
-            value = ordered[np.searchsorted(below, share * below[-1])]
             # The number of cumulative weights below the share is the number of records below the quantile.
-            resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
-            if logarithmic:
-                ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, confidence))
+            if predictive:
+                each = _interpolated(ordered, below, (level * (count + 1.0) - 0.5) / count)
             else:
-                ends = np.array(bootstrap_interval(float(value), resampled, sizes, confidence))
-            found[row, :, column] = value, *ends
+                each = ordered[np.count_nonzero(below < (level - ROUNDING) * below[:, -1:], axis=1)]
+            found[row, :, column] = each[0], *bootstrap_interval(float(each[0]), each[1:], sizes, confidence)
+    found = np.exp(found) if predictive else found
     return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
+
+
+def _interpolated(ordered: np.ndarray, below: np.ndarray, level: float) -> np.ndarray:
+    """Return values (b,) interpolated in ascending values (n,) at a level, from cumulative weights (b, n)."""
+    rows, most = np.arange(below.shape[0]), below.shape[1] - 1
+
+    def start(place: np.ndarray) -> np.ndarray:
+        return np.where(place > 0, below[rows, place - 1], 0.0)
+
+    def middle(place: np.ndarray) -> np.ndarray:
+        return np.asarray(0.5 * (start(place) + below[rows, place]))
+
+    def first_above(weight: np.ndarray) -> np.ndarray:
+        return np.asarray(np.count_nonzero(below < weight[:, np.newaxis], axis=1))
+
+    target = level * below[:, -1]
+    at = np.minimum(first_above(target), most)
+    # The record drawn before this one, and the one after it: records that are not drawn leave the sum as it is.
+    before = np.where(start(at) > 0.0, first_above(start(at) * (1.0 - ROUNDING)), at)
+    after = first_above(below[rows, at] * (1.0 + ROUNDING))
+    after = np.where(after <= most, after, at)
+    early = middle(at) >= target
+    low, high = np.where(early, before, at), np.where(early, at, after)
+    width = middle(high) - middle(low)
+    part = np.divide(target - middle(low), width, out=np.zeros(rows.size), where=width > 0.0)
+    return np.asarray(ordered[low] + part * (ordered[high] - ordered[low]))
 
 
 class Limits(NamedTuple):
@@ -226,88 +229,3 @@ def lognormal_mean_half_width(values: np.ndarray, confidence: float) -> np.ndarr
     variance = np.var(np.log(values), axis=1, ddof=1)
     error = np.sqrt(variance / count + variance**2 / (2.0 * (count - 1)))
     return np.asarray(stdtrit(count - 1, 0.5 + 0.5 * confidence) * error)
-
-
-@dataclass(frozen=True, eq=False)
-class Lognormal:
-    """Weighted lognormal fit of p parameters: medians, dispersions and confidence limits."""
-
-    median: np.ndarray  # (p,) exp of the mean of the logarithms; NaN without a value
-    dispersion: np.ndarray  # (p,) standard deviation of the logarithms; NaN with too few values
-    median_interval: np.ndarray  # (2, p) lower and upper ends; NaN for a single earthquake
-    dispersion_interval: np.ndarray  # (2, p) lower and upper ends; NaN for a single earthquake
-
-
-def fit_lognormal(
-    logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray, confidence: float
-) -> Lognormal:
-    """Fit median and dispersion of lognormal parameters from their logarithms (n, p), NaN for missing values.
-
-    The squared dispersion is half the weighted mean of (x_i - x_j)^2 over pairs of records of different earthquakes:
-    unlike the usual estimator it is unbiased for any split of the variance between and within earthquakes. For a single
-    earthquake, its own pairs of records are used. The interval of the median is the :func:`bootstrap_interval` of the
-    logarithm; the interval of the dispersion is chi-square with degrees of freedom from the resamples.
-    """
-    once = np.ones((1, draws.shape[1]), dtype=int)
-    mean, spread = (values[0] for values in log_moments(logarithms, weights, events, once))
-    means, spreads = log_moments(logarithms, weights, events, draws)
-    known = np.isfinite(logarithms)
-    sizes = np.zeros((draws.shape[1], mean.size))
-    np.add.at(sizes, events, weights[:, np.newaxis] * known)
-    most = np.count_nonzero(known, axis=0) - 1
-    median, dispersion = np.empty((2, 2, mean.size))
-    for one in range(mean.size):
-        size = sizes[:, one]
-        median[:, one] = bootstrap_interval(mean[one], means[:, one], size, confidence)
-        dispersion[:, one] = _dispersion_interval(
-            spread[one], spreads[:, one], means[:, one], size, most[one], confidence
-        )
-    return Lognormal(np.exp(mean), spread, np.exp(median), dispersion)
-
-
-def log_moments(
-    logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the means and standard deviations (b, p) of logarithms in b resamples; NaN if too few values are known."""
-    known = np.isfinite(logarithms)
-    values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
-    sums = np.stack([share, share * values, share * values**2], axis=1)
-    alone = draws.shape[1] == 1  # a single earthquake: use pairs of its records
-    groups = np.arange(weights.size) if alone else events
-    by_group = np.zeros((weights.size if alone else draws.shape[1], *sums.shape[1:]))
-    np.add.at(by_group, groups, sums)
-    times = np.repeat(draws, weights.size, axis=1) if alone else draws
-    weight, first, second = np.moveaxis(np.tensordot(times, by_group, axes=1), 1, 0)
-    size, one, two = by_group[:, 0], by_group[:, 1], by_group[:, 2]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = first / weight
-        pairs = weight**2 - times @ size**2
-        square = (weight * second - first**2) - times @ (size * two - one**2)
-        # Rounding errors must not give a variance to equal values, nor a result without pairs.
-        variance = np.where(square > 1e-13 * weight * second, square, 0.0) / np.where(
-            pairs > 1e-12 * weight**2, pairs, np.nan
-        )
-    return mean, np.sqrt(variance)
-
-
-def _dispersion_interval(
-    dispersion: float, dispersions: np.ndarray, means: np.ndarray, sizes: np.ndarray, most: int, confidence: float
-) -> tuple[float, float]:
-    """Return the chi-square interval of a dispersion, with degrees of freedom from the resamples.
-
-    The variance of the mean gives the effective number of records, s^2/var m, times (z/t)^2, at least 1; the variance
-    of s^2 gives 2 s^4/var s^2, which is smaller for heavy tails. The degrees of freedom are the smaller of the two, and
-    at most the number of records minus one.
-    """
-    from scipy.stats import chi2, norm
-
-    correction, student = _few_earthquakes(sizes, confidence)
-    if not (np.isfinite(correction) and np.isfinite(dispersion) and dispersion > 0.0):
-        return math.nan, math.nan
-    level = 0.5 * (1.0 + confidence)
-    of_mean = dispersion**2 / (np.nanvar(means) * correction) * (norm.ppf(level) / student) ** 2
-    spread = np.nanvar(dispersions**2) * correction
-    of_spread = 2.0 * dispersion**4 / spread if spread > 0.0 else np.inf
-    freedom = min(max(of_mean, 1.0), of_spread, float(most))
-    ends = np.sqrt(freedom / chi2.ppf([level, 1.0 - level], freedom))
-    return float(dispersion * ends[0]), float(dispersion * ends[1])

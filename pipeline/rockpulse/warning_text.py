@@ -5,12 +5,6 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-#: Template of a warning on intervals from few earthquakes.
-_WIDE = (
-    "the intervals are wide (those of two or three events may be narrow by chance) and assume lognormal parameters; "
-    "correlations of so few events mean little; use records of more earthquakes"
-)
-
 #: Template for each code of a warning on a record or of a processing step.
 WARNINGS = {
     # a channel when it is read
@@ -93,47 +87,7 @@ STATEMENTS = {
     "event": "{count:d} event",
     "events": "{count:d} events",
     "interval": "{low:.3g} to {high:.3g}",
-    "and_more": "{names} and {count:d} more",
     # the calibration of a site
-    "one_event": "ONE EVENT ({event}): no event can be left out, so neither the coverage of other earthquakes nor an "
-    "interval clustered by event is known; the dispersion is that within this event. The design describes these "
-    "records, not the site",
-    "few_events": f"FEW EVENTS: {{count:d}}, fewer than {{needed:d}}: {_WIDE}",
-    "few_lifting_events": (
-        "FEW EVENTS: {count:d}, only {lifting:d} with a record that lifts a block, fewer than {needed:d}: " + _WIDE
-    ),
-    "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
-    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one "
-    "or two; use more records",
-    "tail_below": "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or "
-    "two; use more records",
-    "tail_among": "the quantile {quantile:g} lies among them, and is known only to within its interval; use more "
-    "records",
-    "unresolved_pairs": "{share:.1%} of the pairs of record and block are unresolved (a vertical acceleration that "
-    "cancels gravity, for example) and are counted as overturned, the only safe assumption",
-    "nothing_standing": "the design overturns every block that a record sets rocking: no rotation is left to be "
-    "covered, and nothing else can be concluded; use stockier blocks or a lower quantile",
-    "set_by": "I is limited by the overturning of {name}: just below this I the design covers {share:.0%} of the "
-    "rotations of the blocks left standing, and at this I {left}; with stockier blocks in the list I may be larger",
-    "left_none": "no block is left",
-    "left_without": "this block is no longer among them",
-    "open_interval": "the interval of I is open: in the resamples I stops where a block overturns, which depends on "
-    "the block and not on the records",
-    "coverage_unknown": "the coverage is not known: no event could be left out{without}",
-    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and "
-    "block of {judged:d} of {total:d} events{without}",
-    "no_interval": "no interval",
-    "share_interval": "{low:.0%} to {high:.0%}",
-    "hardly_known": ": hardly known",
-    "not_judged": "; events that could not be left out: {groups}",
-    "unlifted": "{names} (lifts no block)",
-    "no_design": "{names} (no design can be made from the others alone)",
-    "overturning_design": "{names} (the design of the others overturns all that it lifts)",
-    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left "
-    "out, on blocks left standing, instead of {nominal:.0%}: the events differ more than the others show, or one shape "
-    "of sequence does not suit all blocks",
-    "few_lifted": "only {share:.1%} of the pairs of record and block are used, because in the others the record does "
-    "not lift the block: the design rests on few pairs",
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
     "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another strength",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",

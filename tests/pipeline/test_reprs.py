@@ -44,7 +44,7 @@ INSTANCES = [
     rp.intense_phase(RECORD),
     rp.Config(bodies=tuple(rp.BlockSettings(f"body {n}", width=0.5, height=4.0) for n in range(50))),
     rp.RecordSettings(paths=["records/" + "a" * 200] * 9, confirm=["x" * 90]),
-    rp.DesignSpectrum(np.arange(1.0, 41.0), np.linspace(0.8, 1.0, 5), np.ones((40, 5)), np.ones(40), np.ones(40, int)),
+    rp.DesignSpectrum(np.arange(1.0, 41.0), np.linspace(0.8, 1.0, 5), np.ones((40, 5)), 0.2, 0.1, 5),
     HAZARD,
     rp.PowerLawHazard(1e-4, 2.5),
     rp.SiteHazards((HAZARD,) * 40, np.arange(40), np.full(40, np.nan)),

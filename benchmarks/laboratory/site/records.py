@@ -1,9 +1,7 @@
-"""Data of each record for both methods of a site, computed once: capacities, spectra and fitted sequence.
+"""Data of each record for the test of a site calibration, computed once: capacities and overturning spectra.
 
 .. note:: The capacity of a body is `factor_50` of the nonlinear overturning spectrum of the record, under the default
-   uncertainty. The spectrum is that of ``rockpulse calibrate`` for one record, and the sequence that of
-   :func:`laboratory.site.response.calibrate_response`. The fit takes about ten seconds on one core and is stored, so
-   that a second run continues an interrupted one.
+   uncertainty. The spectrum is that of ``rockpulse calibrate`` for one record.
 """
 
 import re
@@ -13,18 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from laboratory.ensemble import StrongMotion
-from laboratory.site.response import calibrate_response
 from rocking.body.block import Block
-from rocking.march.recorded import recorded_response
-from rocking.response import Outcome
 from rocking.spectrum.overturning import OverturningSpectrum
 from rocking.spectrum.slender_lanes import spectrum_lanes
-from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
-from rockpulse.errors import RecordRefused
 from rockpulse.selection.directions import Motion
 from rockpulse.storage.variables.probability import RESTITUTIONS
-from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.spectrum_design import site_spectrum_record
 
 __all__ = ["BODIES", "known_of"]
@@ -42,12 +34,13 @@ BODIES = Block.from_parameters(
 
 
 def known_of(motion: StrongMotion, folder: Path) -> dict[str, np.ndarray]:
-    """Capacities, spectra and sequence of a motion by name, from its file in a folder if there is one.
+    """Capacities and spectra of a motion by name, from its file in a folder if there is one.
 
-    `capacity` (12,) [-], `rule` and `nonlinear` (a, c) [m/s], `value` (5,) the parameters of the sequence, NaN if the
-    record moves too few bodies for a fit, and `peaks` (12,) the recorded rotations to be covered.
+    `capacity` (12,) [-], `rule` and `nonlinear` (a, c) [m/s].
     """
-    path = folder / f"{re.sub('[^A-Za-z0-9.-]', '_', motion.record.id)}.npz"
+    # Files without station give equal ids.
+    name = f"{motion.event} {motion.record.id} {motion.record.npts}"
+    path = folder / f"{re.sub('[^A-Za-z0-9.-]', '_', name)}.npz"
     if not path.exists():
         np.savez(path, **_computed(motion))
     with np.load(path) as stored:
@@ -58,18 +51,8 @@ def _computed(motion: StrongMotion) -> dict[str, np.ndarray]:
     record, config = motion.record, Config()
     own = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt))
     of_rule = site_spectrum_record(Motion(record), lambda _: nullcontext(), config)
-    found = recorded_response(BODIES, record.acceleration, record.dt)
-    peaks = np.where(found.outcome == Outcome.UNRESOLVED, np.nan, found.peak_rotation_ratio)
-    scene = extract(record, config)
-    try:
-        fit = calibrate_response(scene.record, start=scene.sequence, spacing=config.sequence.spacing)
-        value = np.array(parameters_of(fit.sequence))
-    except RecordRefused:
-        value = np.full(5, np.nan)
     return {
         "capacity": own.factors(BODIES).factor_50,
         "nonlinear": own.spectrum(RESTITUTIONS),
         "rule": of_rule["spectrum"][0],
-        "value": value,
-        "peaks": rotation_to_cover(peaks),
     }

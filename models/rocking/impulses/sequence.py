@@ -108,15 +108,16 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Return the outcomes (q, n) of the `chosen` blocks (n,) under one sequence multiplied by `factors` (q, n)."""
-    if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
+    """Return the outcomes (q, n) of `chosen` blocks (n,) under `factors` (q, n) on one sequence, or on that of each."""
+    paired = sequence.shape != ()
+    if (paired and sequence.shape != block.shape) or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(
-            "expected one sequence and factors with a column for each chosen block, "
+            "expected one sequence, or one for each block, and factors with a column for each chosen block, "
             f"got shapes {sequence.shape}, {factors.shape} and {chosen.shape}"
         )
     if not np.all(np.isfinite(factors) & (factors >= 0.0)):
         raise ValueError("factors: expected finite numbers that are not negative")
-    _, _, flat = _combined(block, sequence)
+    _, _, flat = _combined(block, sequence, paired)
     flat = [np.tile(value[chosen], factors.shape[0]) for value in flat]
     flat[0], flat[1] = factors.reshape(-1) * flat[0], factors.reshape(-1) * flat[1]
     lanes, short = _lanes(sequence, flat)

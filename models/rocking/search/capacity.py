@@ -11,7 +11,7 @@ from rocking.arguments import UNLIMITED, ArrayLike, numbers
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
-from rocking.impulses.main_sequence import bands_of, resonance_safety
+from rocking.impulses.main_sequence import amplification, bands_of, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes
 from rocking.march.corner_response import uplift_additions
 from rocking.march.recorded import recorded_response
@@ -243,7 +243,7 @@ def sequence_critical_scale(
     threads : int, optional
         Number of threads; None for all available cores. The results do not depend on it.
     paired : bool
-        Whether each block is paired with one sequence, of spacing "continuous" and with a `main_count`.
+        Whether each block is paired with one sequence that has a `main_count`.
 
     Returns
     -------
@@ -253,7 +253,7 @@ def sequence_critical_scale(
     Raises
     ------
     ValueError
-        For several sequences that are not paired with the blocks in closed form, or a step that is not above 1.
+        For several sequences that are not paired with the blocks, or a step that is not above 1.
 
     Notes
     -----
@@ -285,9 +285,13 @@ def sequence_critical_scale(
         raise ValueError(f"step: expected a ratio above 1, got {step!r}")
     if sequence.spacing == "continuous" or np.all(sequence.secondary == 0.0):
         return _bands(blocks, sequence, factor_max)
-    main = float(sequence.main)
-    lowest = SMALLEST_START * np.asarray(blocks.critical_impulse) / main
-    start = np.maximum(resonance_safety(blocks, main, sequence.main_count), lowest)
+    lowest = SMALLEST_START * np.asarray(blocks.critical_impulse) / sequence.main
+    if paired:
+        reached = np.vectorize(amplification, otypes=[float])(blocks.restitution, sequence.main_count)
+        start = np.asarray(blocks.critical_impulse) / (sequence.main * reached)
+    else:
+        start = np.asarray(resonance_safety(blocks, sequence.main, sequence.main_count))
+    start = np.maximum(start, lowest)
     points = 1 + np.ceil(np.log(np.maximum(factor_max / start, step)) / np.log(step)).astype(np.int64)
 
     def overturns(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
@@ -302,8 +306,8 @@ def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] 
     if sequence.shape != pairs:
         expected = f"one for each of {pairs[0]} blocks" if pairs else "one sequence"
         raise ValueError(f"sequence: expected {expected}, got shape {sequence.shape}")
-    if pairs and (sequence.spacing != "continuous" or sequence.main_count is None):
-        raise ValueError('sequence: expected spacing "continuous" and a main_count for pairs')
+    if pairs and sequence.main_count is None:
+        raise ValueError("sequence: expected a main_count for pairs")
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
 

@@ -35,8 +35,8 @@ VERB = Verb(
     name="calibrate",
     summary="calibrate the design of a site on its records",
     description="Read the records of a site, compute the overturning spectrum of each and its quantiles over "
-    "earthquakes, with intervals by resampling earthquakes, and read from them an effective impulse and a sequence for "
-    "every block. [calibration] method asks for one sequence for all blocks instead, fitted to the rotations.",
+    "earthquakes, and the impulse sequence (I, I_s, dT, n) of the site for every body, with intervals by resampling "
+    "earthquakes.",
     options=(from_records("SITE"), *BATCH),
     run=_run,
     examples=(

@@ -294,17 +294,15 @@ def parse_demand_option(option: str) -> DemandSettings:
 class CalibrationSettings(Section):
     """Options of the calibration of a site on its records (:func:`rockpulse.calibrate`).
 
-    By default earthquakes have equal weights with the method "spectrum", and records have equal weights with
-    "statistics".
+    The keys secondary, interval, main_count and spacing of ``[sequence]`` apply, too.
 
-    >>> rp.CalibrationSettings(method="statistics").weighting
-    'equal'
+    >>> rp.CalibrationSettings().weights
+    'event'
     """
 
     heading = "[calibration]"
-    method: str = choice("spectrum", ("spectrum", "statistics"))
     spectrum: str = choice("rule", ("rule", "nonlinear"))
-    weights: str | None = text(None)
+    weights: str = text("event")
     scale_to: str = choice("none", ("none", *SCALING))
     target: float | None = number(None, low=0.0, above=True, unit=units_in_words(SCALING))
     quantile: float = number(0.84, low=0.01, high=0.99)
@@ -313,7 +311,7 @@ class CalibrationSettings(Section):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.weights is not None and not self.weights.strip():
+        if not self.weights.strip():
             raise ConfigError(
                 '[calibration] weights: expected "equal", "event" or the name of a CSV table, found nothing'
             )
@@ -321,13 +319,6 @@ class CalibrationSettings(Section):
             raise ConfigError(f'[calibration] scale_to: "{self.scale_to}" needs the value to scale to; give target')
         if self.scale_to == "none" and self.target is not None:
             raise misplaced(self, "target", "scale_to", quoted(SCALING), "remove it, or set scale_to")
-
-    @property
-    def weighting(self) -> str:
-        """The weights in use: the given word or table, or the default of the method."""
-        if self.weights is not None:
-            return self.weights
-        return "event" if self.method == "spectrum" else "equal"
 
 
 @dataclass(frozen=True)

@@ -130,7 +130,7 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
 def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
     """Return the SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
     text = replace(config, run=replace(config.run, workers=1)).as_text()
-    table = located(config.calibration.weighting, config.folder)  # the name of a rule refers to no file
+    table = located(config.calibration.weights, config.folder)  # the name of a rule refers to no file
     weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
     return _digest(
         [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
@@ -226,10 +226,7 @@ def warm_up(analysis: Analysis) -> None:
         models=config.models,
         search=replace(config.search, points=8, step=1.2),
         uncertainty=replace(config.uncertainty, azimuth=False),
-        calibration=CalibrationSettings(
-            method="spectrum" if config.calibration.method == "spectrum" else "statistics",
-            spectrum=config.calibration.spectrum,
-        ),
+        calibration=CalibrationSettings(spectrum=config.calibration.spectrum),
         fragility=replace(config.fragility, pga_min=0.0),
     )
     time = 0.01 * np.arange(801)

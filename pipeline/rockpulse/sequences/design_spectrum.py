@@ -1,9 +1,16 @@
 """The design of a site as an overturning spectrum, and the equivalent impulse sequence of each body.
 
-.. note:: S(p, C) [m/s] is the effective impulse on a slender block, which overturns if S >= g tan(alpha)/p. A sequence
-   of continuous spacing overturns it if I_eff = I [(1 - sigma) S_N + sigma/2] >= I_1c = g alpha/(p cos alpha)
-   (:meth:`rocking.ImpulseSequence.effective_impulse`). So any sequence with I_eff/I_1c = S p/(g tan alpha) gives the
-   same outcome and scale factor as the spectrum. The sigma and N of the half-waves select one such sequence.
+.. note:: S(p, C) [m/s] is the effective impulse on a slender block, which overturns if S >= g tan(alpha)/p. The
+   sequence of a body has the I_s/I, dT and number N of main impulses of the site, and the main impulse I with which the
+   sequence model has the scale factor of the spectrum, g tan(alpha)/(p S). With the first secondary impulse at dT and
+   the last one at the impact (spacing "end") the start velocities are u_(i+1) = C (u_i - sigma u_1) + u_1, u_1 =
+   I/I_1c. The block does not return to the ground if tanh t (1 - h tanh(p dT/2)) < u_N - h for all t, h = sigma u_1/2,
+   so that
+
+       I_c = I_1c/[(1 - sigma) S_N + (sigma/2) (1 + tanh(p dT/2))],  S_N = (1 - C^N)/(1 - C),
+
+   for a half-cycle that contains a whole number of intervals. The even number n moves I_c by 2 % or less, and I is
+   corrected by a search.
 """
 
 from dataclasses import dataclass
@@ -11,10 +18,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
+from rocking.arguments import ArrayLike
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.main_sequence import critical_impulse_ratio
 from rocking.pictures import short_repr
+from rocking.search.capacity import sequence_critical_scale
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
+
+#: Range and step of the search for the critical main impulse, divided by that of the closed form.
+MOST, STEP = 2.0, 1.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,19 +42,22 @@ class DesignSpectrum:
         Restitutions C, ascending [-].
     spectrum : (a, c) ndarray
         S(p, C), positive [m/s].
-    ratio : (a,) ndarray
-        I_s/I for a block of each p [-].
-    main_count : (a,) ndarray of int
-        Number of main impulses for a block of each p.
+    ratio, interval, main_count : float, float, int
+        I_s/I [-], interval dT of the secondary impulses [s], and number N of main impulses.
+    spacing : str
+        Position of the secondary impulses in a half-cycle, see :class:`rocking.ImpulseSequence`.
 
     Examples
     --------
     >>> design = DesignSpectrum(
     ...     p=np.array([1.0, 4.0]), restitution=np.array([0.8, 1.0]), spectrum=np.full((2, 2), 0.6),
-    ...     ratio=np.array([0.2, 0.2]), main_count=np.array([2, 5]),
+    ...     ratio=0.2, interval=0.2, main_count=5,
     ... )
-    >>> design.factor(Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9)).round(4)  # (g tan(alpha)/p)/0.6
+    >>> block = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9)
+    >>> design.factor(block).round(4)  # (g tan(alpha)/p)/0.6
     array([0.82])
+    >>> design.sequence(block).main.round(3)
+    array([0.177])
     """
 
     __repr__ = short_repr
@@ -49,8 +65,10 @@ class DesignSpectrum:
     p: np.ndarray
     restitution: np.ndarray
     spectrum: np.ndarray
-    ratio: np.ndarray
-    main_count: np.ndarray
+    ratio: float
+    interval: float
+    main_count: int
+    spacing: str = "end"
 
     def covers(self, block: Block) -> np.ndarray:
         """Return a mask (m,): True for free, symmetric blocks of slenderness 3.5 or more in the ranges of p and C."""
@@ -73,22 +91,33 @@ class DesignSpectrum:
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
-    def nearest(self, block: Block) -> np.ndarray:
-        """Return the index (m,) of the frequency parameter of the design that is nearest to the p of each block."""
-        return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
-
     def sequence(self, block: Block) -> ImpulseSequence:
         """Return for each of (m,) blocks a sequence with the effect of the design; ValueError outside the spectrum.
 
-        I_s/I and the number of main impulses are taken at the nearest p; the spacing is "continuous". Use the sequences
-        with ``sequence_response(..., paired=True)``.
+        The sequence model overturns a block at the scale factor of the spectrum. Use the sequences with
+        ``sequence_response(..., paired=True)``.
         """
-        one, nearest = block.lanes(), self.nearest(block)
-        demand = 1.0 / self.factor(one)
-        ratio, count = self.ratio[nearest], self.main_count[nearest]
-        unit = ImpulseSequence(1.0, ratio, np.nan, np.inf, main_count=count, spacing="continuous")
-        main = demand * one.critical_impulse / unit.effective_impulse(one.restitution)
-        return ImpulseSequence(main, ratio * main, np.nan, np.inf, main_count=count, spacing="continuous")
+        one, factor = block.lanes(), self.factor(block)
+        critical = critical_main(one, self.ratio, self.interval, self.main_count)
+        found = sequence_critical_scale(one, self._sequence(critical), MOST, STEP, paired=True).safety_factor
+        return self._sequence(found * critical / factor)
+
+    def _sequence(self, main: np.ndarray) -> ImpulseSequence:
+        most = np.full(main.shape, self.main_count)
+        return ImpulseSequence(main, self.ratio * main, self.interval, np.inf, most, spacing=self.spacing)
+
+
+def critical_main(block: Block, ratio: ArrayLike, interval: float, main_count: int) -> np.ndarray:
+    """Return the main impulse I_c (m,) [m/s] at which a sequence overturns each block, in closed form.
+
+    >>> block = Block(1.0, 4.0, restitution=0.9)
+    >>> one = critical_main(block, 0.0, 0.1, main_count=2)  # without secondary impulses: I_2c of Eq. 9
+    >>> bool(np.isclose(one, rocking.critical_impulse(block, 2)))
+    True
+    """
+    main = 1.0 / critical_impulse_ratio(block.restitution, main_count)
+    gained = 0.5 * np.asarray(ratio) * (1.0 + np.tanh(0.5 * np.asarray(block.p) * interval))
+    return np.asarray(block.critical_impulse / ((1.0 - np.asarray(ratio)) * main + gained))
 
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -214,10 +214,24 @@ def test_pairs_have_the_factors_of_each_block_under_its_own_sequence():
         )
         assert sequence_critical_scale(blocks.lane(place), one, factor_max=1e3).safety_factor[0] == found[place]
     np.testing.assert_allclose(found, blocks.critical_impulse / pairs.effective_impulse(restitution), rtol=1e-12)
-    no_count, ends = replace(pairs, main_count=None), replace(pairs, interval=0.1, spacing="end")
-    for block, wrong in ((blocks.lane(0), pairs), (blocks, no_count), (blocks, ends)):
+    for block, wrong in ((blocks.lane(0), pairs), (blocks, replace(pairs, main_count=None))):
         with pytest.raises(ValueError, match=r"^sequence: "):
             sequence_critical_scale(block, wrong, paired=True)
+
+
+def test_pairs_with_intervals_have_the_factors_of_each_block_under_its_own_sequence():
+    blocks = Block.from_parameters(p=np.array([0.6, 2.0, 7.0]), alpha=0.12, restitution=0.9, log=False)
+    main, count = np.array([0.9, 0.3, 0.05]), np.array([1, 4, 9])
+    pairs = ImpulseSequence(main, 0.3 * main, np.array([0.3, 0.2, 0.1]), np.inf, main_count=count)
+    found = sequence_critical_scale(blocks, pairs, factor_max=20.0, paired=True).safety_factor
+    for place in range(3):
+        one = ImpulseSequence(
+            main[place], 0.3 * main[place], pairs.interval[place], np.inf, main_count=int(count[place])
+        )
+        alone = sequence_critical_scale(blocks.lane(place), one, factor_max=20.0).safety_factor[0]
+        assert found[place] == pytest.approx(alone, rel=1e-6)
+    with pytest.raises(ValueError, match="or one for each block"):
+        scaled_outcomes(blocks, pairs.scaled(np.ones(3)), np.array([0]), np.ones(1))
 
 
 @pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])

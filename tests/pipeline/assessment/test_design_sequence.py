@@ -123,9 +123,12 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
     summary = tree["summary"].to_dataset().isel(record=0)
     assert summary["model"].values.tolist() == ["sequence"]
     found = summary["safety_factor"].sel(model="sequence").values
-    np.testing.assert_allclose(found, design.factor(lanes), rtol=1e-12)
-    np.testing.assert_allclose(found, usual_site()["site"]["design_factor"].sel(block=["wall", "pier"]), rtol=1e-12)
-    assert (summary["outcome"].sel(model="sequence") == np.where(found <= 1.0, 2, 1)).all()
+    np.testing.assert_allclose(found, design.factor(lanes), rtol=0.005)
+    site = usual_site()["site"].to_dataset().sel(block=["wall", "pier"])
+    np.testing.assert_allclose(found, site["design_factor"], rtol=0.005)
+    # The verdicts and rotations are those of the calibration's own table.
+    assert (summary["outcome"].sel(model="sequence") == np.where(site["design_factor"] <= 1.0, 2, 1)).all()
+    np.testing.assert_array_equal(summary["peak_rotation_ratio"].sel(model="sequence"), site["rotation_ratio"])
     assert np.isnan(summary["main_impulse"].item())
     words = "a design spectrum, not a record: resonance, impulsive, linear, nonlinear cannot be applied"
     assert words in summary["warnings"].item()

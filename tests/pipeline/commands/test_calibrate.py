@@ -18,7 +18,7 @@ TOML = """
 [site]
 name = "An old town"
 [calibration]
-method = "statistics"
+quantile = 0.5
 bootstrap = 100
 [[block]]
 name = "wall"
@@ -33,10 +33,10 @@ height = 5.0
 
 @pytest.fixture(scope="module")
 def motions(golden, tmp_path_factory):
-    """Two records of two earthquakes, and a text that is none."""
+    """Five records of five earthquakes, and a text that is none."""
     folder = tmp_path_factory.mktemp("motions")
-    for name in ("burst3.AT2", "burst4.AT2"):
-        shutil.copy(golden.records / name, folder)
+    for number in range(5):
+        shutil.copy(golden.records / f"burst{number}.AT2", folder)
     (folder / "notes.txt").write_text("no record")
     return folder
 
@@ -77,11 +77,10 @@ def assessed(done, config, tmp_path_factory):
     return target, out.getvalue()
 
 
-def test_the_summary_says_first_what_few_records_cannot_tell(calibrated, motions, config, capsys):
+def test_the_summary_shows_the_design_and_the_sequence(calibrated, motions, config, capsys):
     target, out, err = calibrated
     assert err == ""
-    assert out.startswith("! FEW EVENTS: 2, fewer than 5")
-    for words in ("main impulse I [m/s]", "Design sequence (quantile 0.84", "nominal", "wall", "pier"):
+    for words in ("Calibrated on 5 records", "The design\n", "Sequence of the site", "without end", "wall", "pier"):
         assert words in out
     assert not re.search(r"\bnan\b", out, re.I)
     assert out.endswith(f"site: {target}\n")
@@ -100,7 +99,7 @@ def test_the_file_comes_back_as_it_was_calibrated(motions, config, loaded):
 @pytest.mark.sweep
 def test_inspect_shows_what_calibrate_printed(done, capsys):
     assert main(["inspect", str(done)]) == 0
-    assert capsys.readouterr().out.startswith("! FEW EVENTS: 2")
+    assert "Sequence of the site" in capsys.readouterr().out
     assert main(["inspect", str(done), "--failures"]) == 0
     assert "notes.txt" in capsys.readouterr().out
     assert main(["inspect", str(done), "--block", "pier"]) == 2
@@ -110,17 +109,21 @@ def test_inspect_shows_what_calibrate_printed(done, capsys):
 @pytest.mark.sweep
 def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
     target, out = assessed
-    assert "design sequence 0.84" in out
+    assert "design sequence 0.5" in out
     assert "nonlinear cannot be applied to it and is left out" in re.sub(r"\s+", " ", out)
     summary = rp.load(target)["summary"].to_dataset()
     blocks = [block.block() for block in rp.load_config(config).bodies]
-    response = rp.models.sequence_response(
-        rp.models.Block.stack([one.lanes(1) for one in blocks]), rp.load_design(done)
-    )
-    found = summary["peak_rotation_ratio"].sel(record="design sequence 0.84", model="sequence")
+    lanes = rp.models.Block.stack([one.lanes(1) for one in blocks])
+    response = rp.models.sequence_response(lanes, rp.load_design(done).sequence(lanes), paired=True)
+    found = summary["peak_rotation_ratio"].sel(record="design sequence 0.5", model="sequence")
     np.testing.assert_array_equal(found, response.peak_rotation_ratio)
+    # The verdicts are those of the calibration's own table.
+    site = rp.load(done)["site"]
+    np.testing.assert_array_equal(found, site["rotation_ratio"])
+    overturned = summary["outcome"].sel(record="design sequence 0.5", model="sequence") == 2
+    np.testing.assert_array_equal(overturned, site["design_factor"] <= 1.0)
     assert summary["source"].values.tolist() == [str(done)]
-    assert main(["inspect", str(target), "--record", "design sequence 0.84", "--block", "pier"]) == 0
+    assert main(["inspect", str(target), "--record", "design sequence 0.5", "--block", "pier"]) == 0
 
 
 @pytest.mark.parametrize("extra", [["records"], ["--dt", "0.01"]])
@@ -153,7 +156,7 @@ def test_tables_count_from_the_folder_of_the_configuration(motions, loaded, tmp_
     site = tmp_path / "site"
     site.mkdir()
     (site / "site.toml").write_text(
-        '[records]\nevents = "events.csv"\n' + TOML.replace('"statistics"', '"statistics"\nweights = "weights.csv"')
+        '[records]\nevents = "events.csv"\n' + TOML.replace("quantile = 0.5", 'quantile = 0.5\nweights = "weights.csv"')
     )
     ids = loaded["site"]["record"].values.tolist()
     (site / "events.csv").write_text("record,event\n" + "".join(f"{name},event {n}\n" for n, name in enumerate(ids)))
@@ -169,32 +172,18 @@ def test_tables_count_from_the_folder_of_the_configuration(motions, loaded, tmp_
     assert_contents(tmp_path / "again.h5", contents(target))
 
 
-def test_nothing_calibrated_is_exit_code_one_and_no_file(motions, config, tmp_path, capsys):
-    slab = tmp_path / "slab.toml"
-    slab.write_text(
-        '[calibration]\nmethod = "statistics"\n[[block]]\nname = "slab"\nwidth = 9\nheight = 6.5\nconfirm_size = true\n'
-    )
-    target = tmp_path / "site.h5"
-    assert main(["calibrate", str(motions), "--config", str(slab), "-o", str(target)]) == 1
-    assert "no record lifts a block" in capsys.readouterr().err
-    assert not target.exists()
-
-
-def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, capsys):
-    time = np.arange(0.0, 10.0, 0.01)
-    np.savetxt(tmp_path / "still.txt", 0.01 * np.where(abs(time - 5.0) < 0.5, np.cos(np.pi * (time - 5.0)), 0.0))
+def test_where_every_record_is_zero_a_quiet_run_says_so_and_writes_no_file(config, tmp_path, capsys):
+    np.savetxt(tmp_path / "still.txt", np.zeros(1000))
     given = ["--config", str(config), "--units", "m/s2", "--dt", "0.01", "-o", str(tmp_path / "site.h5"), "--quiet"]
     assert main(["calibrate", str(tmp_path / "still.txt"), *given]) == 1
     said = capsys.readouterr().err
     assert said.startswith("rockpulse: no record could be calibrated; nothing was written: ")
-    assert "no impulse sequence" in said
     assert said.count("\n") == 1
+    assert not (tmp_path / "site.h5").exists()
 
 
 @pytest.mark.sweep
-def test_by_default_the_spectrum_is_made_and_too_few_earthquakes_make_no_design(golden, tmp_path, capsys):
-    assert "method" not in golden.config.read_text()
-    assert rp.load(golden.site)["site"].attrs["method"] == "spectrum"
+def test_too_few_earthquakes_make_no_design(golden, tmp_path, capsys):
     assert main(["inspect", str(golden.site)]) == 0
     out = capsys.readouterr().out
     assert out.startswith("! not enough earthquakes (5; at least 7 for the quantile 0.84)\n")
@@ -211,4 +200,4 @@ def test_bodies_are_assessed_under_the_design_spectrum_of_a_file(tmp_path, capsy
     assert main(["assess", "--sequence", str(target), "--block", "wall=0.3x3.0", "-o", str(design)]) == 0
     assert "wall" in capsys.readouterr().out
     factor = rp.load(design)["summary"]["safety_factor"].sel(model="sequence").item()
-    assert factor == pytest.approx(usual_site()["site"]["design_factor"].sel(block="wall").item(), rel=1e-9)
+    assert factor == pytest.approx(usual_site()["site"]["design_factor"].sel(block="wall").item(), rel=0.005)

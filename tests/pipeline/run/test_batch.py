@@ -28,7 +28,7 @@ CONFIG = Config(
     bodies=(BlockSettings(name="wall", width=0.4, height=3.0), BlockSettings(name="pier", width=1.0, height=3.0)),
 )
 SITE = Config(
-    calibration=CalibrationSettings(method="statistics", bootstrap=100),
+    calibration=CalibrationSettings(bootstrap=100),
     fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     search=SearchSettings(points=16),
     bodies=CONFIG.bodies[:1],

@@ -10,7 +10,7 @@ from file_contents import assert_contents, contents
 from record_writers import pulse
 
 import rockpulse as rp
-from rockpulse import BlockSettings, CalibrationSettings, FragilitySettings, ModelSettings
+from rockpulse import BlockSettings, FragilitySettings, ModelSettings
 from rockpulse.assessment import assessment
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.study_settings import DATA
@@ -139,8 +139,7 @@ def test_results_of_other_options_are_no_damage(folder, tmp_path, monkeypatch):
 
 EVERY = {
     "assess": Assessment(replace(CONFIG, models=ModelSettings(use=("sequence", "nonlinear")))),
-    "statistics": SiteCalibration(SITE),
-    "spectrum": SiteCalibration(replace(SITE, calibration=CalibrationSettings(bootstrap=100))),
+    "calibrate": SiteCalibration(SITE),
     **{data: FragilityAnalysis(replace(CONFIG, fragility=FragilitySettings(data=data))) for data in DATA},
 }
 

@@ -161,9 +161,6 @@ def test_a_fingerprint_changes_with_the_vertical_channel(samples, tmp_path):
     assert {name for name in before if before[name] != after[name]} == {name for name in before if "CLC" in name}
 
 
-#: The spectrum of each record, and statistics over the records at the end.
-BY_SPECTRUM = CalibrationSettings(method="spectrum")
-
 #: Every section with a change, and the verbs whose numbers it changes.
 CHANGES = [
     ({"site": SiteSettings(name="x")}, ""),
@@ -190,18 +187,15 @@ CHANGES = [
     ({"search": SearchSettings(factor_max=5.0)}, "assess fragility"),
     ({"search": SearchSettings(intervals=True)}, "assess"),
     ({"demands": (DemandSettings(name="x", value=1.0),)}, "assess calibrate fragility"),
-    ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
-    ({"calibration": replace(BY_SPECTRUM, confidence=0.8)}, ""),
-    ({"calibration": replace(BY_SPECTRUM, scale_to="pga", target=3.0)}, "calibrate"),
-    ({"calibration": replace(BY_SPECTRUM, quantile=0.5)}, ""),
-    ({"calibration": replace(BY_SPECTRUM, bootstrap=200)}, ""),
-    ({"calibration": replace(BY_SPECTRUM, weights="w.csv")}, ""),
+    ({"calibration": CalibrationSettings(spectrum="nonlinear")}, "calibrate"),
+    ({"calibration": CalibrationSettings(scale_to="pga", target=3.0)}, "calibrate"),
+    ({"calibration": CalibrationSettings(quantile=0.5, confidence=0.8, bootstrap=200, weights="w.csv")}, ""),
 ]
 
 
 @pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])
 def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(verb):
-    start = replace(config(), calibration=BY_SPECTRUM)
+    start = config()
     plain = configuration_fingerprint(start, verb)
     changed = [change for change, _ in CHANGES if configuration_fingerprint(replace(start, **change), verb) != plain]
     assert changed == [change for change, verbs in CHANGES if verb in verbs]

@@ -141,7 +141,7 @@ def test_the_tasks_of_any_order_give_the_tree_in_memory(two_files, components, a
     asked = analysis(
         Config(
             bodies=CHEAP.bodies,
-            calibration=CalibrationSettings(method="statistics", bootstrap=100),
+            calibration=CalibrationSettings(bootstrap=100),
             fragility=ida(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
             search=SearchSettings(points=8),
             records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),

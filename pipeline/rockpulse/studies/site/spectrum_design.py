@@ -1,12 +1,14 @@
-"""Design spectrum of a site: quantiles over earthquakes of the records' overturning spectra, and sequences of bodies.
+"""Design of a site: predictive quantiles over earthquakes of overturning spectra, and the sequences of bodies.
 
-.. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
-   intervals are from resampling earthquakes. With fewer than 1/(1 - quantile) earthquakes the quantile is the largest
-   S, without an interval.
+.. note:: At every p and C the design is exceeded by a further earthquake with the probability 1 - quantile
+   (:func:`rockpulse.earthquakes.record_quantiles`). The intervals are from resampling earthquakes. With fewer than
+   1/(1 - quantile) earthquakes there is no design. I_s/I, dT and the number of main impulses are the weighted medians
+   of the sequences of the records (:func:`rockpulse.record_sequence`).
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -15,23 +17,30 @@ import xarray as xr
 
 from rocking.body.block import Block
 from rocking.body.limits import RATES
-from rocking.spectrum.half_waves import lobe_shapes
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.main_sequence import critical_impulse
+from rocking.impulses.sequence import sequence_response
 from rocking.spectrum.overturning import OverturningSpectrum
+from rockpulse.assessment.scene import extract
 from rockpulse.assessment.spectra import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, Quantiles, draw_earthquakes, record_quantiles
 from rockpulse.errors import RecordRefused
-from rockpulse.record.half_wave import half_waves
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.studies.site.site_records import empty_facts, facts_of_record, scaled_motion
-from rockpulse.studies.site.site_warnings import FEWEST_EVENTS, unusual_factors_warning
+from rockpulse.studies.site.site_records import empty_facts, facts_of_record, scaled_motion, unusual_factors_warning
 from rockpulse.warning_text import WarningText, as_stored
 
+#: Smallest number of earthquakes of a design.
+FEWEST_EVENTS = 5
+#: Variables of the records by the parameter of the sequence of which they give the median.
+SHAPE = {"ratio": "record_ratio", "interval": "record_interval", "main_count": "record_main_count"}
+#: Ends of the names of a value and its interval.
+ENDS = ("", "_lower", "_upper")
 #: Quantiles in every file in addition to the design quantile, by name.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
@@ -42,14 +51,14 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
         record, factor = scaled_motion(motion, config)
         if record.pga == 0.0:
             raise RecordRefused(f"{record.id}: all samples are zero, so that there is no overturning spectrum")
-        waves = half_waves(record, **config.half_waves)
-        count, ratio, _ = lobe_shapes(waves.start, waves.centroid, waves.end, waves.impulse, RATES)
-        lanes = LANES[config.calibration.spectrum](record, waves=waves)
+        scene = extract(record, config)
+        lanes = LANES[config.calibration.spectrum](record, waves=scene.waves)
+        own = scene.sequence
+        shape = [math.nan] * 3 if own is None else [own.secondary / own.main, own.interval, own.main_count]
         found = {
-            **facts_of_record(record, factor, config),
+            **facts_of_record(scene.record, factor, config),
             "spectrum": OverturningSpectrum(lanes).spectrum(RESTITUTIONS),
-            "record_ratio": ratio,
-            "record_main_count": count,
+            **dict(zip(SHAPE.values(), np.array(shape, dtype=float).tolist(), strict=True)),
         }
     return {name: np.array([values]) for name, values in found.items()}
 
@@ -59,7 +68,7 @@ def empty_spectrum_record() -> Part:
     return {
         **empty_facts(),
         "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
-        **dict.fromkeys(("record_ratio", "record_main_count"), np.zeros((0, RATES.size))),
+        **dict.fromkeys(SHAPE.values(), np.zeros(0)),
     }
 
 
@@ -76,28 +85,32 @@ def spectrum_design(
     config: Config,
     warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Return the groups /site and /spectra with the quantiles of the spectra and the design of every body."""
+    """Return the groups /site and /spectra with the quantiles of the spectra, the sequence and the bodies."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     counted = weights > 0.0
     events = np.unique(numbers[counted], return_inverse=True)[1]
     count, least = int(events.max()) + 1, fewest_events(settings.quantile)
-    spectra: dict[str, Any] = {name: done[name] for name in ("spectrum", "record_ratio", "record_main_count")}
+    spectra: dict[str, Any] = {"spectrum": done["spectrum"]}
+    shape: dict[str, Any] = {f"{name}{end}": math.nan for name in SHAPE for end in ENDS}
     enough = count >= least
     if enough:
         draws = draw_earthquakes(count, settings.bootstrap, [config.run.seed, *b"site"])
-        quantiles = partial(
-            record_quantiles, weights=weights[counted], events=events, draws=draws, confidence=settings.confidence
-        )
-        own = {name: values[counted] for name, values in spectra.items()}
-        spectra |= _interval_tables(quantiles, own, settings.quantile)
+        quantiles = partial(record_quantiles, draws=draws, confidence=settings.confidence)
+        levels = {**STATED, "spectrum_design": settings.quantile}
+        own = done["spectrum"][counted]
+        distinct = sorted(set(levels.values()))
+        found = quantiles(own, distinct, True, weights=weights[counted], events=events)
+        for name, level in levels.items():
+            spectra |= {f"{name}{end}": one for end, one in zip(ENDS, found[distinct.index(level)], strict=True)}
+        shape = _shape(done, weights, numbers, quantiles)
     else:
         few = WarningText("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
         warnings = [few, *warnings]
         sizes = {"p": RATES.size, "restitution": RESTITUTIONS.size}
         others = {name: one.dims for name, one in SPECTRA.items() if name not in spectra}
         spectra |= {name: np.full([sizes[dim] for dim in dims], math.nan) for name, dims in others.items()}
-    of_bodies = _bodies(spectra, blocks, weights if enough else np.zeros(weights.size))
+    of_bodies = _bodies(spectra, shape, blocks, weights if enough else np.zeros(weights.size), config.sequence.spacing)
     effects = zip(block_names, of_bodies["effective_impulse"].tolist(), strict=True)
     outside = [str(name) for name, effect in effects if enough and math.isnan(effect)]
     if outside:
@@ -114,61 +127,103 @@ def spectrum_design(
         "site_warnings": "\n".join(warnings),
         "site_warning_values": as_stored(warnings),
         **{name: done[name] for name in OF_RECORDS if name != "weight"},
+        **{name: done[name] for name in SHAPE.values()},
         "weight": weights,
         "event_records": np.bincount(numbers),
+        **shape,
         **of_bodies,
     }
     axes = {"record": done["record"], "block": list(block_names), "site_event": names}
     along = {"record": done["record"], "p": RATES, "restitution": RESTITUTIONS}
+    stated = {"spectrum": settings.spectrum, "spacing": config.sequence.spacing}
     return {
-        "/site": xr.Dataset(with_values(SITE, site), with_values(SITE_AXES, axes), {"spectrum": settings.spectrum}),
+        "/site": xr.Dataset(with_values(SITE, site), with_values(SITE_AXES, axes), stated),
         "/spectra": xr.Dataset(with_values(SPECTRA, spectra), with_values(SPECTRA_AXES, along)),
     }
 
 
-def _interval_tables(
-    quantiles: Callable[..., list[Quantiles]], of_records: Mapping[str, np.ndarray], quantile: float
+def _shape(
+    done: Mapping[str, np.ndarray],
+    weights: np.ndarray,
+    numbers: np.ndarray,
+    quantiles: Callable[..., list[Quantiles]],
+) -> dict[str, float]:
+    """Return I_s/I, dT and the number of main impulses by name: medians over records, and their intervals."""
+    known = (weights > 0.0) & np.isfinite(done["record_interval"])
+    if not np.any(known):
+        raise RecordRefused(
+            "no record has the three half-waves in its intense phase that a sequence needs; choose a longer intense "
+            "phase, or a lower half-wave threshold"
+        )
+    found: dict[str, float] = {}
+    for name, of_record in SHAPE.items():
+        values = done[of_record][known]
+        values = np.log(values) if name == "interval" else values
+        (one,) = quantiles(values, [0.5], False, weights=weights[known], events=numbers[known])
+        middle, low, high = (float(end) for end in one)
+        if name == "interval":
+            middle, low, high = math.exp(middle), math.exp(low), math.exp(high)
+        elif name == "ratio":
+            low, high = max(low, 0.0), min(high, 1.0)
+        else:
+            low, high = max(math.floor(low), 1.0), math.ceil(high)
+        found |= {f"{name}{end}": value for end, value in zip(ENDS, (middle, low, high), strict=True)}
+    return found
+
+
+def _bodies(
+    spectra: Mapping[str, np.ndarray],
+    shape: Mapping[str, float],
+    blocks: Block | None,
+    weights: np.ndarray,
+    spacing: str,
 ) -> dict[str, np.ndarray]:
-    """Return the tables of /spectra by name: quantiles over records, and the ends of their intervals."""
-    levels = {**STATED, "spectrum_design": quantile}
-    of_levels = quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
-    found = dict(zip(levels, of_levels, strict=True))
-    (ratio,) = quantiles(of_records["record_ratio"], [0.5], logarithmic=False)
-    (count,) = quantiles(of_records["record_main_count"].astype(float), [0.5], logarithmic=False)
-    found["ratio"] = Quantiles(ratio.value, np.clip(ratio.lower, 0.0, 1.0), np.clip(ratio.upper, 0.0, 1.0))
-    found["main_count"] = Quantiles(count.value, np.maximum(np.floor(count.lower), 1.0), np.ceil(count.upper))
-    ends = ("", "_lower", "_upper")
-    return {f"{name}{end}": table for name, one in found.items() for end, table in zip(ends, one, strict=True)}
-
-
-def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
     """Return the design values (m,) of the bodies by name; NaN outside the spectrum, or if all weights are zero."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}
     found = {name: np.full(blocks.shape, math.nan) for name in names}
+    found |= {name: np.zeros(blocks.shape) for name in ("half_cycle", "least_count", "most_count")}
     for name in ("alpha_c", "p", "restitution", "critical_impulse"):
         found[name] = np.array(np.broadcast_to(getattr(blocks, name), blocks.shape))
+    found["critical_impulse_2"] = np.array(critical_impulse(blocks, 2))
     if not np.any(weights > 0.0):
         return found
 
     def design(spectrum: np.ndarray) -> DesignSpectrum:
-        return DesignSpectrum(RATES, RESTITUTIONS, spectrum, spectra["ratio"], spectra["main_count"].astype(int))
+        parameters = shape["ratio"], shape["interval"], int(shape["main_count"])
+        return DesignSpectrum(RATES, RESTITUTIONS, spectrum, *parameters, spacing=spacing)
 
     middle = design(spectra["spectrum_design"])
     inside = np.flatnonzero(middle.covers(blocks))
     if not inside.size:
         return found
     covered = Block.stack([blocks.lane(int(place)) for place in inside])
+    sequence, effect = middle.sequence(covered), middle.effective_impulse(covered)
     for end, opposite in (("", ""), ("_lower", "_upper"), ("_upper", "_lower")):
         if np.all(np.isfinite(spectra[f"spectrum_design{end}"])):
             one = design(spectra[f"spectrum_design{end}"])
             found[f"effective_impulse{end}"][inside] = one.effective_impulse(covered)
             found[f"design_factor{opposite}"][inside] = one.factor(covered)
-            found[f"main{end}"][inside] = one.sequence(covered).main
-        for name in ("ratio", "main_count"):
-            found[f"{name}{end}"][inside] = spectra[f"{name}{end}"][middle.nearest(covered)]
+            found[f"main{end}"][inside] = sequence.main * one.effective_impulse(covered) / effect
+    for name, values in _response(covered, sequence).items():
+        found[name][inside] = values
     speed = covered.gravity * np.tan(covered.alpha_c) / covered.p
     own = np.array([design(one).effective_impulse(covered) for one in spectra["spectrum"]])
     found["overturned_share"][inside] = weights @ (own >= speed) / np.sum(weights)
     return found
+
+
+def _response(blocks: Block, sequence: ImpulseSequence) -> dict[str, np.ndarray]:
+    """Return the response of (m,) blocks to (m,) sequences, and to these sequences without end, by name."""
+    own = sequence_response(blocks, sequence, table_rows=int(np.max(np.asarray(sequence.main_count))), paired=True)
+    endless = sequence_response(blocks, replace(sequence, main_count=None), table_rows=0, paired=True)
+    assert own.half_cycles is not None
+    counts = own.half_cycles.impulse_count
+    return {
+        "rotation_ratio": np.asarray(own.peak_rotation_ratio),
+        "stabilised_rotation": np.asarray(endless.peak_rotation_ratio),
+        "half_cycle": np.maximum(endless.overturning_half_cycle, 0),
+        "least_count": np.maximum(counts[0], 0),
+        "most_count": np.maximum(counts.max(axis=0), 0),
+    }

@@ -33,7 +33,7 @@ from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impu
 from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation_panels import rotation_history
-from rockpulse.views.plots.site import calibration
+from rockpulse.views.plots.site import calibration, site_accelerogram
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.record_facts import Known
@@ -58,6 +58,8 @@ def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -
 def _limit_accelerogram(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
 ) -> np.ndarray:
+    if "site" in tree.children:
+        return site_accelerogram(tree, block)
     record, block, name = _pair(tree, record, block, case)
     body, sequence = selection.block_of(tree["summary"].to_dataset(), block, case), selection.sequence_of(tree, record)
     try:
@@ -199,7 +201,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, available)}')
     row = KINDS[kind]
     found = str(tree.attrs.get("kind", ASSESSMENT))
-    if found != row.file:
+    if found not in row.files:
         raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)}")
     given = {name: value for name, value in options.items() if value is not None}
     for name in list(given):

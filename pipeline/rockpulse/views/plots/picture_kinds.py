@@ -9,12 +9,12 @@ from rockpulse.storage.variables.site import SITE_KIND
 
 @dataclass(frozen=True)
 class PictureKind:
-    """One kind of picture: its options, what it shows, and the file from which it is drawn."""
+    """One kind of picture: its options, what it shows, and the files from which it is drawn."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
     summary: str  # content of the picture
     command: str = "rockpulse assess"  # command that makes its file
-    file: str = ASSESSMENT  # kind of that file
+    files: tuple[str, ...] = (ASSESSMENT,)  # kinds of that file
 
 
 _STORED = 'rockpulse assess with [records] store = "all"'
@@ -28,6 +28,8 @@ KINDS = {
     "limit-accelerogram": PictureKind(
         ("record", "block", "case"),
         "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
+        "rockpulse assess or rockpulse calibrate",
+        (ASSESSMENT, SITE_KIND),
     ),
     "rotation-history": PictureKind(
         ("record", "block", "model", "case", "factor"),
@@ -58,13 +60,13 @@ KINDS = {
         ("block", "measure", "limit_state"),
         "fragility curves of a block, and the band of one of them, in p PGV/(g tan alpha) and PGA",
         "rockpulse fragility",
-        FRAGILITY,
+        (FRAGILITY,),
     ),
     "calibration": PictureKind(
         (),
-        "overturning spectrum of a site and its bodies, or the records over the parameters of the design sequence",
+        "overturning spectrum of a site and its bodies, and the sequences of equal effect",
         "rockpulse calibrate",
-        SITE_KIND,
+        (SITE_KIND,),
     ),
 }
 

@@ -1,45 +1,39 @@
-"""Draws the records and the design of a site: sequence parameters, or overturning spectra."""
-
-import textwrap
-from typing import Any
+"""Draws the design of a site: overturning spectra, sequences of equal effect, and limit accelerograms."""
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator, NullLocator
-from scipy.special import ndtr
 
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rockpulse.errors import ResultsError
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.sequences.design_spectrum import critical_main
 from rockpulse.views.plots import style
+from rockpulse.views.plots.impulse_sequences import limit_accelerogram
+from rockpulse.views.plots.selection import one_name
 from rockpulse.views.plots.spectra import curves_below_axes, record_lines, spectrum_axes
-from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, PALE, RED, SKY, SMALL, Panels
+from rockpulse.views.plots.style import BLUE, DOTTED, PALE, RED, Panels
 from rockpulse.views.shared.formatting import six_digits, three_digits
-from rockpulse.views.shared.words import say, translated
+from rockpulse.views.shared.words import say
 from rockpulse.views.text.site import site_warnings
-
-#: Largest ratio of the design to the range of the records at which the axis includes both; longest warning
-#: [characters].
-_NEAR, _WARNING = 3.0, 230
-#: Symbols of the parameters of a sequence.
-_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
-    """Draw the design of a site together with the overturning spectra or the sequence parameters of its records.
+    """Draw the design of a site: the overturning spectra of its records, and the sequences of equal effect.
 
     Parameters
     ----------
     tree : xarray.DataTree
         Result of :func:`rockpulse.calibrate`.
-    axes : array_like of six matplotlib Axes, optional
-        Axes to draw on; by default a new figure. A site with a spectrum uses the first Axes.
+    axes : array_like of one or two matplotlib Axes, optional
+        Axes to draw on; by default a new figure.
 
     Returns
     -------
-    (6,) ndarray of Axes
-        Main impulse, I_s/I, interval, number of main impulses, duration, and the legend. Each step of a distribution is
-        a record, with its weight as height; an interval from the calibration of a single record is a horizontal line.
-        The shape is (1,) for a site with a spectrum.
+    (1,) or (2,) ndarray of Axes
+        The spectra, and the main impulse over I_s/I with which a sequence overturns the body with the largest main
+        impulse at the same scale factor, for several N; without a design only the spectra.
 
     Examples
     --------
@@ -47,101 +41,49 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     'frequency parameter of the blocks $p$ [1/s]'
     """
     site = tree["site"].to_dataset()
-    if site.attrs["method"] == "spectrum":
-        return np.array([site_spectrum(tree, None if axes is None else np.ravel(np.array(axes, dtype=object))[0])])
-    panels = style.several_axes(axes, 3, 2, height=7.2).ravel()
-    for ax, name in zip(panels, site["parameter"].values.tolist(), strict=False):
-        _parameter(ax, site.sel(parameter=name), name, site["weight"].values)
-    for ax in panels[0::2]:
-        ax.set_ylabel(say("plot.site.share"))
-    last = panels[-1]
-    last.set_axis_off()
-    handles, words = panels[0].get_legend_handles_labels()
-    last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
-    counts = style.record_counts(int(site["record_count"]), int(site["event_count"]))
-    name = style.plain(tree.attrs.get("title", ""))
-    style.title(
-        panels[0],
-        say(
-            "plot.site.title",
-            name=name,
-            records=counts,
-            method=translated(f"options.{site.attrs['method']}", site.attrs["method"]),
-        ),
-    )
-    style.caption(panels[-2], " ".join(_warnings(site)))
+    known = site.isel(block=np.flatnonzero(np.isfinite(site["main"].values)))
+    count = 2 if known.sizes["block"] else 1
+    panels = style.several_axes(axes, count, height=4.4 + 2.6 * (count - 1), height_ratios=[1.0, 0.7][:count]).ravel()
+    site_spectrum(tree, panels[0])
+    if count > 1:
+        equal_effect(known.isel(block=int(np.argmax(known["main"].values))), panels[1])
     return panels
 
 
-def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None:
-    """Draw the distribution of a sequence parameter over the records, its lognormal fit, and its design value."""
-    value, confidence = own["value"].values, six_digits(100.0 * float(own["confidence"]))
-    known = np.isfinite(value) & (weight > 0.0)
-    words = style.readable_name(translated(f"parameters.{name}", str(own["parameter_name"].item())))
-    style.panel_title(ax, words.replace(", $I_s/I$", ""), width=52)
-    symbol = _SYMBOLS.get(name) or say(f"plot.site.{name}")
-    ax.set_xlabel(f"{symbol} [{style.unit(str(own['parameter_unit'].item()))}]")
-    ax.set_ylim(0.0, 1.02)
-    ax.set_xscale("log")
-    beside: dict[str, Any] = {"transform": ax.transAxes, "fontsize": SMALL, "color": GREY}
-    if not np.any(known):
-        ax.text(0.5, 0.5, say("plot.site.no_value"), ha="center", **beside)
-        return
-    order = np.argsort(value[known], kind="stable")
-    ordered, share = value[known][order], np.cumsum(weight[known][order]) / np.sum(weight[known])
-    steps = np.r_[ordered[0], ordered], np.r_[0.0, share]
-    ax.step(*steps, where="post", color=BLACK, lw=0.9, label=say("plot.site.records"))
-    ax.plot(ordered, share, "o", color=BLACK, ms=2.6)
-    _fit(ax, own, confidence)
-    design, low, high = (float(own[name]) for name in ("design", "design_lower", "design_upper"))
-    if np.isfinite(design):
-        ax.axvline(design, color=RED, lw=1.3, ls=(0, (5, 1.5)), label=say("plot.site.design"))
-        if np.isfinite(low) and np.isfinite(high):
-            words = say("plot.site.of_design", confidence=confidence)
-            ax.axvspan(low, high, color=RED, alpha=0.13, lw=0, label=words)
-    ax.set_xlim(_range(ordered, design))
-    style.plain_ticks(ax.xaxis, 100.0)
-    low, high = ax.get_xlim()
-    if high / low < 6.0:  # round numbers for less than a decade
-        ax.xaxis.set_major_locator(MaxNLocator(5, integer=name == "main_count"))
-        ax.xaxis.set_minor_locator(NullLocator())
-    missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
-    if missing:
-        ax.text(0.02, 0.97, say("plot.site.without_limit", count=missing), va="top", **beside)
+def equal_effect(own: xr.Dataset, ax: Axes) -> None:
+    """Draw the main impulse over I_s/I of sequences with the same effect on a body of /site, by the closed form."""
+    block, (low, middle, high) = _block(own), (int(own[f"main_count{end}"]) for end in ("_lower", "", "_upper"))
+    ratios, interval = np.linspace(0.0, 1.0, 101), float(own["interval"])
+    at, most = float(own["main"]), 0.0
+    for count in sorted({low, middle, high}):
+        main = critical_main(block, ratios, interval, count) / float(own["design_factor"])
+        dashes = "-" if count == middle else DOTTED if count < middle else "--"
+        ax.plot(ratios, main, color=BLUE, lw=1.4, ls=dashes, label=say("plot.site.equal_of", count=str(count)))
+        most = max(most, float(np.interp(float(own["ratio_upper"]), ratios, main)))
+    ends = np.array([[float(own["ratio"] - own["ratio_lower"])], [float(own["ratio_upper"] - own["ratio"])]])
+    ax.errorbar([float(own["ratio"])], [at], xerr=np.nan_to_num(ends), fmt="o", ms=4, color=RED, lw=1.2)
+    ax.set(xlim=(0.0, 1.0), ylim=(0.0, 1.6 * max(most, at)), xlabel="$I_s/I$ [-]", ylabel="$I$ [m/s]")
+    style.panel_title(ax, say("plot.site.equal", name=str(own["block"].item())), rows=1)
+    style.legend_above(ax, 3)
 
 
-def _range(values: np.ndarray, design: float) -> tuple[float, float]:
-    """Return the limits of the axis: the values of the records, and the design value if it is near them."""
-    low, high = float(values[0]), float(values[-1])
-    if low / _NEAR <= design <= high * _NEAR:
-        low, high = min(low, design), max(high, design)
-    if low == high:
-        low, high = 0.7 * low, 1.4 * high
-    room = (high / low) ** 0.08
-    return low / room, high * room
+def site_accelerogram(tree: xr.DataTree, block: str | None = None) -> np.ndarray:
+    """Draw the limit accelerogram of the design of a site for one of its bodies (the paper's Figures 1 and 2)."""
+    site = tree["site"].to_dataset()
+    name = one_name(site, "block", block)
+    own = site.sel(block=name)
+    main, ratio = float(own["main"]), float(own["ratio"])
+    if not np.isfinite(main):
+        raise ResultsError(f"{name}: the site has no design for this body, so there is no limit accelerogram")
+    sequence = ImpulseSequence(
+        main, ratio * main, float(own["interval"]), np.inf, int(own["main_count"]), spacing=str(site.attrs["spacing"])
+    )
+    return limit_accelerogram(_block(own), sequence, name=f"{style.plain(tree.attrs.get('title', ''))}, {name}")
 
 
-def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
-    """Draw the lognormal distribution of a parameter, and the confidence interval of its median."""
-    median, dispersion = float(own["median"]), float(own["dispersion"])
-    if np.isfinite(median) and np.isfinite(dispersion) and dispersion > 0.0:
-        values = median * np.exp(np.linspace(-2.6, 2.6, 101) * dispersion)
-        shares = ndtr(np.log(values / median) / dispersion)
-        ax.plot(values, shares, color=BLUE, lw=1.2, ls=DOTTED, label=say("plot.site.fit"))
-    low, high = float(own["median_lower"]), float(own["median_upper"])
-    if np.isfinite(low) and np.isfinite(high):
-        words = say("plot.site.of_median", confidence=confidence)
-        ax.plot([low, high], [0.5, 0.5], color=SKY, lw=4.0, solid_capstyle="butt", zorder=2.5, label=words)
-
-
-def _warnings(site: xr.Dataset) -> list[str]:
-    """Return sentences for the caption: the quantile of the design, and the most serious warning."""
-    words = [say("plot.site.quantile", quantile=six_digits(float(site["quantile"])))]
-    warnings = _sentences(site)
-    for one in warnings[:1]:
-        first = textwrap.shorten(one, _WARNING, placeholder=" …")
-        words.append(style.plain(first if first.endswith("…") else f"{first}."))
-    return words + ([say("plot.more_warnings", count=len(warnings) - 1)] if len(warnings) > 1 else [])
+def _block(own: xr.Dataset) -> Block:
+    p, alpha, restitution = (float(own[name]) for name in ("p", "alpha_c", "restitution"))
+    return Block.from_parameters(p, alpha, restitution, log=False)
 
 
 def _sentences(site: xr.Dataset) -> list[str]:

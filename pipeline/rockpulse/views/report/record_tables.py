@@ -20,8 +20,8 @@ from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
 from rockpulse.views.shared.words import body_name, counted_words, in_dates, listed, numerals, say
 from rockpulse.views.text.left_out import apart, by_kind
 
-#: Largest number of rows in the table of records, of directions in a row, and of reasons for a kind.
-ROWS, DIRECTIONS, REASONS = 10, 3, 2
+#: Largest number of rows in the table of records, directions in a row, reasons for a kind, and of ids of an earthquake.
+ROWS, DIRECTIONS, REASONS, IDS = 10, 3, 2, 12
 #: Largest number of characters of a reason, whose full text is in the annex.
 LONGEST = 90
 #: Kinds whose reasons are listed; other kinds have a common reason.
@@ -116,7 +116,7 @@ def earthquake_table(answers: Answers) -> Table:
     for event, places in of_event.items():
         members = np.unique(motions.index[places])
         known = [Known(answers.summary, record=answers.records[row]) for row in members if row >= 0]
-        names = ", ".join(motions.names[place] for place in places)
+        names = listed([motions.names[place] for place in places], IDS)
         rows.append(
             (
                 Cell(event_name(event, known[0] if known else None)),

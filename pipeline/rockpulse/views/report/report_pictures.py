@@ -132,8 +132,7 @@ class Pictures:
 
         tree = self._site
         assert tree is not None
-        kind = "spectrum" if tree["site"].attrs["method"] == "spectrum" else "parameters"
-        return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say(f"picture.site_{kind}"))
+        return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say("picture.site_spectrum"))
 
     def fragility(self, block: str) -> PageElement:
         """Return the fragility curves of a body; a fragility file must have been given."""

@@ -22,7 +22,6 @@ from rockpulse.model_table import is_full, is_upper_bound
 from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
-from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.table_columns import doubt_notes, record_cells
 from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
@@ -152,40 +151,19 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
     """Warn if a body that the design does not overturn may overturn within the uncertainty of the design."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
-    kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
-    within, fallen = (_of_spectrum if kind == "spectrum" else _of_sequences)(site, standing)
-    said = []
-    if within:
-        said.append(_limit("decides", f"within_{kind}", confidence=confidence, bodies=listed(within)))
-    if fallen:
-        said.append(_limit("decides", f"fallen_{kind}", bodies=listed(fallen)))
-    return said
-
-
-def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Return bodies that overturn in the confidence interval of the main impulse, and bodies that records overturn."""
-    factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
-    near = [(one.body.name, one.deciding.margin.smallest) for one in standing]
-    sign = factor_heading("safety_factor")
-    within = [f"{body_name(name)} ({sign} {ratio(smallest)})" for name, smallest in near if smallest <= factor]
-    overturned = np.isinf(site["rotation_ratio"].transpose("block", "record").values).sum(axis=1)
-    named = zip(map(str, site["block"].values), overturned.tolist(), strict=True)
-    fallen = [
-        say("of_all", name=body_name(name), count=count, total=site.sizes["record"]) for name, count in named if count
-    ]
-    return within, fallen
-
-
-def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[list[str], list[str]]:
-    """Return bodies that overturn in the confidence interval of the spectrum, and bodies that records overturn."""
     names = [str(name) for name in site["block"].values]
     of = {name: site.isel(block=place) for place, name in enumerate(names)}
     own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
     within = [name for name, one in own.items() if float(one["design_factor_lower"]) <= 1.0]
     shares = {name: float(one["overturned_share"]) for name, one in own.items()}
-    return [body_name(name) for name in within], [
-        f"{body_name(name)} ({share(value)})" for name, value in shares.items() if value > 0.0
-    ]
+    fallen = [f"{body_name(name)} ({share(value)})" for name, value in shares.items() if value > 0.0]
+    said = []
+    if within:
+        bodies = listed([body_name(name) for name in within])
+        said.append(_limit("decides", "within_spectrum", confidence=confidence, bodies=bodies))
+    if fallen:
+        said.append(_limit("decides", "fallen_spectrum", bodies=listed(fallen)))
+    return said
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:

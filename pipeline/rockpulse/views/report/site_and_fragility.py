@@ -12,19 +12,19 @@ from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError, some
 from rockpulse.model_table import MODELS, SEQUENCE_MODELS
 from rockpulse.record.measures import PGA
-from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.shared.files_used import files_used
-from rockpulse.views.shared.formatting import share
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
-from rockpulse.views.shared.table_columns import formatted, tabulated, titled
-from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated
+from rockpulse.views.shared.table_columns import tabulated, titled
+from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text import fragility as curves_text
-from rockpulse.views.text.site import about_records, coverage, design, site_tables, site_warnings
+from rockpulse.views.text.site import about_records, coverage, sequence_words, site_tables, site_warnings
 
 #: Relative tolerance within which sizes are equal.
 TOLERANCE = 1e-6
+#: Relative tolerance of scale factors on a sequence, which are found by a search.
+SEARCHED = 0.02
 #: Name of each kind of file, and the command that makes it.
 _MADE_BY = {FRAGILITY: ("fragility file", "rockpulse fragility"), SITE_KIND: ("site file", "rockpulse calibrate")}
 #: Pattern of the name that these files give to a body with several restitutions.
@@ -73,7 +73,7 @@ def matched_file(results: xr.DataTree, other: xr.DataTree, kind: str, name: str)
     kept, missing, foreign = _bodies(summary, site, kind, name)
     if kind == SITE_KIND:
         if Answers(summary).motions.kind == "sequence":
-            _check_design(summary, site, name)
+            _check_factors(summary, site, name)
         ids, pga = site["record"].values, (site["pga"] / site["scale_factor"]).values
     else:
         if not kept:
@@ -132,25 +132,6 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return ids, capacities["measure_value"].sel(measure=PGA).isel(block=0).values
 
 
-def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Raise ResultsError if the assessed sequence is not the design sequence of the site."""
-    if site.attrs["method"] == "spectrum":
-        return _check_factors(summary, site, name)
-    value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
-    secondary = min(value["ratio"] * value["main"], value["main"])
-    design = [value["main"], secondary, value["interval"], value["duration"], np.floor(value["main_count"])]
-    names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
-    assessed = [float(summary[key].values[0]) for key in names]
-    assessed[3:] = [np.nan if np.isinf(assessed[3]) else assessed[3], np.nan if assessed[4] < 0 else assessed[4]]
-    spacing = flag_words(summary["spacing"])[int(summary["spacing"].values[0])]
-    same = np.allclose(assessed, design, rtol=TOLERANCE, atol=0.0, equal_nan=True)
-    if not same or spacing != site.attrs["spacing"]:
-        raise ResultsError(
-            f"{name}: the sequence that was assessed is not the design of this site: {_sequence(assessed, spacing)} in "
-            f"the results, {_sequence(design, site.attrs['spacing'])} in the site file; {_ASSESS_AGAIN}"
-        )
-
-
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     """Raise ResultsError if the scale factors of the bodies are not those of the design spectrum of the site."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
@@ -159,7 +140,7 @@ def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     for body in bodies_of(summary):
         here = float(factors.isel(block=body.place).isel(case=body.case, missing_dims="ignore"))
         there = designed.get(body.name, np.nan)
-        if np.isfinite(here) and not _close((here,), (there,)):
+        if np.isfinite(here) and abs(here / there - 1.0) > SEARCHED:
             raise ResultsError(
                 f"{name}: the design that was assessed is not that of this site: the factor of {body.name} is "
                 f"{here:.7g} in the results, {there:.7g} in the site file; {_ASSESS_AGAIN}"
@@ -190,11 +171,6 @@ def _size(numbers: tuple[float, ...]) -> str:
     return "p {:.7g} 1/s, alpha_c {:.7g} rad, C {:.7g}".format(*numbers)
 
 
-def _sequence(values: list[float], spacing: str) -> str:
-    numbers = "I {:.7g} m/s, I_s {:.7g} m/s, dT {:.7g} s, duration {:.7g} s, main impulses {:g}".format(*values)
-    return f'{numbers}, spacing "{spacing}"'
-
-
 def _set(value: Any) -> str:
     return "not set" if value is None else str(value)
 
@@ -213,9 +189,7 @@ class ReportSection:
 def describe_site(of: MatchedFile, assessed: int) -> ReportSection:
     """Return the report section on the site; `assessed` is the number of assessed records, 0 for a design sequence."""
     site = of.tree["site"].to_dataset()
-    said, tables = [coverage(site)], site_tables(site)
-    if site.attrs["method"] != "spectrum":
-        said, tables = [design(site), *said], [*tables, _events(site), _every_record(site)]
+    said, tables = [sequence_words(site), coverage(site)], [*site_tables(site), _every_record(site)]
     common = [say("site.common" if assessed else "site.judged_here", same=of.same, assessed=assessed)]
     if of.foreign:
         bodies, names = counted_words(site.sizes["block"], "body"), listed(of.foreign)
@@ -230,18 +204,7 @@ def _not_used(of: MatchedFile) -> list[str]:
     return [f"{files.counted or say('warning.files.none')}: {files.reasons}."] if files.line else []
 
 
-def _events(site: xr.Dataset) -> Table:
-    selected = (
-        titled(say("head.earthquake"), Cell, "site_event"),
-        titled(say("head.records"), formatted(str), "event_records"),
-        titled(say("site.coverage_head"), formatted(share), "event_coverage", note=say("site.without_it")),
-    )
-    return tabulated("site-events", say("site.earthquakes"), selected, site)
-
-
 def _every_record(site: xr.Dataset) -> Table:
-    count, duration = say("site.main_impulses"), say("site.duration")
-    parameters = (("I", "m/s"), ("I_s/I", ""), ("dT", "s"), (count, ""), (duration, "s"))
     selected = (
         titled(say("head.record"), Cell, "record"),
         titled(say("head.earthquake"), Cell, "event"),
@@ -249,12 +212,11 @@ def _every_record(site: xr.Dataset) -> Table:
         titled(say("site.factor"), number_cell, "scale_factor"),
         titled("PGA", number_cell, "pga", unit="m/s2"),
         titled("PGV", number_cell, "pgv", unit="m/s"),
-        *(titled(title, number_cell, title, unit=unit) for title, unit in parameters),
-        titled(say("site.misfit"), number_cell, "misfit", note=translated("labels.ln, rms", "ln, rms")),
-        titled(say("site.below"), formatted(share), "unsafe_share", note=say("site.of_blocks")),
+        titled("I_s/I", number_cell, "record_ratio"),
+        titled("dT", number_cell, "record_interval", unit="s"),
+        titled("N", number_cell, "record_main_count"),
     )
-    values = {title: site["value"].isel(parameter=place) for place, (title, _) in enumerate(parameters)}
-    return tabulated("site-records", say("site.caption.records"), selected, site.assign(values))
+    return tabulated("site-records", say("site.caption.records"), selected, site)
 
 
 def describe_fragility(of: MatchedFile, assessed: int, model: str) -> ReportSection:

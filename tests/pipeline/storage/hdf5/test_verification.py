@@ -21,6 +21,11 @@ from rockpulse.storage.hdf5.verification import verify
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, TreeWriter, VariableChecksum
 
 
+def changes(path):
+    """The differences of a small site file, which has few of the variables of a site."""
+    return tuple(one for one in verify(path).differences if not one.endswith("it is missing"))
+
+
 def sha256(content):
     return hashlib.sha256(content).hexdigest()
 
@@ -137,7 +142,7 @@ def test_a_change_of_attributes_or_names_is_found(tmp_path, name):
     save(small_tree(), tmp_path / "site.h5")
     with h5py.File(tmp_path / "site.h5", "a") as file:
         OF_ATTRIBUTES[name](file)
-    (told,) = verify(tmp_path / "site.h5").differences
+    (told,) = changes(tmp_path / "site.h5")
     assert "attributes, or names and dimensions of variables" in told
 
 
@@ -175,10 +180,10 @@ def test_a_file_without_checksums_says_so(results):
 
 def test_a_file_of_another_kind_has_checksums_too(tmp_path):
     save(small_tree(), tmp_path / "site.h5")
-    assert verify(tmp_path / "site.h5").differences == ()
+    assert changes(tmp_path / "site.h5") == ()
     with h5py.File(tmp_path / "site.h5", "a") as file:
         file["site/x"][0] = 3.0
-    assert verify(tmp_path / "site.h5").differences == ("variable /site/x: its values were changed",)
+    assert changes(tmp_path / "site.h5") == ("variable /site/x: its values were changed",)
 
 
 #: By file other contents, and whether they are those of another record.
@@ -297,4 +302,4 @@ def test_a_coordinate_beside_the_dimensions_comes_back_as_one(tmp_path):
     back = load_tree(tmp_path / "site.h5")["site"].to_dataset()
     assert {"row", "scalar"} <= set(back.coords)
     xr.testing.assert_identical(back, tree["site"].to_dataset())
-    assert verify(tmp_path / "site.h5").differences == ()
+    assert changes(tmp_path / "site.h5") == ()

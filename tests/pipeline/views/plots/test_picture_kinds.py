@@ -80,7 +80,7 @@ def test_the_spectrum_is_that_of_the_record_with_the_bodies(assessed, changed):
     [
         pytest.param(kind, marks=pytest.mark.sweep if kind in SLOWER else ())
         for kind, row in KINDS.items()
-        if row.file == ASSESSMENT
+        if ASSESSMENT in row.files
     ],
 )
 def test_kinds_of_an_assessment_hold_long_names(assessed, changed, kind):

@@ -60,7 +60,7 @@ def config():
     """Few factors, few resamples."""
     return rp.Config(
         search=SearchSettings(points=24),
-        calibration=CalibrationSettings(method="statistics", bootstrap=100),
+        calibration=CalibrationSettings(quantile=0.5, bootstrap=100),
         fragility=ida(limit_states=("uplift", "overturning"), measures=("pga", "velocity_ratio")),
     )
 
@@ -73,8 +73,9 @@ def results(bursts, bodies, config):
 
 @pytest.fixture(scope="session")
 def site(bursts, bodies, config):
-    """Calibration on the same records."""
-    return rp.calibrate(bursts, config, bodies)
+    """Calibration on the same records and one of a fifth earthquake."""
+    fifth = replace(bursts[3], id="burst4", event="Quake EEE", source="folder/burst4.AT2")
+    return rp.calibrate([*bursts, fifth], config, bodies)
 
 
 @pytest.fixture(scope="session")

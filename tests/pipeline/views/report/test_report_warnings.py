@@ -10,26 +10,11 @@ from rockpulse.views.report.report_warnings import GRADES, limits, warnings
 from rockpulse.views.shared.files_used import FilesUsed
 
 
-def site(peaks, design=0.2, upper=0.3):
-    """A site of one block, with the rotations that its records gave."""
-    peaks = np.atleast_2d(peaks)
-    coverage = ("coverage", "coverage_lower", "coverage_upper", "coverage_in_sample", "coverage_all")
-    scalars = dict.fromkeys(coverage, np.nan)
-    of_parameter = {"design": design, "design_lower": 0.1, "design_upper": upper}
-    variables = {
-        **scalars,
-        "quantile": 0.84,
-        "confidence": 0.9,
-        "judged_pairs": 0,
-        "judged_events": 0,
-        **{name: (("parameter",), [value]) for name, value in of_parameter.items()},
-        "rotation_ratio": (("record", "block"), peaks.T),
-    }
-    return xr.Dataset(
-        variables,
-        {"parameter": ["main"], "block": ["b"], "record": np.arange(peaks.shape[1]), "site_event": ["e"]},
-        {"method": "statistics"},
-    )
+def site(share=0.0, lower=1.2):
+    """A site of one block, with the share of its records that overturn it and the lower end of its scale factor."""
+    counts = {"quantile": 0.84, "confidence": 0.9, "record_count": 9, "event_count": 9}
+    bodies = {"overturned_share": (("block",), [share]), "design_factor_lower": (("block",), [lower])}
+    return xr.Dataset({**counts, **bodies}, {"block": ["b"]})
 
 
 def heads(summary, kind="sequence", **options):
@@ -63,17 +48,17 @@ def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said
         "A sequence has no PGA or other intensity that could be scaled to the demand of the site"
     )
     assert "the demand of the site is not checked" not in heads(with_codes([1.6]))
-    found = heads(with_codes([1.6]), site=site([0.1, np.inf, np.inf]))
-    assert found["records of the site, scaled as they were calibrated, overturn b (2 of 3)"].grade == "decides"
-    assert not [head for head in heads(with_codes([1.6]), site=site([0.1])) if "overturn" in head]
+    found = heads(with_codes([1.6]), site=site(0.25))
+    assert found["records of the site, scaled as they were calibrated, overturn b (25 %)"].grade == "decides"
+    assert not [head for head in heads(with_codes([1.6]), site=site()) if "overturn" in head]
 
 
-@pytest.mark.parametrize(("factor", "told"), [(1.4, True), (1.6, False)])
-def test_a_body_that_overturns_within_the_interval_of_the_design(factor, told):
-    found = heads(with_codes([factor]), site=site([0.1, 0.2]))
-    words = [head for head in found if head.startswith("within the 90 % interval")]
-    assert bool(words) == told
-    assert all("b (SF 1.40)" in word for word in words)
+@pytest.mark.parametrize(("lower", "told"), [(0.9, True), (1.1, False)])
+def test_a_body_that_overturns_within_the_interval_of_the_design(lower, told):
+    found = heads(with_codes([1.4]), site=site(lower=lower))
+    assert [head for head in found if head.startswith("within its 90 % interval")] == (
+        ["within its 90 % interval the design overturns b"] if told else []
+    )
 
 
 def test_what_is_not_known_of_some_motions_is_said_loudly():
