@@ -166,10 +166,10 @@ GRADES = {
 
 def grade_cell(found: Finding, before: str = "") -> Cell:
     """Return the verdict on a body, after the text `before`, as a cell that is sortable from best to worst."""
-    # No record overturns it, but half of such earthquakes might: not graded as good.
+    # No record overturns it, but half of such earthquakes might: not graded as good, nor as a worse verdict.
     unsure = found.grade == Grade.ROCKS and found.share.high >= OVERTURNS
     verdict = ABSENT if found.grade == Grade.NO_VERDICT else say(f"grade.{found.grade.name.lower()}")
-    return Cell(before + verdict, float(found.grade), grade="fair" if unsure else GRADES[found.grade])
+    return Cell(before + verdict, float(found.grade), grade="" if unsure else GRADES[found.grade])
 
 
 def formatted(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
