@@ -174,14 +174,11 @@ DEMAND = along(
     **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
     impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
     floor_amplification=real("peak acceleration of the floor over that of the ground; 1 on the ground", of_ground=True),
-    friction_required=real(
-        "largest coefficient of friction that the motion without sliding requires",
-        of_ground=True,
-        explanation="of the nonlinear model, impacts aside; inf where the normal force vanishes; NaN where the "
-        "body has no `friction`, a wall behind it, ties, loads or thrusts",
-    ),
     friction_share=real(
-        "share of the samples that require more than `friction`", of_ground=True, explanation="NaN as above"
+        "share of the samples of the motion without sliding that require more than `friction`",
+        of_ground=True,
+        explanation="of the nonlinear model, impacts aside; NaN where the body has no `friction`, a wall behind it, "
+        "ties, loads or thrusts",
     ),
 )
 
