@@ -34,6 +34,7 @@ lon,lat,depth,poe-0.1,poe-0.4
     "velocity.csv": "time [s],velocity [m/s]\n0.00,0.0\n0.01,0.1\n0.02,0.0\n",
     "inventory.csv": "name,width [m],height [m]\nfirst,0.6,3.0\nsecond,0.5,4.0\n",
     "rocks.csv": "name,width [m],height [m]\nfirst,0.6,3.0\nsecond,0.5,4.0\n",
+    "bodies.csv": "name,width [cm],height [m],restitution\nstatue,50,1.8,\ncabinet,40,2,0.85\n",
     "history.csv": "acceleration\n" + "".join(f"{100.0 * np.sin(0.1 * step):.1f}\n" for step in range(400)),
 }
 

@@ -13,6 +13,7 @@ from .config.block_settings import LoadSettings as LoadSettings
 from .config.block_settings import PedestalSettings as PedestalSettings
 from .config.block_settings import ThrustSettings as ThrustSettings
 from .config.block_settings import TieSettings as TieSettings
+from .config.body_table import load_bodies as load_bodies
 from .config.configuration import Config as Config
 from .config.configuration import load_config as load_config
 from .config.floor_settings import FloorSettings as FloorSettings

@@ -11,7 +11,15 @@ from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
 from rockpulse.commands.parser import Parser
-from rockpulse.commands.terminal import WRITTEN, differing_results, discard_output, file_fault, kernel_messages, tell
+from rockpulse.commands.terminal import (
+    WRITTEN,
+    differing_results,
+    discard_output,
+    file_fault,
+    interrupt,
+    kernel_messages,
+    tell,
+)
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
@@ -50,10 +58,12 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Parse the arguments (by default ``sys.argv``), run one verb, and return the exit code."""
+    if argv is None and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, interrupt)
     try:
         return _run(argv)
     except KeyboardInterrupt as error:
-        if argv is None:  # ignore further Ctrl-C while the process ends
+        if argv is None:  # the end of Python restores what a signal does, unless it is ignored
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         return _ended(str(error) or "interrupted", INTERRUPTED)
 

@@ -148,31 +148,42 @@ def record_quantiles(
     count = np.sum(sizes) ** 2 / np.sum(sizes**2)
     for column in range(flat.shape[1]):
         order = np.argsort(flat[:, column], kind="stable")
-        ordered, below = flat[order, column], np.cumsum(drawn[:, order], axis=1)
-        if predictive:
-            share = below / below[:, -1:]
-            middle = 0.5 * (share + np.pad(share[:, :-1], ((0, 0), (1, 0))))
+        ordered, below = flat[order, column], np.cumsum(np.take(drawn, order, axis=1), axis=1)
         for row, level in enumerate(levels):
             # The number of cumulative weights below the share is the number of records below the quantile.
             if predictive:
-                each = _interpolated(ordered, middle, drawn[:, order] > 0.0, (level * (count + 1.0) - 0.5) / count)
+                each = _interpolated(ordered, below, (level * (count + 1.0) - 0.5) / count)
             else:
-                each = ordered[np.sum(below < (level - ROUNDING) * below[:, -1:], axis=1)]
+                each = ordered[np.count_nonzero(below < (level - ROUNDING) * below[:, -1:], axis=1)]
             found[row, :, column] = each[0], *bootstrap_interval(float(each[0]), each[1:], sizes, confidence)
     found = np.exp(found) if predictive else found
     return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
 
 
-def _interpolated(ordered: np.ndarray, share: np.ndarray, drawn: np.ndarray, level: float) -> np.ndarray:
-    """Return values (b,) interpolated in ascending values (n,) of shares (b, n) at a level, among those drawn."""
-    rows = np.arange(share.shape[0])
-    above, below = drawn & (share >= level), drawn & (share < level)
-    first, last = np.argmax(above, axis=1), share.shape[1] - 1 - np.argmax(below[:, ::-1], axis=1)
-    first = np.where(above.any(axis=1), first, last)
-    last = np.where(below.any(axis=1), last, first)
-    low, high = share[rows, last], share[rows, first]
-    part = np.divide(level - low, high - low, out=np.zeros(rows.size), where=high > low)
-    return np.asarray(ordered[last] + part * (ordered[first] - ordered[last]))
+def _interpolated(ordered: np.ndarray, below: np.ndarray, level: float) -> np.ndarray:
+    """Return values (b,) interpolated in ascending values (n,) at a level, from cumulative weights (b, n)."""
+    rows, most = np.arange(below.shape[0]), below.shape[1] - 1
+
+    def start(place: np.ndarray) -> np.ndarray:
+        return np.where(place > 0, below[rows, place - 1], 0.0)
+
+    def middle(place: np.ndarray) -> np.ndarray:
+        return np.asarray(0.5 * (start(place) + below[rows, place]))
+
+    def first_above(weight: np.ndarray) -> np.ndarray:
+        return np.asarray(np.count_nonzero(below < weight[:, np.newaxis], axis=1))
+
+    target = level * below[:, -1]
+    at = np.minimum(first_above(target), most)
+    # The record drawn before this one, and the one after it: records that are not drawn leave the sum as it is.
+    before = np.where(start(at) > 0.0, first_above(start(at) * (1.0 - ROUNDING)), at)
+    after = first_above(below[rows, at] * (1.0 + ROUNDING))
+    after = np.where(after <= most, after, at)
+    early = middle(at) >= target
+    low, high = np.where(early, before, at), np.where(early, at, after)
+    width = middle(high) - middle(low)
+    part = np.divide(target - middle(low), width, out=np.zeros(rows.size), where=width > 0.0)
+    return np.asarray(ordered[low] + part * (ordered[high] - ordered[low]))
 
 
 class Limits(NamedTuple):

@@ -26,6 +26,7 @@ class KeyType:
     convert: Callable[[Any], Any]  # makes the stored value, such as a tuple from a list, as sections are immutable
     words: tuple[str, ...] = ()  # known values, for "did you mean"
     finite: bool = False  # whether the value is a number, so that the error can name inf or nan
+    unit: str = ""  # unit of a number; empty if it has none
 
 
 #: Names of units in messages; other units are written as symbols.
@@ -159,7 +160,7 @@ def number(default: Any, low: float = -math.inf, high: float = math.inf, above: 
         inside = is_number(value) and (value > low if above else value >= low) and value <= high
         return inside and not _of_no_size(value)
 
-    return key(default, KeyType(expected, accepts, float, finite=True))
+    return key(default, KeyType(expected, accepts, float, finite=True, unit=unit))
 
 
 def count(default: int, low: int, high: int | None = None) -> Any:

@@ -106,7 +106,7 @@ def test_the_mode_of_results_that_are_replaced_is_kept(record, tmp_path, monkeyp
 @pytest.mark.sweep
 @pytest.mark.parametrize("gap", [0.0, 0.2])
 def test_two_interrupts_exit_with_130_and_no_traceback(gap, tmp_path):
-    for number in range(120):
+    for number in range(40):
         (tmp_path / f"r{number}.AT2").write_bytes(at2(pulse(4000, 0.2 + 0.001 * number)))
     job = ["assess", str(tmp_path), "--block", "wall=0.4x3.0", "-o", str(tmp_path / "results.h5"), "--workers", "2"]
     run = subprocess.Popen([sys.executable, "-m", "rockpulse", *job], stderr=subprocess.PIPE, text=True)

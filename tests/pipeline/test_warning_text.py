@@ -36,17 +36,12 @@ def test_a_warning_is_its_text_and_survives_every_copy_and_being_stored(warning)
 
 
 def test_warnings_within_warnings_and_other_texts_are_stored_too():
-    groups = [
-        WarningText("unlifted", names="a"),
-        WarningText("no_design", names=WarningText("and_more", names="b", count=2)),
-    ]
-    every = [WarningText("coverage_unknown", without=WarningText("not_judged", groups=groups)), "another"]
+    groups = [counted(1, "record"), WarningText("of_channel", channel="b", warning=WarningText("dead_channel"))]
+    every = [WarningText("outside_spectrum", names=groups), "another"]
     found, text = restored(as_stored(every))
     assert str(found) == str(every[0])
-    assert str(found).endswith(
-        "could not be left out: a (lifts no block), b and 2 more (no design can be made from the others alone)"
-    )
-    assert found.values["without"].values["groups"][1].values["names"].code == "and_more"
+    assert str(found).endswith("without a design: 1 record, b: all samples are equal: a dead channel")
+    assert found.values["names"][1].code == "of_channel/dead_channel"
     assert (text.code, str(text)) == ("plain", "another")
     assert restored("") == []
     assert [str(counted(count, "event")) for count in (1, 2)] == ["1 event", "2 events"]

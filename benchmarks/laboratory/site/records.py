@@ -38,7 +38,9 @@ def known_of(motion: StrongMotion, folder: Path) -> dict[str, np.ndarray]:
 
     `capacity` (12,) [-], `rule` and `nonlinear` (a, c) [m/s].
     """
-    path = folder / f"{re.sub('[^A-Za-z0-9.-]', '_', motion.record.id)}.npz"
+    # Files without station give equal ids.
+    name = f"{motion.event} {motion.record.id} {motion.record.npts}"
+    path = folder / f"{re.sub('[^A-Za-z0-9.-]', '_', name)}.npz"
     if not path.exists():
         np.savez(path, **_computed(motion))
     with np.load(path) as stored:

@@ -91,6 +91,7 @@ VERB = Verb(
         "rockpulse assess records/ --block wall=0.3x2.4 --demand pga=0.35g -o results.h5",
         "rockpulse assess records/ --config site.toml -o results.h5 --overwrite",
         "rockpulse assess history.csv --units cm/s2 --dt 0.01 --block wall=0.3x2.4 -o results.h5",
+        "rockpulse assess records/ --bodies bodies.csv --demand pga=0.35g -o results.h5",
         "rockpulse assess --sequence design.h5 --config site.toml -o bodies.h5",
     ),
 )

@@ -1,15 +1,18 @@
 """``rockpulse check``: check bodies according to design codes, and compare the checks with time histories."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from rockpulse.commands.parser import Verb
-from rockpulse.commands.shared_options import QUIET
+from rockpulse.commands.shared_options import QUIET, bodies_of_table
 from rockpulse.commands.terminal import tell
 from rockpulse.config import CODES
+from rockpulse.errors import ConfigError
 
 
 def _run(args: argparse.Namespace) -> int:
+    from rockpulse.config.configuration import load_config
     from rockpulse.files import check_file, write_files
     from rockpulse.storage.export.table_file import table_csv
     from rockpulse.studies.check.check import check
@@ -17,7 +20,13 @@ def _run(args: argparse.Namespace) -> int:
 
     if args.output is not None:
         check_file(args.output, args.overwrite)
-    found = check(args.results, args.config, args.code or None)
+    config = args.config
+    if args.bodies is not None:
+        if config is None:
+            raise ConfigError("--bodies: expected --config with a section [check] as well, found none")
+        config = load_config(config)
+        config = replace(config, bodies=(*config.bodies, *bodies_of_table(args.bodies)))
+    found = check(args.results, config, args.code or None)
     if args.output is not None:
         write_files({Path(args.output): table_csv(found.to_dataframe().reset_index())})
     if not args.quiet:
@@ -40,6 +49,7 @@ VERB = Verb(
                 {"nargs": "?"},
             ),
             "--config CONFIG": "configuration with [[block]] and [check]; default: the one stored in the results",
+            "--bodies TABLE": "a table of bodies (CSV or XLSX), in addition to those of the configuration",
             "--code CODE": (
                 f"codes to check: {', '.join(CODES)}; default: all but the last",
                 {"nargs": "*", "choices": CODES},
@@ -52,6 +62,7 @@ VERB = Verb(
     run=_run,
     examples=(
         "rockpulse check --config site.toml --code",
+        "rockpulse check --config site.toml --bodies bodies.csv",
         "rockpulse check results.h5 --config site.toml --code circolare_2019 -o check.csv",
     ),
 )

@@ -51,26 +51,36 @@ def _filled(line: str, fields: dict[str, str]) -> str:
 
 
 def _run(args: argparse.Namespace) -> int:
-    text = config_template()
+    from rockpulse.config.body_table import body_template
+
+    text = "\n".join([*body_template(), ""]) if args.bodies else config_template()
     if args.output is None:
         tell(text.removesuffix("\n"))
         return 0
+    if args.bodies and not args.output.lower().endswith(".csv"):
+        raise ConfigError(f"{args.output}: expected a name that ends in .csv for a table of bodies")
     target = Path(args.output)
     if target.exists():
         found = "a folder of this name" if target.is_dir() else "the file"
         raise ConfigError(f"{target}: {found} exists; choose another name")
     write_files({target: text.encode()})
-    tell(
-        f"wrote {args.output}: fill in the blocks, then: rockpulse assess RECORDS --config {args.output} -o results.h5"
-    )
+    fill, option = ("rows", "--bodies") if args.bodies else ("blocks", "--config")
+    given = f"{option} {args.output}"
+    tell(f"wrote {args.output}: fill in the {fill}, then: rockpulse assess RECORDS {given} -o results.h5")
     return 0
 
 
 VERB = Verb(
     name="init-config",
     summary="write a configuration with every key explained",
-    description="Print a configuration with every key, its default and its meaning, or write it to a new file.",
-    options=({"-o --output FILE": "file to write; an existing file is not replaced"},),
+    description="Print a configuration with every key, its default and its meaning, or write it to a new file. "
+    "With --bodies, a table with a row for each body.",
+    options=(
+        {
+            "--bodies": "write a table of bodies (CSV) in place of the configuration",
+            "-o --output FILE": "file to write; an existing file is not replaced",
+        },
+    ),
     run=_run,
-    examples=("rockpulse init-config -o site.toml",),
+    examples=("rockpulse init-config -o site.toml", "rockpulse init-config --bodies -o bodies.csv"),
 )

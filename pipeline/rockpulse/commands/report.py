@@ -10,7 +10,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.report.writing import report
 
     given = (args.results, args.output, args.site, args.fragility, args.overwrite)
-    path = report(*given, language=args.language, config=args.config)
+    path = report(*given, language=args.language, config=args.config, full=args.full)
     tell(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return 0
 
@@ -28,7 +28,8 @@ VERB = Verb(
             "--fragility FILE": "file of rockpulse fragility, added to the annex",
             "-o --output REPORT": ("file to write: .html, or .pdf; default: %(default)s", {"default": "report.html"}),
             "--language LANGUAGE": ("language of the report: en (default) or it", {"default": "en"}),
-            "--config FILE": "configuration whose [report] (author, client, project, logo) replaces the stored one",
+            "--config FILE": "configuration whose [report] (author, client, logo) and [check] replace the stored ones",
+            "--full": "add the configuration and the SHA-256 of all files",
             "--overwrite": "replace an existing report; never another file",
         },
     ),

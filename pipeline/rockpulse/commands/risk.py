@@ -11,6 +11,7 @@ from rockpulse.errors import ConfigError
 
 
 def _run(args: argparse.Namespace) -> int:
+    from rockpulse.config.body_table import unused_columns
     from rockpulse.files import check_file, write_files
     from rockpulse.storage.export.table_file import table_csv
     from rockpulse.studies.risk.frequency import standing_test
@@ -38,7 +39,7 @@ def _run(args: argparse.Namespace) -> int:
         raise ConfigError("--hazard, --config: expected one source of the hazard, found both")
     bodies = None if args.bodies is None else read_inventory(args.bodies)
     if bodies is not None and bodies.passed_over:
-        tell(f"{args.bodies}: columns not used: {', '.join(bodies.passed_over)}", sys.stderr)
+        tell(unused_columns(args.bodies, bodies.passed_over), sys.stderr)
     found = risk(
         args.fragility,
         args.hazard,
@@ -77,9 +78,9 @@ VERB = Verb(
         {
             "FRAGILITY": "file of rockpulse fragility; with --bodies results of rockpulse assess with [uncertainty] "
             'spectrum = "all"',
-            "--bodies TABLE": "any number of free bodies that the spectra of the results cover: a table (CSV) with the "
-            'columns "name", "width [m]", "height [m]", and optionally "restitution", "longitude" and "latitude", for '
-            'the hazard of each body\'s own site, and "soil_factor"',
+            "--bodies TABLE": "any number of free bodies that the spectra of the results cover: a table (CSV or "
+            'XLSX) with the columns "name", "width [m]", "height [m]", and optionally "restitution", "longitude" and '
+            '"latitude", for the hazard of each body\'s own site, and "soil_factor"',
             "--hazard CURVE": 'hazard curve (CSV): "pga [g],rate" or "pga [g],probability in 50 years", OpenQuake\'s '
             'hazard curves, or return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section '
             "[hazard]",

@@ -12,9 +12,9 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
-from rockpulse.commands.terminal import progress_bars, tell
+from rockpulse.commands.terminal import interrupt, progress_bars, tell
 from rockpulse.errors import ConfigError, Failure, alike
 from rockpulse.foreign_text import escaped
 
@@ -75,7 +75,7 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
         if args.log_file is not None:
             meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))
         if threading.current_thread() is threading.main_thread():  # only the main thread can handle signals
-            meanwhile.callback(signal.signal, signal.SIGTERM, signal.signal(signal.SIGTERM, _end))
+            meanwhile.callback(signal.signal, signal.SIGTERM, signal.signal(signal.SIGTERM, interrupt))
         yield
 
 
@@ -147,7 +147,3 @@ def print_overview(tree: xr.DataTree, args: argparse.Namespace, overview: Callab
 
 def _say(text: str) -> None:
     tell(f"rockpulse: {text}", sys.stderr)
-
-
-def _end(number: int, frame: object) -> NoReturn:
-    raise KeyboardInterrupt

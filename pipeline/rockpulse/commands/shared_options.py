@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.parser import Either, Options
+from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError, ResultsError
 
 if TYPE_CHECKING:
+    from rockpulse.config.block_settings import BlockSettings
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
     from rockpulse.storage.export.row_selection import RowSelection
@@ -31,6 +34,8 @@ def from_records(output: str, written: str = "file to write (HDF5)", bodies: boo
     of_bodies: Options = {
         "--block NAME=WIDTHxHEIGHT ...": "a body by its full width and height in m, in addition to those of the "
         "configuration; repeatable",
+        "--bodies TABLE": "a table of bodies (CSV or XLSX, see rockpulse init-config --bodies), in addition to those "
+        "of the configuration",
         "--confirm-size": "accept a --block larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
     }
     return {
@@ -127,6 +132,16 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
         raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
 
 
+def bodies_of_table(path: str) -> tuple[BlockSettings, ...]:
+    """Return the bodies of a table, and print which of its columns are not used."""
+    from rockpulse.config.body_table import read_bodies, unused_columns
+
+    bodies, unused = read_bodies(path)
+    if unused:
+        tell(unused_columns(path, unused), sys.stderr)
+    return bodies
+
+
 def configured(args: argparse.Namespace) -> Config:
     """Return the configuration of --config, with the bodies of --block added and absolute paths of its tables."""
     from rockpulse.config.block_settings import parse_block_option
@@ -139,8 +154,9 @@ def configured(args: argparse.Namespace) -> Config:
         records = replace(records, events=str(located(records.events, config.folder).resolve()))
     if calibration.weights not in WEIGHTS:
         calibration = replace(calibration, weights=str(located(calibration.weights, config.folder).resolve()))
-    given = getattr(args, "block", ())
-    blocks = (*config.bodies, *(parse_block_option(option, args.confirm_size) for option in given))
+    blocks = (*config.bodies, *(parse_block_option(one, args.confirm_size) for one in getattr(args, "block", ())))
+    if table := getattr(args, "bodies", None):
+        blocks = (*blocks, *bodies_of_table(table))
     return replace(config, records=records, calibration=calibration, bodies=blocks)
 
 

@@ -4,12 +4,13 @@ import argparse
 import errno
 import logging
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NoReturn, TextIO
 
 from rockpulse.errors import RockpulseError
 from rockpulse.foreign_text import escaped
@@ -29,6 +30,12 @@ def discard_output(file: TextIO) -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, file.fileno())
     os.close(nowhere)
+
+
+def interrupt(number: int, frame: object) -> NoReturn:
+    """Raise KeyboardInterrupt, and ignore the same signal from then on, so that the run can end in order."""
+    signal.signal(number, lambda number, frame: None)
+    raise KeyboardInterrupt
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:

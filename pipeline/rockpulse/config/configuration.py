@@ -228,7 +228,7 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
             known_sections = f"known sections: {', '.join(known)}"
             raise ConfigError(f"[{name}]: unknown section{hint(name, known, known_sections)}")
     document = _with_site(document)
-    sections: Any = {name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document}
+    sections: Any = {name: section_of(cls, document[name]) for name, cls in SECTIONS.items() if name in document}
     blocks = _sections(BlockSettings, document, "block", "body")
     demands = _sections(settings.DemandSettings, document, "demand", "limit state")
     return Config(**sections, bodies=blocks, demands=demands, folder=folder)
@@ -249,13 +249,14 @@ def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: 
         raise ConfigError(
             f"{single}: expected {cls.heading} with double brackets, one for each {what}, found a single section"
         )
-    return tuple(_section(cls, entry) for entry in entries)
+    return tuple(section_of(cls, entry) for entry in entries)
 
 
-def _section(cls: type[Section], values: Any) -> Any:
+def section_of(cls: type[Section], values: Any) -> Any:
+    """Make a section from its keys in TOML; raise ConfigError for an unknown, a missing or a wrong one."""
     if not isinstance(values, Mapping):
         raise ConfigError(f"{cls.heading}: expected a section with keys, found {values!r}")
-    known = {_toml_key(item): item for item in dataclasses.fields(cls)}
+    known = {toml_key(item): item for item in dataclasses.fields(cls)}
     for key in values:
         if key not in known:
             otherwise = f"known keys: {', '.join(known)}"
@@ -267,7 +268,7 @@ def _section(cls: type[Section], values: Any) -> Any:
     return cls(**{item.name: _given(item, key, values[key]) for key, item in known.items() if key in values})
 
 
-def _toml_key(item: dataclasses.Field[Any]) -> str:
+def toml_key(item: dataclasses.Field[Any]) -> str:
     """Return the TOML key of a field; for nested sections the last word of their heading, as in [[records.file]]."""
     cls = item.metadata.get("entries")
     return item.name if cls is None else str(cls.heading).strip("[]").rpartition(".")[2]

@@ -61,21 +61,28 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
 
 
 def _workbook(file: SourceFile) -> Iterable[str]:
-    """Yield each sheet of a workbook as rows of text, without empty rows and columns."""
-    import pandas
-
+    """Yield each sheet of a workbook with enough rows for samples as text."""
     try:
-        sheets = pandas.read_excel(io.BytesIO(file.content), sheet_name=None, header=None, dtype=object)
+        sheets = sheet_texts(file.content)
     except ImportError as fault:
         found = "a workbook, which pandas reads with openpyxl: pip install openpyxl"
         raise RecordRefused(f"{file.name}: {found}; or save it as CSV, with headings and units") from fault
     except Exception as fault:  # openpyxl may raise any error for a damaged part
         found = f"cannot be read as a workbook ({fault}); {advice(file)}"
         raise RecordFormatError(f"{file.name}: {found}") from fault
-    for sheet in sheets.values():
-        filled = sheet.dropna(how="all").dropna(axis=1, how="all")
-        if len(filled) >= _FEWEST_SAMPLES:
-            yield "\n".join(_DELIMITER.join(map(_cell, row)).rstrip(_DELIMITER) for row in filled.values.tolist())
+    yield from (sheet for sheet in sheets if sheet.count("\n") + 1 >= _FEWEST_SAMPLES)
+
+
+def sheet_texts(content: bytes) -> list[str]:
+    """Return each sheet of a workbook as rows of text, without empty rows and columns."""
+    import pandas
+
+    sheets = pandas.read_excel(io.BytesIO(content), sheet_name=None, header=None, dtype=object)
+    filled = [sheet.dropna(how="all").dropna(axis=1, how="all") for sheet in sheets.values()]
+    return [
+        "\n".join(_DELIMITER.join(map(_cell, row)).rstrip(_DELIMITER) for row in sheet.values.tolist())
+        for sheet in filled
+    ]
 
 
 def _cell(value: Any) -> str:

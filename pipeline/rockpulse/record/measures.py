@@ -176,7 +176,7 @@ _TABLE = (
         lambda on: on.record.pga / on.lifting,
         heading="uplift ratio",
         stored="",
-        explanation="over `uplift_acceleration`; of a body on a floor the PGA is the floor's",
+        explanation="PGA divided by `uplift_acceleration`; for a body on a floor, the PGA of the floor",
     ),
     _ratio(
         REFERENCE,

@@ -108,12 +108,12 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     assert main(arguments) == 0
     shown = capsys.readouterr().out
     assert "Frequency of overturning, 15 bodies" in shown
-    assert "the 10 that overturn most often" in shown
+    assert "the 10 bodies that overturn most often" in shown
     found = pd.read_csv(table)
     assert found["body"].tolist() == [f"b{k}" for k in range(15)]
     assert found["frequency"].is_monotonic_decreasing  # the wider, the rarer
     total = sum(found["frequency"])
-    assert f"all together {total:.2e} a year" in shown
+    assert f"overturnings of all bodies: {total:.2e} per year" in " ".join(shown.split())
     # The same bodies at sites of their own: the last ten at one whose rates are ten times as high.
     east = ["13" if k < 5 else "14" for k in range(15)]
     rows = "".join(f"b{k},{0.3 + 0.02 * k},3,{east[k]},42.01\n" for k in range(15))
@@ -127,7 +127,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     assert ratio[5:] == pytest.approx(10.0 * ratio[:5].mean(), rel=2e-2)
     assert sited["hazard_distance"].to_numpy() == pytest.approx(1112.0, abs=1.0)
     assert main([*arguments, "--overwrite", "--site", "13", "42"]) == 2
-    assert "[hazard] longitude, latitude: the bodies have their own" in capsys.readouterr().err
+    assert "[hazard] longitude, latitude: also given for each body" in capsys.readouterr().err
     # The ground of each body, in the spelling of the configuration, and a column that says nothing here.
     rows = "".join(f"b{k},{0.3 + 0.02 * k},3,1.2,brick\n" for k in range(15))
     bodies.write_text(f"name,width [m],height [m],Soil_Factor,made of\n{rows}")
@@ -138,7 +138,7 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
     assert "times the soil factor 1.2" in " ".join(shown.split())
     assert "a_g is that on rock" not in shown
     assert main([*arguments, "--overwrite", "--soil-factor", "1.4"]) == 2
-    assert "[hazard] soil_factor: the bodies have their own" in capsys.readouterr().err
+    assert "[hazard] soil_factor: also given for each body" in capsys.readouterr().err
     assert main([*arguments, "--overwrite", "--site", "13", "42"]) == 2
     assert "one hazard curve without coordinates, so no site can be looked up" in capsys.readouterr().err
 
@@ -146,10 +146,11 @@ def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, caps
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("name,width,height\na,1,2\n", "missing: width [m], height [m]"),
+        ("name,width [m]\na,1\n", "missing: height [m]"),
+        ("name,width [m],height [m],tie.height [m]\na,1,2,\nb,1,2,1\n", "b: tie.height: the spectra cover free"),
         ("name,width [m],height [m]\na,0.4,3\na,0.4,3\n", "a unique name for each body"),
-        ("name,width [m],height [m]\na,0.4,x\n", "row 1 of column 'height [m]': expected a number, found 'x'"),
-        ("name,width [m],height [m]\na,0.4,-3\n", "a: height [m]: expected a positive number, found -3"),
+        ("name,width [m],height [m]\na,0.4,x\n", "row 1 of column 'height': expected a number, found 'x'"),
+        ("name,width [m],height [m]\na,0.4,-3\n", "a: height: expected a positive number, found -3"),
         ("name,width [m],height [m]\na,0.4,3,13.4\n", "row 1: expected 3 cells, as in the heading, found 4"),
         ("name,width [m],height [m],restitution\na,0.4,3,1.5\n", "restitution"),
         ("name,width [m],height [m],longitude\na,0.4,3,13\n", "longitude and latitude [degrees] or neither"),

@@ -114,7 +114,7 @@ def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.V
 FAILURE = along(
     ("failure",),
     file=text("file"),
-    stage=text("step at which it was left"),
+    stage=text("step at which the file or record was left out"),
     reason=text("reason, and what to do"),
     kind=text("failed, skipped, duplicate, depth, vertical or structural"),
 )

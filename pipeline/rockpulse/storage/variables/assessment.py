@@ -35,10 +35,10 @@ def _model(rows: Any) -> np.ndarray:
 def _pointers(table: str) -> dict[str, StoredVariable]:
     """Declare the index columns of a table of one record; the index of this record is 0."""
     return {
-        "record_index": whole("index into record of /summary", _column(table, _first_record)),
-        "block_index": whole("index into block of /summary", _column(table, lambda rows: rows.block)),
+        "record_index": whole("index of the record in /summary", _column(table, _first_record)),
+        "block_index": whole("index of the block in /summary", _column(table, lambda rows: rows.block)),
         "case_index": whole("index of the restitution of the block", _column(table, lambda rows: rows.case)),
-        "model_index": whole("index into model of /summary", _column(table, _model)),
+        "model_index": whole("index of the model in /summary", _column(table, _model)),
     }
 
 
@@ -47,25 +47,25 @@ HALF_CYCLE = along(
     lambda name: _column("half_cycles", lambda rows: getattr(rows.source, name)[rows.cycle, rows.lane]),
     **_pointers("half_cycles"),
     half_cycle=whole("number of the half-cycle, from 1", _column("half_cycles", lambda rows: rows.cycle + 1)),
-    start_velocity=real("u = theta'/(p alpha_c) at its start"),
-    peak=real("largest theta/alpha_c in it; inf where the block overturns"),
-    duration=real("time to the next impact; inf where there is none", "s"),
-    impulse_count=whole("intermediate impulses in it; -1 where n -> infinity", explanation="n_i"),
-    interval=real("corrected interval of the intermediate impulses; NaN without", "s", explanation="dT_i"),
-    impact_speed=real("velocity before the next impact divided by p alpha_c; NaN without an impact"),
+    start_velocity=real("u = theta'/(p alpha_c) at the start of the half-cycle"),
+    peak=real("largest theta/alpha_c of the half-cycle; inf if the block overturns"),
+    duration=real("time to the next impact; inf if there is none", "s"),
+    impulse_count=whole("number of secondary impulses in the half-cycle; -1 for infinitely many", explanation="n_i"),
+    interval=real("corrected interval of the secondary impulses; NaN if there are none", "s", explanation="dT_i"),
+    impact_speed=real("velocity before the next impact divided by p alpha_c; NaN if there is no impact"),
 )
 
 OVERTURNING = along(
     ("interval",),
     lambda name: _column("intervals", lambda rows: getattr(rows.source, name)),
     **_pointers("intervals"),
-    lower=real("smallest factor on the model's input that overturns in this interval"),
+    lower=real("smallest scale factor of this interval, on the model's input"),
     upper=real("largest scale factor of this interval; the end of the search if open"),
     open=flag(NO_YES, "whether the block overturns at the end of the search"),
     resolved=flag(
         NO_YES,
         "whether the model gives a result at the lower end",
-        explanation="no: from `lower` on it gives none, as in free flight, which counts as overturning",
+        explanation="no: from `lower` on it gives none (in free flight, for example), which counts as overturning",
     ),
 )
 
@@ -78,7 +78,7 @@ DIRECTIONS: Declared = {
         dims=("direction",),
         explanation="from 0 up to 180 degrees: the motion of the opposite direction is the mirror image",
     ),
-    "record_index": whole("index into record of /summary; -1 where not assessed", dims=("pair", "direction")),
+    "record_index": whole("index of the record in /summary; -1 if not assessed", dims=("pair", "direction")),
     **along(
         ("pair",),
         pga_median=real("median over directions of the peak ground acceleration", "m s-2"),
@@ -91,29 +91,27 @@ DIRECTIONS: Declared = {
     **along(
         ("pair", *LANES[1:], "model"),
         median_rotation_ratio=real(
-            "median over directions of the largest rotation over alpha_c; inf where half of the directions "
-            "overturn, NaN where number of directions without a result could change it"
+            "median over directions of the largest rotation over alpha_c; inf if half of the directions "
+            "overturn, NaN if directions without a result could change it"
         ),
         largest_rotation_ratio=real(
-            "largest value over directions of the largest rotation over alpha_c; inf where a direction overturns, else "
-            "NaN where one has no answer"
+            "largest value over directions of the largest rotation over alpha_c; inf if a direction overturns, "
+            "otherwise NaN if one has no result"
         ),
-        largest_azimuth=real(
-            "azimuth of the largest rotation; of the first to overturn if there are several", "degree"
-        ),
+        largest_azimuth=real("azimuth of the largest rotation; if several directions overturn, of the first", "degree"),
         overturning_share=real("share of all directions that overturn"),
         unanswered_count=whole("number of directions without a result"),
         smallest_safety_factor=real(
-            "smallest value over directions of the safety factor; NaN where one is not known",
-            explanation="inf: none in any direction up to the end of the search; a lower bound where "
-            "`factor_resolved` of that direction says no",
+            "smallest value over directions of the safety factor; NaN if one is not known",
+            explanation="inf: no overturning in any direction up to the end of the search; a lower bound if "
+            '`factor_resolved` of that direction is "no"',
         ),
-        safety_factor_azimuth=real("azimuth of the smallest safety factor; NaN without a finite one", "degree"),
+        safety_factor_azimuth=real("azimuth of the smallest safety factor; NaN if none is finite", "degree"),
     ),
     "overturning_probability_mean": real(
-        "mean over directions of the probability of overturning; NaN where one is not known",
+        "mean over directions of the probability of overturning; NaN if one is not known",
         dims=("pair", *LANES[1:]),
-        explanation="that of a body whose direction is not known; only with `[uncertainty] azimuth = true`",
+        explanation="for a body whose direction is not known; only with `[uncertainty] azimuth = true`",
         stored=lambda config: config.uncertainty.azimuth,
     ),
 }
@@ -122,15 +120,15 @@ WAVES = along(
     ("wave",),
     lambda name: lambda one: getattr(one.scene.waves, name),
     impulse=real("signed impulse of the half-wave", "m s-1"),
-    centroid=real("time of its centroid from the first sample", "s"),
-    start=real("its start", "s"),
-    end=real("its end", "s"),
-    peak=real("its signed peak acceleration", "m s-2"),
+    centroid=real("time of the centroid of the half-wave from the first sample", "s"),
+    start=real("start of the half-wave", "s"),
+    end=real("end of the half-wave", "s"),
+    peak=real("signed peak acceleration of the half-wave", "m s-2"),
 )
 
 _SAMPLES = {
     "row_size": whole(
-        "samples of each record", lambda one: one.record.npts, dims=("record",), sample_dimension="sample"
+        "number of samples of each record", lambda one: one.record.npts, dims=("record",), sample_dimension="sample"
     ),
     "acceleration": real(
         "conditioned ground acceleration", "m s-2", lambda one: one.record.acceleration, dims=("sample",)
@@ -140,27 +138,31 @@ _SAMPLES = {
 _HISTORIES = along(
     ("history",),
     history_row_size=whole(
-        "instants of each history",
+        "number of instants of each history",
         _column("histories", lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
         sample_dimension="instant",
     ),
-    history_record_index=whole("index into record", _column("histories", _first_record)),
+    history_record_index=whole("index of the record", _column("histories", _first_record)),
     history_lane_index=whole(
-        "index into block x case of /summary, case running faster", _column("histories", lambda rows: rows.lane)
+        "index of the combination of block and case in /summary; the case changes fastest",
+        _column("histories", lambda rows: rows.lane),
     ),
-    history_model_index=whole("index into model of /summary", _column("histories", _model)),
+    history_model_index=whole("index of the model in /summary", _column("histories", _model)),
 ) | along(
     ("instant",),
     lambda name: _column("histories", lambda rows: getattr(rows.source, name).ravel()),
     rotation=real("rotation at the record's samples", "rad"),
-    velocity=real("its rate", "rad s-1"),
+    velocity=real("angular velocity at the record's samples", "rad s-1"),
 )
 
 #: Ragged arrays: the values of all records one after the other, with the number of values of each record.
 _RECORDS: Declared = {
     "record": SUMMARY["record"],
     "half_wave_row_size": whole(
-        "half-waves of each record", lambda one: one.scene.waves.impulse.size, dims=("record",), sample_dimension="wave"
+        "number of half-waves of each record",
+        lambda one: one.scene.waves.impulse.size,
+        dims=("record",),
+        sample_dimension="wave",
     ),
     **{f"half_wave_{name}": variable for name, variable in WAVES.items()},
     **{name: replace(one, stored=lambda config: config.records.store == "all") for name, one in _SAMPLES.items()},

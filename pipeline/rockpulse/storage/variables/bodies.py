@@ -29,15 +29,15 @@ BLOCK = along(
     width=real("full width; NaN where only p and alpha are known", "m", lambda bodies, config: bodies.width),
     height=real("full height; NaN where only p and alpha are known", "m", lambda bodies, config: bodies.height),
     radius=real(
-        "R, from the corner to the centre of mass: half the diagonal; for a body given by p the radius given with "
-        "it, else that of the rectangle with the same p",
+        "R, distance from the corner to the centre of mass: half the diagonal; for a body given by p and alpha the "
+        "given radius, or that of the rectangle with the same p",
         "m",
     ),
     alpha_c=real("critical angle", "rad", explanation="about the right-hand corner"),
     p=real("frequency parameter", "s-1", explanation="about the right-hand corner"),
     alpha_2=real("critical angle about the left-hand corner", "rad"),
     p_2=real("frequency parameter about the left-hand corner", "s-1"),
-    radius_2=real("from the left-hand corner to the centre of mass", "m"),
+    radius_2=real("distance from the left-hand corner to the centre of mass", "m"),
     one_sided=flag(NO_YES, "whether the body is in contact with a wall and falls to one side only", _of_body("side")),
     facing=real("azimuth towards which a one-sided body falls; NaN if not known", "degree", lambda b, config: b.facing),
     body_azimuth=real(
@@ -45,8 +45,8 @@ BLOCK = along(
         "degree",
         lambda b, config: b.azimuth,
     ),
-    friction=real("coefficient at the base; NaN where not known", take=lambda b, config: b.friction),
-    mass=real("mass with the loads that move with the body; NaN if not known", "kg"),
+    friction=real("coefficient of friction at the base; NaN if not given", take=lambda b, config: b.friction),
+    mass=real("mass of the body and of the loads that move with it; NaN if not known", "kg"),
     restraints=text(
         "ties, loads and thrusts of the body",
         lambda bodies, config: [
@@ -63,12 +63,12 @@ BLOCK = along(
         explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
     ),
     pedestal_of=text(
-        "name of the body that forms this body together with its pedestal",
+        "name of the body that, with its pedestal, forms this body",
         lambda bodies, config: bodies.pedestal_of,
-        explanation="empty for all others",
+        explanation="empty for all other bodies",
     ),
     uplift_acceleration=real(
-        "smallest horizontal acceleration that lifts it",
+        "smallest horizontal acceleration that lifts the body",
         "m s-2",
         lambda bodies, config: _lifting(bodies.lanes)[:: bodies.cases],
     ),
@@ -77,8 +77,8 @@ BLOCK = along(
         "m s-2",
         lambda bodies, config: np.full(len(bodies.names), bodies.lanes.gravity),
     ),
-    slenderness=real("height over width"),
-    critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
+    slenderness=real("height divided by width"),
+    critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s-1"),
     block_warnings=text("warnings on the block", lambda bodies, config: bodies.warnings, explanation="one per line"),
 )
 
@@ -87,7 +87,7 @@ CASE = {
         "velocity ratio C of an impact",
         take=lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution)),
         dims=("block", "case"),
-        explanation="that ends the rotation about the right-hand corner; of a one-sided body its rebound",
+        explanation="of the impact that ends the rotation about the right-hand corner; the rebound of a one-sided body",
     ),
     "restitution_2": real(
         "velocity ratio C of an impact that ends the rotation about the left-hand corner",

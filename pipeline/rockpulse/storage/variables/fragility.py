@@ -45,11 +45,11 @@ _LANES = ("block", "limit_state", "measure")
 
 COORDINATES: Declared = {
     "record": text("record id", dims=("record",)),
-    "block": text("name of the body", dims=("block",), explanation="with the restitution where a body has several"),
+    "block": text("name of the body", dims=("block",), explanation="with the restitution if a body has several"),
     "limit_state": text("limit state: uplift, theta_max/alpha_c, overturning", dims=("limit_state",)),
     "measure": text("intensity measure", dims=("measure",)),
     "quality": text(
-        "quality of the record; strength: the measure at factor 1",
+        "property of the record; strength: the intensity measure of the unscaled record",
         dims=("quality",),
         explanation="magnitude, epicentral_distance and vs30 only where the files state them",
     ),
@@ -73,13 +73,13 @@ _JUDGED: Declared = {
 CURVE = along(
     _LANES,
     **_FIT,
-    status=flag(_words(Status), "whether there is a curve, and why not"),
-    band=flag(_words(Band), "whether there are confidence limits, and why not"),
+    status=flag(_words(Status), "whether there is a curve, or why there is none"),
+    band=flag(_words(Band), "whether there are confidence limits, or why there are none"),
     **_JUDGED,
     records=whole("number of records"),
     events=whole("number of earthquakes, over which the confidence limits are taken"),
     observations=whole("number of capacities, or of scaled motions"),
-    reached=whole("observations that reached the limit state; the others are censored"),
+    reached=whole("number of observations that reached the limit state; the others are censored"),
 )
 
 CURVES: Declared = {
@@ -110,7 +110,7 @@ CURVES: Declared = {
 #: Variables of an incremental dynamic analysis.
 IDA: Declared = {
     "factor": real(
-        "first factor on the record that reaches the limit state; inf where none does",
+        "smallest scale factor found that reaches the limit state; inf if none does",
         dims=("record", "block", "limit_state"),
         explanation="up to the end of the search",
     ),
@@ -120,23 +120,23 @@ IDA: Declared = {
         dims=("record", "block", "limit_state"),
     ),
     "search_step": real(
-        "ratio of neighbouring scale factors of the search for rotations and overturning; 1: none is missed",
+        "ratio of neighbouring scale factors of the search for rotations and overturning; 1: no interval is missed",
         dims=("record", "block"),
-        explanation="uplift is in closed form; a limit state that is reached in a narrower interval only is given a "
-        "higher `factor`",
+        explanation="uplift has a closed form; if a limit state is reached only in an interval narrower than this "
+        "step, `factor` is too large",
     ),
 }
 
 STRIPES: Declared = {
-    "factor": real("factor on the record; NaN for none", dims=("record", "block", "stripe")),
+    "factor": real("scale factor on the record; NaN if there is none", dims=("record", "block", "stripe")),
     "weight": real(
-        "weight of the record at that factor in the fits",
+        "weight of the record at this scale factor in the fits",
         dims=("record", "stripe"),
         explanation="1 without a selection of records",
     ),
     "reached": flag(
         ("not_known", "not_reached", "reached"),
-        "whether the limit state was reached; -1 where the model gives no result",
+        "whether the limit state was reached; -1 if the model gives no result",
         first=NOT_KNOWN,
         dims=("record", "block", "limit_state", "stripe"),
     ),
@@ -145,10 +145,10 @@ STRIPES: Declared = {
 #: Variables of the records in every analysis.
 CAPACITIES: Declared = {
     "measure_value": real(
-        "measure of the record at factor 1",
+        "intensity measure of the unscaled record",
         OWN,
         dims=("record", "block", "measure"),
-        explanation="factor times it is the capacity in that measure",
+        explanation="multiplied by `factor` it is the capacity in this measure",
     ),
     **along(
         ("record",),
@@ -156,22 +156,22 @@ CAPACITIES: Declared = {
         source=text(RECORD["source"].long_name),
         duration=real("length of the intense phase", "s"),
         period=real("2 pi PGV/PGA", "s"),
-        strong_half_waves=real("half-waves of the intense phase above half the largest"),
+        strong_half_waves=real("number of half-waves of the intense phase above half the largest"),
         **FACTS,
     ),
 }
 
 _RATIO: Declared = {
-    "beta_ratio": real("dispersion divided by that for p PGV/(g tan alpha_c)"),
+    "beta_ratio": real("dispersion divided by the dispersion for p PGV/(g tan alpha_c)"),
     "beta_ratio_low": real("lower confidence limit of the ratio of dispersions"),
     "beta_ratio_high": real("upper confidence limit of the ratio of dispersions"),
 }
 _QUALITY: Declared = {
     "slope": real(
-        "d ln median over d ln of a quality of the record, of the magnitude over its own difference",
-        explanation="of the records that have the quality",
+        "slope of ln median over ln of a property of the record, or over the magnitude itself",
+        explanation="from the records for which the property is known",
     ),
-    "p_value": real("p-value of a slope of zero, by the jackknife over events; not corrected for many tests"),
+    "p_value": real("p-value of a slope of zero, by the jackknife over earthquakes; not corrected for multiple tests"),
 }
 _POOLED_FIT: Declared = {**_FIT, **_JUDGED}
 
@@ -186,9 +186,11 @@ EFFICIENCY: Declared = {
     **along((*_LANES, "quality"), **_QUALITY),
     **along(("limit_state", "measure"), **_pooled(_RATIO)),
     **along(("limit_state", "measure", "quality"), **_pooled(_QUALITY)),
-    "quality_records": whole("number of records that have the quality", dims=("quality",)),
+    "quality_records": whole("number of records for which the property is known", dims=("quality",)),
     "quality_events": whole("number of earthquakes of these records", dims=("quality",)),
-    "most_efficient": text("measure of smallest dispersion; empty where none has one", dims=("block", "limit_state")),
+    "most_efficient": text(
+        "measure with the smallest dispersion; empty if no dispersion is known", dims=("block", "limit_state")
+    ),
     **along(("limit_state", "measure"), **_pooled(_POOLED_FIT)),
 }
 

@@ -47,8 +47,8 @@ def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredV
     """Declare a variable and the two ends of its 90 % interval."""
     meanings = {
         name: long_name,
-        f"{name}_low": f"lower end of the interval of 90 % of {name}",
-        f"{name}_high": f"upper end of the interval of 90 % of {name}",
+        f"{name}_low": f"lower end of the 90 % interval of {name}",
+        f"{name}_high": f"upper end of the 90 % interval of {name}",
     }
     return {
         key: real(
@@ -61,24 +61,26 @@ def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredV
 PROBABILITY: Declared = {
     **_with_ends(
         "overturning_probability",
-        "probability that the body overturns under the record as it is; NaN where not computed",
+        "probability that the body overturns under the unscaled record; NaN if not computed",
         "by the nonlinear model, under the uncertainty of `[uncertainty]`",
     ),
     **_with_ends(
         "factor_10",
-        "factor on the record at which the probability of overturning is 10 %; NaN where not computed",
-        "inf: not reached up to `[search] factor_max`, which is then its `_low`",
+        "scale factor on the record at which the probability of overturning is 10 %; NaN if not computed",
+        "inf: not reached up to `[search] factor_max`, which is then the value of `factor_10_low`",
     ),
     **_with_ends(
-        "factor_50", "factor on the record at which the probability of overturning is 50 %; NaN where not computed", ""
+        "factor_50",
+        "scale factor on the record at which the probability of overturning is 50 %; NaN if not computed",
+        "",
     ),
     **_with_ends(
         "factor_mean",
         "geometric mean of the scale factor at which the body overturns; NaN where not computed",
-        "exp of the area above P over ln f",
+        "computed from the area above the curve of P over ln f",
     ),
     "uplift_probability": real(
-        "probability that the body lifts off under the record as it is; NaN where not computed",
+        "probability that the body lifts off under the unscaled record; NaN if not computed",
         take=_of_lanes("uplift_probability"),
         of_ground=True,
         explanation="in closed form, from `uplift_ratio`: without the vertical acceleration",
@@ -88,8 +90,9 @@ PROBABILITY: Declared = {
         SOURCES,
         "source of the probability of overturning",
         _of_lanes("probability_source"),
-        explanation="slender_limit: samples of the body in the limit of slender blocks; full_equation: samples by the "
-        "nonlinear equation (slenderness below 3.5, ties, loads or vertical acceleration); spectrum: the overturning "
+        explanation="slender_limit: random realisations of the body in the limit of slender blocks; full_equation: "
+        "random realisations by the nonlinear equation (slenderness below 3.5, ties, loads or "
+        "vertical acceleration); spectrum: the overturning "
         'spectrum of the record, with `[uncertainty] spectrum = "all"`',
     ),
 }
@@ -100,8 +103,8 @@ AT_DEMAND: Declared = {
         "scale factor that scales the record to the demand",
         take=_of_lanes("demand_factor"),
         of_ground=True,
-        explanation="the demand divided by the intensity of the motion, of a pair of horizontal channels over the "
-        "geometric mean of theirs",
+        explanation="the demand divided by the intensity of the record; for two horizontal channels of a station, by "
+        "the geometric mean of their intensities",
     ),
     "demand_probability": real(
         "probability that the body overturns under the record scaled to the demand; NaN where not computed",
@@ -123,6 +126,12 @@ AT_DEMAND: Declared = {
         first=-1,
         of_ground=True,
     ),
+    "demand_friction_share": real(
+        "the same as friction_share under the record scaled to the demand",
+        take=_of_lanes("demand_friction_share"),
+        of_ground=True,
+        explanation="not computed as above",
+    ),
 }
 
 
@@ -140,10 +149,10 @@ SPECTRUM_AXES: Declared = {
         "nominal restitution C of the blocks",
         take=_fixed(RESTITUTIONS),
         dims=("restitution",),
-        explanation="that of a draw lies between the shares of it given by `[uncertainty] restitution`",
+        explanation="the random values of C are this value times the range of `[uncertainty] restitution`",
     ),
     "level": real(
-        "scale factor on the record over the mean capacity of the block", take=_fixed(LEVELS), dims=("level",)
+        "scale factor on the record divided by the mean capacity of the block", take=_fixed(LEVELS), dims=("level",)
     ),
     "rotation": real("limit state of rotation, theta/alpha_c", take=_fixed(ROTATIONS), dims=("rotation",)),
 }
@@ -154,19 +163,19 @@ SPECTRUM: Declared = {
         spectrum=real(
             "overturning spectrum S = (g tan(alpha_c)/p)/factor_mean",
             "m s-1",
-            explanation="the effective impulse that a slender block of this p and C takes from the record; its "
-            "mean capacity is (g tan(alpha_c)/p)/S",
+            explanation="effective impulse of the record for a slender block with these p and C; the mean capacity of "
+            "the block is (g tan(alpha_c)/p)/S",
         ),
-        spectrum_low=real("lower end of the interval of 90 % of the spectrum", "m s-1"),
-        spectrum_high=real("upper end of the interval of 90 % of the spectrum", "m s-1"),
+        spectrum_low=real("lower end of the 90 % interval of the spectrum", "m s-1"),
+        spectrum_high=real("upper end of the 90 % interval of the spectrum", "m s-1"),
     ),
     "rotation_spectrum": real(
-        "the same for reaching a rotation: (g tan(alpha_c)/p) over the mean factor at which it is reached",
+        "spectrum for reaching a rotation: (g tan(alpha_c)/p) divided by the mean scale factor that reaches it",
         "m s-1",
         dims=("rotation", "p", "restitution"),
     ),
     "probability": real(
-        "probability of overturning of a block under the record times level times its mean capacity",
+        "probability that a block overturns under the record scaled by `level` times the mean capacity of the block",
         dims=("p", "restitution", "level"),
     ),
 }

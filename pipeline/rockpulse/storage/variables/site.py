@@ -17,7 +17,7 @@ OF_RECORDS: Declared = along(
     source_sha256=text("SHA-256 of the source file"),
     event=text("earthquake of the record, from the user's table, the title or the time"),
     weight=real("weight of the record, of mean one"),
-    scale_factor=real("factor on the conditioned record"),
+    scale_factor=real("scale factor on the conditioned record"),
     **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
     largest_impulse=real("largest half-wave impulse of the scaled record", "m s-1"),
     warnings=text("warnings on the record"),
@@ -31,7 +31,9 @@ def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -
     return {
         name: real(meaning, units, explanation=explanation),
         **{
-            f"{name}_{end}": real(f"{end} end of its interval, events resampled; NaN with one event", units)
+            f"{name}_{end}": real(
+                f"{end} end of the interval of `{name}`, from resampled earthquakes; NaN with one earthquake", units
+            )
             for end in ("lower", "upper")
         },
     }
@@ -41,9 +43,9 @@ def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -
 SITE: Declared = {
     "quantile": real("probability that a further earthquake is at or below the design spectrum"),
     "confidence": real("confidence of all intervals"),
-    "resamples": whole("bootstrap resamples of the events"),
-    "record_count": whole("records of a weight above zero"),
-    "event_count": whole("events of such records"),
+    "resamples": whole("number of bootstrap resamples of the earthquakes"),
+    "record_count": whole("number of records with a weight above zero"),
+    "event_count": whole("number of earthquakes of these records"),
     "site_warnings": text("warnings on the calibration, one per line", explanation="the most serious first"),
     "site_warning_values": text("the same warnings by their codes and values, as JSON"),
     **_with_interval("ratio", "1", "I_s/I of the sequence, weighted median of the records"),
@@ -61,16 +63,16 @@ SITE: Declared = {
         alpha_c=real("critical angle", "rad"),
         p=real("frequency parameter", "s-1"),
         restitution=real("velocity ratio C of an impact"),
-        critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
+        critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s-1"),
         critical_impulse_2=real("I_2c, the size of two impulses at resonance that overturn the block (Eq. 9)", "m s-1"),
         **_with_interval(
             "effective_impulse",
             "m s-1",
             "I_eff, the design spectrum at the p and C of the block",
-            "the block overturns where it reaches g tan(alpha_c)/p; NaN for a block outside the spectrum",
+            "the block overturns if I_eff is g tan(alpha_c)/p or more; NaN for a block outside the spectrum",
         ),
         **_with_interval(
-            "design_factor", "1", "factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
+            "design_factor", "1", "scale factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
         ),
         **_with_interval(
             "main",
@@ -86,13 +88,13 @@ SITE: Declared = {
         most_count=whole("largest number n of secondary impulses in a half-cycle; 0 if it overturns in the first"),
         overturned_share=real("share of the weight of the records whose own spectrum overturns the block"),
     ),
-    **along(("site_event",), event_records=whole("records of the event")),
+    **along(("site_event",), event_records=whole("number of records of the earthquake")),
 }
 
 SITE_AXES: Declared = {
     "record": text("record id", dims=("record",)),
     "block": text("name of the body", dims=("block",), explanation="one for each restitution of a body"),
-    "site_event": text("event", dims=("site_event",)),
+    "site_event": text("earthquake", dims=("site_event",)),
 }
 
 #: The spectra of the records, and their quantiles.

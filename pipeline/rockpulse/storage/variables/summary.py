@@ -161,27 +161,26 @@ RECORD = along(
     half_wave_count=whole("number of half-waves of the whole record", of_ground=True),
     warnings=text("warnings on the record", explanation="one per line"),
     warning_codes=text(
-        "codes of these warnings in their order; plain: a text without one",
+        "codes of these warnings in the same order; plain: a warning without a code",
         explanation="separated by blanks; listed below",
     ),
     processing=text("conditioning steps in their order", explanation="one per line"),
-    vertical_channel=text("id of the vertical channel that is used; empty without one"),
+    vertical_channel=text("id of the vertical channel that is used; empty if there is none"),
 ) | dict(FACTS)
 
 DEMAND = along(
     LANES,
     _of_strength,
     **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
-    impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
-    floor_amplification=real("peak acceleration of the floor over that of the ground; 1 on the ground", of_ground=True),
-    friction_required=real(
-        "largest coefficient of friction that the motion without sliding requires",
-        of_ground=True,
-        explanation="of the nonlinear model, impacts aside; inf where the normal force vanishes; NaN where the "
-        "body has no `friction`, a wall behind it, ties, loads or thrusts",
+    impulse_ratio=real("I/I_1c; NaN if no sequence could be derived from the record"),
+    floor_amplification=real(
+        "peak acceleration of the floor divided by that of the ground; 1 on the ground", of_ground=True
     ),
     friction_share=real(
-        "share of the samples that require more than `friction`", of_ground=True, explanation="NaN as above"
+        "share of the samples of the motion without sliding that require more than `friction`",
+        of_ground=True,
+        explanation="by the nonlinear model, without impacts; NaN if the body has no `friction`, a wall behind it, "
+        "ties, loads or thrusts",
     ),
 )
 
@@ -189,7 +188,7 @@ ANSWER = along(
     (*LANES, "model"),
     lambda name: _OF_ANSWER.get(name, _per_model(lambda one, model: getattr(one.responses[model], name))),
     peak_rotation_ratio=real(
-        "largest rotation over alpha_c; inf where the block overturns, 0 at rest",
+        "largest rotation over alpha_c; inf if the block overturns, 0 at rest",
         explanation="theta_max/alpha_c; NaN: unresolved",
     ),
     outcome=flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
@@ -198,7 +197,7 @@ ANSWER = along(
     overturning_half_cycle=whole("half-cycle in which the block overturns, from 1; -1 if it does not overturn"),
     impacts=whole("number of impacts faster than 1e-3 p alpha_c; -1 if infinite or not known"),
     safety_factor=real(
-        "smallest factor on the model's input that overturns; NaN where not computed",
+        "smallest scale factor on the model's input that overturns the block; NaN if not computed",
         explanation="inf: none up to the end of the search",
         comment=lambda config: (
             f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf "
@@ -207,23 +206,23 @@ ANSWER = along(
     ),
     factor_resolved=flag(
         ("not_computed", "no", "yes"),
-        "whether the model gives a result at safety_factor; no: a lower bound, from there on it gives none",
+        "whether the model gives a result at safety_factor; no: it is a lower bound, above which the model gives none",
         first=-1,
-        explanation="it gives none in free flight, for example, which counts as overturning: what follows from "
-        "`safety_factor` is a lower bound then too. Where `outcome` is unresolved the factor is at most 1, unless "
-        "the bound that the search begins at already rules overturning out",
+        explanation="in free flight, for example, it gives none, which counts as overturning: values computed from "
+        "`safety_factor` are then lower bounds too. If `outcome` is unresolved, the factor is at most 1, unless the "
+        "lower bound at which the search begins already excludes overturning",
     ),
     safe_up_to=real("scale factor on the model's input up to which the search found no overturning"),
     interval_count=whole(
-        "intervals of the factor in which the block overturns; -1 where not computed",
-        explanation="that is where `safety_factor` is NaN",
+        "number of intervals of the scale factor in which the block overturns; -1 if not computed",
+        explanation="`safety_factor` is then NaN",
     ),
     search_step=real(
         "ratio of neighbouring scale factors of the search; 1: no interval can be missed; NaN: no search",
-        explanation="nothing can be missed in closed form, and where nothing up to the end of the search lifts the "
-        "block, or is strong enough to overturn it",
+        explanation="1 also for a closed form, and if no scale factor up to the end of the search lifts the block or "
+        "can overturn it",
     ),
-    capacity_pga=real("safety factor times PGA; NaN where not computed", "m s-2", of_ground=True),
+    capacity_pga=real("safety factor times PGA; NaN if not computed", "m s-2", of_ground=True),
     applicable=flag(("outside_range", "applicable"), "whether the block is within the range of the model"),
 )
 
@@ -237,7 +236,7 @@ def _of_demands(pick: Callable[[Any], Any]) -> Callable[[Bodies, Config], Any]:
 
 
 CAPACITY_RATIO = real(
-    "safety factor divided by demand_factor; NaN where not computed",
+    "safety factor divided by demand_factor; NaN if not computed",
     take=_per_model(
         lambda one, model: one.scales[model].safety_factor[:, np.newaxis] / one.probability["demand_factor"]
     ),

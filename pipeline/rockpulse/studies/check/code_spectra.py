@@ -93,7 +93,7 @@ class TabledSpectrum:
         """Return S_e [m/s2] at a period [s]; raise TableEnds if the table ends before this period."""
         if period > self.period[-1]:
             raise TableEnds(
-                f"{self.words}: the table ends at {self.period[-1]:g} s, but {period:.3g} s is needed; extend it"
+                f"{self.words}: the table ends at {self.period[-1]:g} s, but {period:.3g} s is needed: extend it"
             )
         value = float(np.interp(period, self.period, self.acceleration))
         return value * damping_factor(damping) if period > 0.0 else value

@@ -128,7 +128,7 @@ def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[For
         if tie.side == "negative":
             continue
         if math.isinf(tie.yield_force):
-            raise ValueError("a tie without yield_force: the check assumes rigid-plastic ties; give yield_force")
+            raise ValueError("a tie without yield_force, but the check assumes rigid-plastic ties: give yield_force")
         forces.append(Force(tie.yield_force, tie.height, tie.gap, tie.gap + tie.ultimate))
     forces += [Force(-one.force, one.height) for one in restraints.thrusts]
     return weights, forces

@@ -7,18 +7,18 @@
 """
 
 import math
-import re
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from rocking.body.block import Block
+from rockpulse.config.body_table import SITE, read_body_columns
 from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import lognormal_mean_half_width, mean_weights
 from rockpulse.errors import ConfigError
-from rockpulse.files import column_numbers, read_text, table_of
+from rockpulse.files import column_numbers
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
 from rockpulse.studies.risk.free_bodies import BodyCurves, curves_in_parts, spectra_of, values_at
@@ -26,8 +26,11 @@ from rockpulse.studies.risk.frequency import hazard_conditions, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
 
-#: Required and optional columns of a table.
-NEEDED, OPTIONAL = ("name", "width [m]", "height [m]"), ("restitution", "longitude", "latitude", "soil_factor")
+#: Required columns of a table, with their unit in the heading.
+NEEDED = {"name": "", "width": " [m]", "height": " [m]"}
+#: Keys of [[block]] that do not change the motion of a free body, and cells that state no value.
+_NO_EFFECT = {"friction", "mass", "density", "length", "azimuth", "elastic_modulus", "kappa", "confirm_size"}
+_NOT_GIVEN = ["", "0", "false", "no"]
 #: Allowed ranges of coordinates [degrees].
 DEGREES = {"longitude": (-180.0, 360.0), "latitude": (-90.0, 90.0)}
 
@@ -43,18 +46,23 @@ class Inventory(NamedTuple):
 
 
 def read_inventory(path: str | Path) -> Inventory:
-    """Read free rectangular bodies from a CSV table; raise ConfigError if a column is missing or a value is invalid."""
-    where = Path(path)
-    if not where.exists() or where.is_dir():
-        raise ConfigError(f"{path}: no such file; expected a table of bodies")
-    table = table_of(str(path), read_text(where, what="a table of bodies"))
-    table.columns = [_known(str(name)) for name in table.columns]
-    if missing := [name for name in NEEDED if name not in table.columns]:
-        raise ConfigError(f"{path}: expected the columns {', '.join(NEEDED)}; missing: {', '.join(missing)}")
+    """Read free rectangular bodies from a table; raise ConfigError if a column is missing or a value is invalid."""
+    table, unused = read_body_columns(path)
+    if missing := [f"{name}{unit}" for name, unit in NEEDED.items() if name not in table]:
+        needed = ", ".join(f"{name}{unit}" for name, unit in NEEDED.items())
+        raise ConfigError(f"{path}: expected the columns {needed}; missing: {', '.join(missing)}")
     names = table["name"].tolist()
     if not names or "" in names or len(set(names)) < len(names):
         raise ConfigError(f"{path}: expected a unique name for each body")
-    known = {name: column_numbers(str(path), table, name) for name in (*NEEDED[1:], *OPTIONAL) if name in table.columns}
+    others = [str(name) for name in table if name not in (*NEEDED, "restitution", *SITE)]
+    for name in others:
+        own = ~table[name].str.lower().isin(_NOT_GIVEN)
+        if name not in _NO_EFFECT and own.any():
+            raise ConfigError(
+                f"{path}: {names[int(np.argmax(own))]}: {name}: the spectra cover free rectangular bodies only; use "
+                "rockpulse assess and fragility for this body"
+            )
+    known = {name: column_numbers(str(path), table, name) for name in ("width", "height", *SITE) if name in table}
     for name, values in known.items():
         low, high = DEGREES.get(name, (0.0, np.inf))
         wrong = ~((low <= values) & (values <= high)) if name in DEGREES else values <= low
@@ -65,23 +73,21 @@ def read_inventory(path: str | Path) -> Inventory:
     given = [name for name in DEGREES if name in known]
     if len(given) == 1:
         raise ConfigError(f"{path}: expected the columns longitude and latitude [degrees] or neither, found {given[0]}")
-    width, height, restitution = known["width [m]"], known["height [m]"], known.get("restitution", "housner")
+    sizes = {"width": known["width"], "height": known["height"]}
+    block = _block(path, **sizes)
+    if "restitution" in table:
+        largest = np.asarray(block.restitution).astype(str)
+        table["restitution"] = np.where(table["restitution"].isin(["", "housner"]), largest, table["restitution"])
+        block = _block(path, **sizes, restitution=column_numbers(str(path), table, "restitution"))
+    sites = np.stack([known[name] for name in DEGREES], axis=1) if given else None
+    return Inventory(names, block, sites, known.get("soil_factor"), (*unused, *others))
+
+
+def _block(path: str | Path, **sizes: Any) -> Block:
     try:
-        block = Block(width=width, height=height, restitution=restitution, log=False)
+        return Block(**sizes, log=False)
     except ValueError as error:
         raise ConfigError(f"{path}: {error}") from None
-    sites = np.stack([known[name] for name in DEGREES], axis=1) if given else None
-    passed_over = tuple(name for name in table.columns if name not in (*NEEDED, *OPTIONAL))
-    return Inventory(names, block, sites, known.get("soil_factor"), passed_over)
-
-
-def _known(name: str) -> str:
-    """Return the standard spelling of a column name."""
-    plain = re.sub(r"\s*\[(deg|degrees|°|-)\]$", "", name.lower()).replace(" ", "_")
-    plain = {"lon": "longitude", "lat": "latitude"}.get(plain, plain)
-    if plain in OPTIONAL:
-        return plain
-    return name.lower() if name.lower() in NEEDED else name
 
 
 def inventory_frequency(

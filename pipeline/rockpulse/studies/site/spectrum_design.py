@@ -99,9 +99,10 @@ def spectrum_design(
         quantiles = partial(record_quantiles, draws=draws, confidence=settings.confidence)
         levels = {**STATED, "spectrum_design": settings.quantile}
         own = done["spectrum"][counted]
-        found = quantiles(own, list(levels.values()), True, weights=weights[counted], events=events)
-        for name, one in zip(levels, found, strict=True):
-            spectra |= {f"{name}{end}": table for end, table in zip(ENDS, one, strict=True)}
+        distinct = sorted(set(levels.values()))
+        found = quantiles(own, distinct, True, weights=weights[counted], events=events)
+        for name, level in levels.items():
+            spectra |= {f"{name}{end}": one for end, one in zip(ENDS, found[distinct.index(level)], strict=True)}
         shape = _shape(done, weights, numbers, quantiles)
     else:
         few = WarningText("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))

@@ -18,7 +18,7 @@ from rockpulse.views.shared.words import body_name, numerals, say
 
 #: Grade of a cell for each result of a body under a record.
 _GRADES = {
-    Standing.STANDS: "fair",
+    Standing.STANDS: "good",
     Standing.UNKNOWN: "unknown",
     Standing.WEAKER_OVERTURNS: "bad",
     Standing.OVERTURNS: "bad",

@@ -1,7 +1,10 @@
 """Collects the content of the report page as plain data for the HTML templates."""
 
 import base64
+import json
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,22 +12,30 @@ import xarray as xr
 
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
+from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config, config_from_text, stored_sections
 from rockpulse.config.study_settings import PNG, UncertaintySettings, logo_bytes
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import MODELS
 from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.results_file import WRITTEN_BY
+from rockpulse.studies.check.check import check
 from rockpulse.views.report import record_tables as records
 from rockpulse.views.report.answer_tables import AnswerCells, answer_table, count_table, record_table, table_notes
 from rockpulse.views.report.report_warnings import limits, warnings
-from rockpulse.views.report.site_and_fragility import MatchedFile, describe_fragility, describe_site
+from rockpulse.views.report.site_and_fragility import (
+    MatchedFile,
+    ReportSection,
+    describe_fragility,
+    describe_site,
+)
 from rockpulse.views.report.verdict import (
     MOST,
     acceleration_in_words,
     basis,
     body_drawings,
     body_table,
+    by_severity,
     cards,
     counted_by,
 )
@@ -34,13 +45,16 @@ from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
 from rockpulse.views.shared.table_columns import columns, grade_cell, headed
 from rockpulse.views.shared.verdict_table import verdict_legend
-from rockpulse.views.shared.words import in_dates, say, translated
+from rockpulse.views.shared.words import in_dates, own_name, say, translated
+from rockpulse.views.text.check import check_notes, check_table
 
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
     "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190"
 )
 
+#: Properties of restraints in N or N/m, which are shown in kN or kN/m.
+_IN_THOUSANDS = ("stiffness", "yield_force", "weight", "force")
 #: Largest number of records listed under a body.
 GOVERNING = 10
 _ASSUMPTIONS = ("body", "impact", "motion", "uplift", "strength")
@@ -48,9 +62,17 @@ _NOT_COVERED = ("sliding", "flexible", "walls", "floors", "space", "soil", "haza
 
 
 def page_content(
-    tree: xr.DataTree, site: MatchedFile | None = None, fragility: MatchedFile | None = None
+    tree: xr.DataTree,
+    site: MatchedFile | None = None,
+    fragility: MatchedFile | None = None,
+    checked: xr.Dataset | str | None = None,
+    full: bool = False,
 ) -> SimpleNamespace:
-    """Collect the data of the page from the results and, if given, from a site file and a fragility file."""
+    """Collect the data of the page from the results and, if given, from a site file, a fragility file and code checks.
+
+    `checked` is the missing table of the spectrum if the checks could not be made. `full` adds the configuration and
+    the SHA-256 of the input files.
+    """
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
     found = verdicts(answers)
@@ -81,6 +103,7 @@ def page_content(
         drawings=drawn,
         limits=limits(said, found, answers),
         verdict=body_table(answers, found),
+        check=None if checked is None else _code_checks(checked, found),
         legend=verdict_legend(answers, [row for one in found for row in one.findings]),
         used=records.used_table(answers),
         left_out=records.left_out_table(motions_tree),
@@ -92,19 +115,46 @@ def page_content(
         notes=tuple(table_notes(cells, found, UncertaintySettings(**sections.get("uncertainty", {})))),
         site=None if site is None else describe_site(site, assessed),
         fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
-        bodies=body_pages(cells, found),
+        bodies=body_pages(cells, found, configuration),
         more=max(len(answers.blocks) - MOST, 0),  # number of blocks without a card on the first page
-        records=record_pages(cells),
+        records=record_pages(cells, full),
         reference=f"{REFERENCE} ({say('method.corrected')})",
         models=tuple(_model(name, name == model) for name in answers.models),
         assumptions=_assumptions(summary, sections.get("conditioning", {})),
         not_covered=tuple(_fact(f"not_covered.{name}") for name in _NOT_COVERED),
         versions=records.versions(tree),
-        inputs=records.input_table(summary),
+        inputs=records.input_table(summary, full),
         failures=records.left_out_files(motions_tree),
         record_warnings=records.warning_table(summary),
-        configuration=configuration,
+        configuration=configuration if full else "",
     )
+
+
+def _code_checks(checked: xr.Dataset | str, found: Sequence[BodyVerdict]) -> ReportSection:
+    """Return the section on the code checks, with the bodies in the order of their verdicts."""
+    if isinstance(checked, str):
+        return ReportSection((say("check.no_table", file=checked),), (), ())
+    names = dict.fromkeys(one.body.block for one in sorted(found, key=by_severity))
+    order = [name for name in names if name in checked["block"].values]
+    spectrum = say("check.spectrum")
+    notes = (*check_notes(checked), f"{spectrum[:1].upper()}{spectrum[1:]}.")
+    return ReportSection((), (), (replace(check_table(checked, order), footnotes=notes),))
+
+
+def code_checks(tree: xr.DataTree, config: Config | None = None) -> xr.Dataset | str | None:
+    """Return the code checks of the bodies of the results by [check] of `config`, else by the one in the results.
+
+    Returns None if no spectrum or no body is given, and the name of a table of the spectrum that does not exist.
+    """
+    chosen = config_from_text(str(tree.attrs.get("configuration", "")))
+    if config is not None and config.check.given:
+        chosen = replace(chosen, check=config.check, folder=config.folder)
+    if not (chosen.check.given and chosen.bodies):
+        return None
+    file = chosen.check.file
+    if file is not None and not (chosen.folder / file).exists():
+        return file
+    return check(tree, chosen)
 
 
 def _fact(key: str) -> Fact:
@@ -154,26 +204,29 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
     return stored
 
 
-def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNamespace]:
-    """Collect the data of the section on each body: verdicts, facts, and the records closest to overturning it."""
+def body_pages(cells: AnswerCells, found: list[BodyVerdict], configuration: str) -> list[SimpleNamespace]:
+    """Collect the data of the section on each body, the worst verdict first: verdicts, facts, and worst records."""
     answers = cells.answers
+    given = {name: one for one in config_from_text(configuration).bodies for name in (one.name, own_name(one.name))}
     pages = []
-    for place, block in enumerate(answers.blocks):
+    for place in dict.fromkeys(one.body.place for one in sorted(found, key=by_severity)):
+        block = answers.blocks[place]
         own = [lane for lane, body in enumerate(answers.bodies) if body.place == place]
         cases = [f"C = {restitution(answers.bodies[lane].restitution)}: " if len(own) > 1 else "" for lane in own]
         pages.append(
             SimpleNamespace(
                 key=f"body-{place}",
+                place=place,
                 name=block,
                 verdicts=tuple(grade_cell(found[lane].deciding, case) for lane, case in zip(own, cases, strict=True)),
-                facts=_of_block(answers, block, [answers.bodies[lane].restitution for lane in own]),
+                facts=_of_block(answers, block, [answers.bodies[lane].restitution for lane in own], given.get(block)),
                 governing=_governing(cells, own, place),
             )
         )
     return pages
 
 
-def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
+def record_pages(cells: AnswerCells, full: bool) -> list[SimpleNamespace]:
     """Collect the data of the section on each record: its facts, its worst result, and all bodies."""
     answers = cells.answers
     pages = []
@@ -190,14 +243,14 @@ def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
                 words=", ".join(filter(None, (records.record_words(one), one.magnitude))),
                 brief=brief,
                 worst=worst._replace(text=say("worst", answer=f"{'P ' if answers.probable else ''}{worst.text}")),
-                facts=_of_record(one, str(event)),
+                facts=_of_record(one, str(event), full),
                 bodies=record_table(cells, place),
             )
         )
     return pages
 
 
-def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[Fact, ...]:
+def _of_block(answers: Answers, block: str, restitutions: list[float], given: BlockSettings | None) -> tuple[Fact, ...]:
     one = Known(answers.summary, block=block)
     known = one.number
     size = " × ".join(known(name, "m") for name in ("width", "height") if not math.isnan(one.value(name)))
@@ -211,8 +264,33 @@ def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[
         "rebound" if one.value("one_sided") else "restitution": ", ".join(map(restitution, restitutions)),
         "critical_impulse": known("critical_impulse", "m/s"),
     }
-    lists = {name: (value,) for name, value in facts.items() if value} | {"warnings": one.lines("block_warnings")}
+    lists: dict[str, tuple[str, ...]] = {name: (value,) for name, value in facts.items() if value}
+    lists |= _weights(one, given) | {"warnings": one.lines("block_warnings")}
     return tuple(Fact(say(f"fact.{name}"), lines) for name, lines in lists.items() if lines)
+
+
+def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ...]]:
+    """Return mass, density, ties, loads, thrusts, modes of the floor and pedestals of a body, each as lines."""
+    found: dict[str, tuple[str, ...]] = {"mass": () if math.isnan(one.real("mass")) else (one.number("mass", "kg"),)}
+    parts = json.loads(one.text("restraints") or "{}") | {"floors": json.loads(one.text("floors") or "[]")}
+    if given is not None:
+        parts |= {"density": [{name: given[name] for name in ("density", "length")}]}
+        parts |= {"pedestals": [{**pedestal} for pedestal in given.pedestals]}
+    for name, every in parts.items():
+        found[name] = tuple(filter(None, (", ".join(_numbers(part)) for part in every)))
+    return found
+
+
+def _numbers(part: dict[str, float | str | None]) -> list[str]:
+    """Describe the properties of a restraint or support, without those that are not given or have no effect."""
+    words = []
+    for name, value in part.items():
+        if isinstance(value, str):
+            words.append(say(f"held.{value}"))
+        elif value is not None and math.isfinite(value) and (value or name not in ("gap", "distance")):
+            scale = 1000.0 if name in _IN_THOUSANDS else 1.0
+            words.append(say(f"held.{name}", value=six_digits(value / scale)))
+    return words
 
 
 def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
@@ -235,10 +313,10 @@ def _by_name(cells: AnswerCells, record: int) -> Cell:
     return cell._replace(text=records.record_named(known, cell.text))
 
 
-def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
+def _of_record(one: Known, event: str, full: bool) -> tuple[Fact, ...]:
     known, own = one.number, one.words
-    names = {name: say(f"fact.{name}") for name in ("source", "sha256")}
-    entries = {names["source"]: own("source"), names["sha256"]: own("source_sha256")}
+    entries = {say("fact.source"): own("source")}
+    entries |= {say("fact.sha256"): own("source_sha256")} if full else {}
     if one.value("npts") >= 0:
         angle = one.value("azimuth")
         azimuth = "" if math.isnan(angle) else f" ({say('direction.azimuth', angle=six_digits(angle))})"

@@ -20,8 +20,8 @@ from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
 from rockpulse.views.shared.words import body_name, counted_words, in_dates, listed, numerals, say
 from rockpulse.views.text.left_out import apart, by_kind
 
-#: Largest number of rows in the table of records, of directions in a row, and of reasons for a kind.
-ROWS, DIRECTIONS, REASONS = 10, 3, 2
+#: Largest number of rows in the table of records, directions in a row, reasons for a kind, and of ids of an earthquake.
+ROWS, DIRECTIONS, REASONS, IDS = 10, 3, 2, 12
 #: Largest number of characters of a reason, whose full text is in the annex.
 LONGEST = 90
 #: Kinds whose reasons are listed; other kinds have a common reason.
@@ -116,7 +116,7 @@ def earthquake_table(answers: Answers) -> Table:
     for event, places in of_event.items():
         members = np.unique(motions.index[places])
         known = [Known(answers.summary, record=answers.records[row]) for row in members if row >= 0]
-        names = ", ".join(motions.names[place] for place in places)
+        names = listed([motions.names[place] for place in places], IDS)
         rows.append(
             (
                 Cell(event_name(event, known[0] if known else None)),
@@ -157,12 +157,10 @@ def left_out_table(tree: xr.DataTree) -> Table:
     return Table("left-out", say("caption.left_out"), _headings("kind", "count", "reason"), tuple(rows))
 
 
-def input_table(summary: xr.Dataset) -> Table:
-    """Return a table of the input files of the records."""
-    columns = [
-        summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
-        for name in ("source", "source_sha256", "format")
-    ]
+def input_table(summary: xr.Dataset, full: bool = False) -> Table:
+    """Return a table of the input files of the records, with their SHA-256 if `full`."""
+    names = ("source", "source_sha256", "format") if full else ("source", "format")
+    columns = [summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"] for name in names]
     of_file: dict[str, dict[str, None]] = {}
     for record, source in zip(summary["record"].values, columns[0], strict=True):
         known = Known(summary, record=str(record))
@@ -172,7 +170,7 @@ def input_table(summary: xr.Dataset) -> Table:
         (*map(Cell, row), number_cell(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
         for row, count in Counter(zip(*columns, strict=True)).items()
     )
-    headings = _headings("file", "sha256", "format", "records", *(["occasion"] if of_file else []))
+    headings = _headings("file", *(["sha256"] if full else []), "format", "records", *(["occasion"] if of_file else []))
     return Table("inputs", say("caption.inputs"), headings, rows)
 
 
@@ -192,15 +190,28 @@ def left_out_files(tree: xr.DataTree) -> Table:
 
 
 def warning_table(summary: xr.Dataset) -> Table:
-    """Return a table of all warnings on records and bodies."""
-    rows = []
+    """Return a table of the warnings on bodies and records, with a row for each code, or text without a code."""
+    groups: dict[tuple[str, str], dict[str, list[int]]] = {}
     for kind, name in (("block", "block_warnings"), ("record", "warnings")):
-        if name not in summary:
-            continue
-        for place, (label, text) in enumerate(zip(summary[kind].values, summary[name].values, strict=True)):
-            key = f"{'body' if kind == 'block' else 'record'}-{place}"
-            rows += [(Cell(record_label(str(label)), link=key), Cell(line)) for line in str(text).splitlines() if line]
-    return Table("record-warnings", say("page.warnings"), _headings("of_what", "warning"), tuple(rows))
+        texts = summary[name].values.tolist() if name in summary else []
+        codes = summary["warning_codes"].values.tolist() if kind == "record" and texts else [""] * len(texts)
+        for place, (text, code) in enumerate(zip(texts, codes, strict=True)):
+            lines, of_lines = [line for line in text.splitlines() if line], code.split(" ")
+            for line, one in zip(lines, of_lines if len(of_lines) == len(lines) else lines, strict=True):
+                groups.setdefault((kind, one or line), {}).setdefault(line, []).append(place)
+    rows = tuple(_warned(summary, kind, texts) for (kind, _), texts in groups.items())
+    return Table("record-warnings", say("page.warnings"), _headings("of_what", "warning"), rows)
+
+
+def _warned(summary: xr.Dataset, kind: str, texts: dict[str, list[int]]) -> tuple[Cell, Cell]:
+    """Return the bodies or records with a warning, by number if there are several, and its first text."""
+    places = sorted({place for every in texts.values() for place in every})
+    noun = "body" if kind == "block" else "record"
+    label = Cell(record_label(str(summary[kind].values[places[0]])), link=f"{noun}-{places[0]}")
+    if len(places) > 1:
+        label = Cell(counted_words(len(places), noun))
+    first, rest = next(iter(texts)), len(texts) - 1
+    return label, Cell(say("and_similar", text=first, count=rest) if rest else first)
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:

@@ -62,7 +62,7 @@ class Card:
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
     """Return the cards of the bodies with the worst verdicts, the worst first."""
     worst: dict[int, BodyVerdict] = {}
-    for one in sorted(found, key=_by_severity):
+    for one in sorted(found, key=by_severity):
         worst.setdefault(one.body.place, one)
     return [
         Card(f"body-{place}", one.body.block, *drawn[place], grade_cell(one.deciding), sentence(answers, one))
@@ -70,7 +70,7 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
     ]
 
 
-def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
+def by_severity(one: BodyVerdict) -> tuple[float, float, float]:
     """Return the sort key: worst verdict first, then largest probability, then smallest scale factor."""
     factor, value = one.deciding.margin.smallest, one.share.value
     likely = 0.0 if math.isnan(value) else value
@@ -114,6 +114,9 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
     if not found.demand:
         factor = say("verdict.smallest", factor=say(f"factor.{answers.factor}"), value=smallest)
         return say("verdict.as_recorded", **counted, factor=factor if answers.has_factor else "")
+    if found.grade == Grade.SLIDES_FIRST:
+        friction = float(answers.summary["friction"].values[one.body.place])
+        return say("verdict.slides_first", friction=six_digits(friction))
     if found.grade == Grade.AT_REST:
         return say("verdict.not_lifted", motions=counted_words(found.motions, motions.kind), name=found.demand)
     others = ""
@@ -190,8 +193,8 @@ def acceleration_in_words(value: float) -> str:
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """Return the table of the bodies, with a row for each demand."""
-    rows = [(one, row) for one in found for row in one.findings]
+    """Return the table of the bodies, the worst verdict first, with a row for each demand."""
+    rows = [(one, row) for one in sorted(found, key=by_severity) for row in one.findings]
     findings = [row for _, row in rows]
     several = any(one.body.several for one in found)
     selected = (*columns(*(["restitution"] if several else [])), *verdict_columns(answers, findings))

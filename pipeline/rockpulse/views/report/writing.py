@@ -24,7 +24,7 @@ from rockpulse.storage.hdf5.results_file import load_tree
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
-from rockpulse.views.report.content import logo, page_content, parties
+from rockpulse.views.report.content import code_checks, logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.report.report_pictures import Pictures
@@ -43,7 +43,17 @@ _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
 #: Ids of the parts of the annex, of which empty ones are omitted.
 ANNEXES = ("warnings", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 #: Replacements of terminal spellings by Greek letters and powers.
-LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
+LETTERS = {
+    "theta_max": "θ_max",
+    "alpha_c": "α_c",
+    "theta": "θ",
+    "alpha_0": "α_0",
+    "gamma_a": "γ_a",
+    "alpha": "α",
+    "beta": "β",
+    "dT": "ΔT",
+    "m/s2": "m/s²",
+}
 #: Names of the programs of usable browsers on PATH.
 BROWSERS = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
@@ -75,6 +85,7 @@ def report(
     overwrite: bool = False,
     language: str = "en",
     config: Config | str | Path | None = None,
+    full: bool = False,
 ) -> Path:
     """Write the report of an assessment as one file: HTML without external resources, or PDF.
 
@@ -91,10 +102,13 @@ def report(
     overwrite : bool
         Whether an existing report may be replaced; other files are never replaced.
     language : str
-        Language of texts and numbers: "en" or "it". Reasons for which a file could not be read, and warnings on the
-        contents of its header, stay English.
+        Language of texts and numbers: "en" or "it". Reasons for which a file could not be read, and rare warnings
+        on the contents of its header, stay English.
     config : Config or path, optional
-        Configuration whose author, client, project and logo ([report]) replace those in the results.
+        Configuration whose author, client, project and logo ([report]) replace those in the results, and whose [check],
+        if it gives a spectrum, replaces theirs.
+    full : bool
+        Whether to add the configuration, and the SHA-256 of the input files and of the files of results.
 
     Returns
     -------
@@ -118,7 +132,7 @@ def report(
     as_pdf = target.suffix.lower() == ".pdf"
     if as_pdf:
         browser()  # checked before any work
-    page = report_page(results, site, fragility, language, None if config is None else given_config(config))
+    page = report_page(results, site, fragility, language, None if config is None else given_config(config), full)
     with FileSet() as parts:
         parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
         check_report_target(output, overwrite)  # another process may have written it in the meantime
@@ -156,6 +170,7 @@ def report_page(
     fragility: xr.DataTree | str | Path | None = None,
     language: str = "en",
     config: Config | None = None,
+    full: bool = False,
 ) -> str:
     """Return the HTML page of the report as text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -169,6 +184,10 @@ def report_page(
     kinds = [kind for kind in (SITE_KIND, FRAGILITY) if kind in trees]
     others = {kind: matched_file(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
     beside = others.get(SITE_KIND), others.get(FRAGILITY)
+    checked = code_checks(loaded[ASSESSMENT], config)
+    if isinstance(checked, xr.Dataset):
+        named = dict(zip(stored, tree["summary"].to_dataset()["block"].values.tolist(), strict=True))
+        checked = checked.assign_coords(block=[named.get(name, name) for name in checked["block"].values.tolist()])
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
         autoescape=True,
@@ -180,7 +199,7 @@ def report_page(
     environment.filters["with_symbols"] = with_symbols
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
-        content = page_content(tree, *beside)
+        content = page_content(tree, *beside, checked, full)
         curves = content.fragility.blocks if content.fragility else ()
         gravest = sorted(content.found, key=lambda one: (one.grade, one.share.value), reverse=True)
         worst = [one.body.block for one in gravest]
@@ -193,7 +212,9 @@ def report_page(
             annexes=[one for one in ANNEXES if getattr(content, one, True)],
             worst_curve=next((name for name in worst if name in curves), curves[0] if curves else ""),
             pictures=Pictures(tree, *beside, content.found),
-            files=[Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind])) for kind in given if kind in trees],
+            files=[
+                Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind], full)) for kind in given if kind in trees
+            ],
             explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5", stored),
             style=Markup(_text("report.css") + _text("explorer.css")),
             script=Markup(script),
@@ -244,9 +265,11 @@ def _name(source: xr.DataTree | str | Path | None) -> str:
     return str(source) if isinstance(source, str | Path) else "the tree"
 
 
-def _described(source: xr.DataTree | str | Path | None) -> tuple[str, ...]:
+def _described(source: xr.DataTree | str | Path | None, full: bool) -> tuple[str, ...]:
     if not isinstance(source, str | Path):
         return (say("page.in_memory"),)
+    if not full:
+        return (str(source),)
     with Path(source).open("rb") as file:
         return str(source), f"SHA-256 {hashlib.file_digest(file, 'sha256').hexdigest()}"
 

@@ -100,7 +100,7 @@ def test_a_table_that_ends_early_costs_only_what_it_does_not_reach(tmp_path):
     assert found["activation_ratio"].values[0] == pytest.approx([0.1 / 0.15, 0.1 / 0.15, 0.1 / 0.3])
     assert np.isnan(found["displacement_ratio"].values).all()
     told = found["statement"].values[0].tolist()
-    assert "the table ends at 1 s, but 1.24 s is needed; extend it" in told[0]
+    assert "the table ends at 1 s, but 1.24 s is needed: extend it" in told[0]
     assert "but 1.95 s is needed" in told[1]
     assert told[2] == ""
 

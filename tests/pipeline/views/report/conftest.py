@@ -95,7 +95,7 @@ def whole_folder(request, tmp_path_factory, worker_id):
         if not (folder / "report.html").exists():
             results, site, fragility = map(request.getfixturevalue, ("results", "site", "fragility"))
             rp.save(results, folder / "some results.h5", overwrite=True)
-            page = report_page(folder / "some results.h5", site, fragility)
+            page = report_page(folder / "some results.h5", site, fragility, full=True)
             (folder / "report.html").write_text(page, encoding="utf-8")
     return folder
 
@@ -111,7 +111,7 @@ def plain_page(results, site, fragility):
     """The same with an empty picture in place of each."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Pictures, "_drawn", empty)
-        return report_page(results, site, fragility)
+        return report_page(results, site, fragility, full=True)
 
 
 @pytest.fixture

@@ -5,7 +5,8 @@ import pytest
 from results_tree import results_tree
 
 from rockpulse.assessment.answers import Answers
-from rockpulse.views.report.record_tables import earthquake_table, input_table
+from rockpulse.views.report.record_tables import earthquake_table, input_table, warning_table
+from rockpulse.warning_text import WarningText, with_codes
 
 
 @pytest.fixture
@@ -47,6 +48,24 @@ def test_a_file_is_told_with_the_earthquake_and_station_of_its_channels():
     table = input_table(summary)
     assert table.headings[-1].title == "earthquake, station"
     assert [row[-1].text for row in table.rows] == ["Ridgecrest 2019-07-06, CCC", ""]
-    assert [row[3].text for row in table.rows] == ["2", "1"]
+    assert [row[2].text for row in table.rows] == ["2", "1"]
     summary = results_tree()["summary"].to_dataset().isel(record=[2])
-    assert [heading.title for heading in input_table(summary).headings] == ["file", "SHA-256", "format", "records"]
+    assert [heading.title for heading in input_table(summary).headings] == ["file", "format", "records"]
+    assert [heading.title for heading in input_table(summary, full=True).headings][1] == "SHA-256"
+
+
+def test_warnings_of_one_code_share_a_row():
+    summary = results_tree()["summary"].to_dataset()
+    unknown, note = str(WarningText("orientation_unknown")), "a note of the user"
+    texts, codes = zip(
+        with_codes([WarningText("orientation_unknown"), WarningText("vertical_short", missing=1.0)]),
+        with_codes([WarningText("orientation_unknown"), WarningText("vertical_short", missing=2.0)]),
+        (note, ""),
+        strict=True,
+    )
+    summary = summary.assign(warnings=("record", list(texts)), warning_codes=("record", list(codes)))
+    rows = [tuple(cell.text for cell in row) for row in warning_table(summary).rows]
+    assert rows[-3] == ("2 records", unknown)
+    assert rows[-2][0] == "2 records"
+    assert "in the 1 s that it does not cover (and 1 similar" in rows[-2][1]
+    assert rows[-1] == ("weak.1", note)

@@ -226,7 +226,7 @@ def test_files_of_another_kind_are_refused(tmp_path, results, site):
 def test_the_files_are_named_with_their_hashes(tmp_path):
     path = tmp_path / "results.h5"
     rp.save(results_tree(), path)
-    page = report_page(path)
+    page = report_page(path, full=True)
     assert hashlib.sha256(path.read_bytes()).hexdigest() in page
     assert html.escape(str(path)) in page
 

@@ -104,7 +104,7 @@
     const key = ends === "overturns" && overturning !== undefined ? "overturns_by" : ends;
     const fields = { peak: short(peak ?? 0), time: digits(overturning ?? 0, 2) };
     part("verdict").textContent = reason ?? fill(words[key], fields);
-    part("verdict").className = `verdict mark ${{ rest: "good", rocks: "fair", overturns: "bad" }[ends] ?? "unknown"}`;
+    part("verdict").className = `verdict mark ${{ rest: "good", rocks: "good", overturns: "bad" }[ends] ?? "unknown"}`;
     const last = rotation && middle(rotation, scene.columns - 1), whole = scene.end >= scene.whole - 1e-6;
     const [start, end, length] = [scene.start, scene.end, scene.whole].map((time) => digits(time, 1));
     const notes = [fill(words.stretch, { start, end, whole: length })];
