@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rocking.march.recorded import recorded_response
+from rocking.march.recorded import recorded_response, sliding_demand
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
@@ -20,7 +20,7 @@ from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ
 
 ENDS = ("", "_low", "_high")
 #: Variables of the nominal body: the larger of the rotations in its two senses counts, not the higher probability.
-NOMINAL = ("demand_rotation_ratio", "demand_outcome")
+NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_friction_share")
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
@@ -52,9 +52,11 @@ def _near(factors: np.ndarray, config: Config) -> np.ndarray:
 
 
 def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndarray) -> dict[str, np.ndarray]:
-    """Return outcome and rotation (m, d) of the nominal bodies under the record times `factors`, if `near` is True."""
+    """Return the results (m, d) for the nominal bodies under the record times `factors`, if `near` is True."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
+    shares = [friction_shares(scene, bodies, np.where(near, factors, np.nan)[:, one]) for one in range(near.shape[1])]
+    found["demand_friction_share"] = np.stack(shares, axis=1)
     for place in np.flatnonzero(near.any(axis=0)):
         factor, kept = np.where(near, factors, 0.0)[:, place], near[:, place]
         scale = np.concatenate([factor, factor[sides.both]])
@@ -64,6 +66,20 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
         response = sides.worse(marched)
         found["demand_rotation_ratio"][kept, place] = np.asarray(response.peak_rotation_ratio)[kept]
         found["demand_outcome"][kept, place] = np.asarray(response.outcome)[kept]
+    return found
+
+
+def friction_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndarray:
+    """Return for each block the share of the motion that requires more than its friction, under the record times (m,).
+
+    NaN without friction or a factor, and for blocks beside a wall or with ties, loads or thrusts.
+    """
+    friction, record = np.repeat(bodies.friction, bodies.cases), scene.record
+    found = np.full(friction.shape, np.nan)
+    for factor in np.unique(factors[~np.isnan(friction + factors)]).tolist():
+        asked = np.flatnonzero((factors == factor) & ~np.isnan(friction))
+        own, given = bodies.lanes.take(asked), friction[asked]
+        found[asked] = sliding_demand(own, record.acceleration, record.dt, given, scene.vertical, factor).share
     return found
 
 

@@ -9,12 +9,11 @@ import numpy as np
 
 from rocking.body.limits import RATES
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rocking.march.recorded import sliding_demand
 from rocking.response import Response
 from rocking.search.capacity import uplift_scale
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
-from rockpulse.assessment.probability import record_probability
+from rockpulse.assessment.probability import friction_shares, record_probability
 from rockpulse.assessment.scene import floor_scene, joined_responses, places_of, senses, turned
 from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import Bodies, FeltMotion
@@ -196,18 +195,12 @@ def _assess_at(
 
 
 def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
-    """Return the strength of the motion relative to each body, and the friction that the motion requires."""
+    """Return the strength of the motion relative to each body, and the share of it that exceeds the friction."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
     found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}
     main = np.nan if scene.sequence is None or scene.sequence.shape else float(scene.sequence.main)
     found["impulse_ratio"] = np.asarray(main / lanes.critical_impulse)
     found["floor_amplification"] = np.full(lanes.shape, stronger)
-    friction = np.repeat(bodies.friction, bodies.cases)
-    asked = np.flatnonzero(~np.isnan(friction))
-    found |= {name: np.full(lanes.shape, np.nan) for name in ("friction_required", "friction_share")}
-    if asked.size:
-        own = bodies.lanes.take(asked)
-        demand = sliding_demand(own, record.acceleration, record.dt, friction[asked], scene.vertical)
-        found["friction_required"][asked], found["friction_share"][asked] = demand.required, demand.share
+    found["friction_share"] = friction_shares(scene, bodies, np.ones(lanes.shape))
     return found

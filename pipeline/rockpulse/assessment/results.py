@@ -26,13 +26,14 @@ COLOURS = {
     Grade.MAY_OVERTURN: ORANGE,
     Grade.NO_VERDICT: INK,
     Grade.NOT_KNOWN: INK,
+    Grade.SLIDES_FIRST: INK,
     Grade.OVERTURNS: RED,
 }
 DRAWN = 20
 #: Fields of a finding that are columns of :meth:`Results.verdicts`.
 _COUNTED = (
     *("overturned", "motions", "earthquakes", "left_out", "weak"),
-    *("median_rotation", "largest_rotation", "others_rotation"),
+    *("median_rotation", "largest_rotation", "others_rotation", "sliding"),
 )
 #: Height of a body in the picture [px].
 ROW = 18.0
@@ -74,14 +75,15 @@ class Results(Shown):
         pandas.DataFrame
             One row for each body, or for each restitution of a body that has several. All columns refer to the records
             scaled to the `demand`, or as recorded if the results have none. `verdict` is "at rest", "rocks", "may
-            overturn", "not known" or "overturns"; it is empty without a demand or with fewer than five `earthquakes`.
-            `probability` is the mean probability of overturning over earthquakes [-], with its 90 % interval (`low`,
-            `high`). `smallest` is the smallest scale factor at P = 10 % of all records (or else safety factor), at a
-            demand divided by the scale factor of the demand; `governing` is the record with this factor, or empty.
-            `motions` is the number of counted motions, `overturned` of those that overturn the nominal body;
+            overturn", "not known", "slides first" or "overturns"; it is empty without a demand or with fewer than five
+            `earthquakes`. `probability` is the mean probability of overturning over earthquakes [-], with its 90 %
+            interval (`low`, `high`). `smallest` is the smallest scale factor at P = 10 % of all records (or else safety
+            factor), at a demand divided by the scale factor of the demand; `governing` is the record with this factor,
+            or empty. `motions` is the number of counted motions, `overturned` of those that overturn the nominal body;
             `left_out` of motions that cannot be scaled to the demand, `weak` of motions that lift no body.
             `median_rotation` and `largest_rotation` are the median and largest rotation of the nominal body over
-            alpha_c [-], inf if it overturns; `others_rotation` is the largest rotation without overturning.
+            alpha_c [-], inf if it overturns; `others_rotation` is the largest rotation without overturning. `sliding`
+            is the largest share of a motion that requires more than the friction of the body [-], NaN if unknown.
 
         Raises
         ------

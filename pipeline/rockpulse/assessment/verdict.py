@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, auto
-from typing import NamedTuple
 
 import numpy as np
 
@@ -42,6 +41,7 @@ class Grade(IntEnum):
     MAY_OVERTURN = auto()  #: the probability is 0.05 to 0.5, or higher under a model with an upper-bound input
     NO_VERDICT = auto()  #: there is no demand, or too few earthquakes
     NOT_KNOWN = auto()  #: the grade depends on records without a result
+    SLIDES_FIRST = auto()  #: the friction is too small for the body to rock; there is no verdict on rocking
     OVERTURNS = auto()  #: the probability of overturning is 0.5 or more
 
     @property
@@ -67,6 +67,8 @@ class Finding:
     largest_rotation: float  # largest peak rotation over alpha_c; inf if a motion overturns the body
     others_rotation: float  # largest peak rotation over alpha_c under motions that do not overturn the body
     margin: Margin  # scale factor on the record, or divided by the scale factor of the demand
+    sliding: float  # largest share of a motion that requires more than the friction of the body; NaN if unknown
+    slides_first: bool  # whether the body slides before it rocks
     governing: int  # row of the most severe record in /summary; -1 if there is none
 
     @property
@@ -161,12 +163,15 @@ def _findings(answers: Answers, demand: str | None) -> list[Finding]:
     fallen, lifted = motions.in_any_direction(fallen) & kept, motions.in_any_direction(_lifts(answers, demand), True)
     largest = np.where(kept, np.fmax.reduce(motions.over(rotation, np.nan), axis=1), np.nan)
     stays = kept.any(axis=0) & ~(lifted & kept).any(axis=0)
+    sliding, first = _sliding(answers, demand, kept), slides_first(answers)
     margins, events = answers.margins(demand=demand, left_out=left_out), motions.event_counts(kept).tolist()
     found = []
     for lane, (share, margin) in enumerate(zip(shares, margins, strict=True)):
         grade = Grade.AT_REST if stays[lane] else _grade(share, is_upper_bound(answers.model))
         if motions.kind != "sequence" and (demand is None or events[lane] < FEWEST_AT_DEMAND):
             grade = Grade.NO_VERDICT
+        if first[lane] and (demand is not None or motions.kind == "sequence"):
+            grade = Grade.SLIDES_FIRST
         over = np.where(fallen[:, lane], np.inf, largest[:, lane])
         known = over[~np.isnan(over)]
         found.append(
@@ -184,6 +189,8 @@ def _findings(answers: Answers, demand: str | None) -> list[Finding]:
                 largest_rotation=float(known.max(initial=-math.inf)) if known.size else math.nan,
                 others_rotation=float(np.fmax.reduce(known[np.isfinite(known)], initial=math.nan)),
                 margin=margin,
+                sliding=float(sliding[lane]),
+                slides_first=bool(first[lane]),
                 governing=_governing(ratio[:, lane], np.where(left_out, 0.0, severity)[:, lane]),
             )
         )
@@ -269,16 +276,6 @@ def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
     return int(np.argmax(known)) if known.any() else -1
 
 
-class Sliding(NamedTuple):
-    """A body that may slide: `above` of `total` records require more than its `friction`, up to `most`."""
-
-    body: Body
-    above: int
-    total: int
-    most: float
-    friction: float
-
-
 def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
     """Yield the name and the worse verdict of every body that is assessed both with and without its pedestal."""
     whole = answers.summary["pedestal_of"].values.tolist()
@@ -288,10 +285,21 @@ def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Itera
             yield alone, max(screens, key=lambda one: (one.grade, one.share.value))
 
 
-def sliding(answers: Answers) -> Iterator[Sliding]:
-    """Yield every body that has less friction than some records require."""
-    friction = answers.summary["friction"].values
-    for lane, body in enumerate(answers.bodies):
-        required, own = answers["friction_required"][:, lane], float(friction[body.place])
-        if above := int(np.count_nonzero(required > own)):
-            yield Sliding(body, above, required.size, float(np.nanmax(required)), own)
+def slides_first(answers: Answers) -> np.ndarray:
+    """Return a mask (bodies,): True if the friction of a body is less than the acceleration [g] that lifts it.
+
+    False for a body without friction, or with ties, loads or thrusts, whose forces on the base are unknown.
+    """
+    needed = answers.summary["uplift_acceleration"].values / answers.summary["gravity"].values
+    found = answers.summary["friction"].values < needed * (1.0 - ROUNDING)
+    found &= answers.summary["restraints"].values.astype(str) == ""
+    return np.asarray(found[[body.place for body in answers.bodies]])
+
+
+def _sliding(answers: Answers, demand: str | None, kept: np.ndarray) -> np.ndarray:
+    """Return for each body the largest share of a motion of the mask `kept` that requires more than its friction."""
+    if np.isnan(answers.summary["friction"].values).all() or answers.motions.kind == "sequence":
+        return np.full(kept.shape[1], np.nan)
+    shares = answers["friction_share"] if demand is None else answers.of_demand("demand_friction_share", demand)
+    most = np.fmax.reduce(answers.motions.over(shares, np.nan), axis=1)
+    return np.asarray(np.fmax.reduce(np.where(kept, most, np.nan), axis=0, initial=np.nan))

@@ -11,15 +11,18 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import (
     Grade,
-    Sliding,
     Standing,
     reasons_unknown,
-    sliding,
+    slides_first,
     standings,
     verdicts,
     worse_with_pedestal,
 )
 from rockpulse.earthquakes import probability_interval
+from rockpulse.views.shared.table import Cell
+from rockpulse.views.shared.table_columns import filled, grade_cell
+from rockpulse.views.shared.verdict_table import verdict_columns, verdict_rows
+from rockpulse.views.text.verdicts import body_verdicts
 
 OF = ("record", "block", "model")
 INF, NAN = math.inf, math.nan
@@ -347,11 +350,52 @@ def test_the_worse_of_both_screens_counts(shares, worse):
     assert list(worse_with_pedestal(found, every)) == [("statue", every[worse])]
 
 
-def test_a_body_slides_under_the_records_that_ask_for_more_friction_than_it_has():
-    required = [[0.2, 0.5, NAN, 0.4], [0.4, 0.4, NAN, 0.3]]
-    found = answers(
-        screened(friction=("block", [0.3, 0.5, NAN, 0.2]), friction_required=(("record", "block"), required))
-    )
-    first, _, _, last = found.bodies
-    assert list(sliding(found)) == [Sliding(first, 1, 2, 0.4, 0.3), Sliding(last, 2, 2, 0.4, 0.2)]
-    assert list(sliding(answers(screened()))) == []
+def rubbing(friction, shares, *, demand=1.0, restraints="", probability=0.0):
+    """Five records at a demand; the body lifts at 0.25 g, and its friction is exceeded in a share of each record."""
+    summary = probable([0.0] * 5, at_demand=[probability] * 5, demand=demand)
+    own = {"friction": friction, "uplift_acceleration": 0.25 * 9.80665, "gravity": 9.80665, "restraints": restraints}
+    variables = {name: ("block", [value]) for name, value in own.items()}
+    variables["friction_share"] = (OF[:2], np.array(shares)[:, np.newaxis])
+    if demand is not None:
+        variables["demand_friction_share"] = ((*OF[:2], "demand"), 0.5 * np.array(shares)[:, np.newaxis, np.newaxis])
+    return answers(summary.assign(variables))
+
+
+@pytest.mark.parametrize(("friction", "first"), [(0.2499, True), (0.25, False), (0.6, False), (NAN, False)])
+def test_a_body_slides_first_below_the_friction_at_which_it_lifts(friction, first):
+    """Whatever its probability of overturning, there is no verdict on rocking."""
+    found = rubbing(friction, [0.0] * 5, probability=0.9)
+    assert slides_first(found).tolist() == [first]
+    (body,) = verdicts(found)
+    assert body.grade == (Grade.SLIDES_FIRST if first else Grade.OVERTURNS)
+    assert not slides_first(rubbing(friction, [0.0] * 5, restraints="{}")).any()
+
+
+def test_the_largest_share_at_the_demand_counts():
+    (body,) = verdicts(rubbing(0.3, [0.0, 0.02, 0.2, 0.0, NAN]))
+    assert (body.deciding.sliding, body.recorded.sliding) == (0.1, 0.2)
+    assert grade_cell(body.deciding).grade == "good"
+    (body,) = verdicts(rubbing(0.2, [0.0] * 5))
+    assert grade_cell(body.deciding) == Cell("slides first", float(Grade.SLIDES_FIRST), grade="unknown")
+
+
+@pytest.mark.parametrize(
+    ("friction", "share", "words"),
+    [(0.2, 0.2, "slides first"), (0.3, 0.2, "10 %"), (0.3, 0.002, "<1 %"), (0.3, 0.0, "no"), (NAN, NAN, None)],
+)
+def test_sliding_is_one_column_without_infinities(friction, share, words):
+    found = rubbing(friction, [share] * 5)
+    every = verdicts(found)
+    selected = verdict_columns(found, [one.deciding for one in every])
+    cells = {one.name: cell.text for one, cell in zip(selected, row(found, every, selected), strict=True)}
+    assert cells.get("sliding") == words
+    said = " ".join(body_verdicts(found).split())
+    assert ("Sliding: largest share of the time" in said) == (words is not None)
+    assert "inf" not in said
+
+
+def row(found, every, selected):
+    """The cells of the only body of a table of verdicts."""
+    values = verdict_rows(found, [(one, one.deciding) for one in every], [Cell("")] * 5)
+    (cells,) = filled(selected, values)
+    return cells

@@ -126,6 +126,12 @@ AT_DEMAND: Declared = {
         first=-1,
         of_ground=True,
     ),
+    "demand_friction_share": real(
+        "the same as friction_share under the record scaled to the demand",
+        take=_of_lanes("demand_friction_share"),
+        of_ground=True,
+        explanation="not computed as above",
+    ),
 }
 
 

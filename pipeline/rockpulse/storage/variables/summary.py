@@ -176,14 +176,11 @@ DEMAND = along(
     floor_amplification=real(
         "peak acceleration of the floor divided by that of the ground; 1 on the ground", of_ground=True
     ),
-    friction_required=real(
-        "largest coefficient of friction that the motion without sliding requires",
-        of_ground=True,
-        explanation="by the nonlinear model, without impacts; inf if the normal force vanishes; NaN if the "
-        "body has no `friction`, a wall behind it, ties, loads or thrusts",
-    ),
     friction_share=real(
-        "share of the samples that require more than `friction`", of_ground=True, explanation="NaN as above"
+        "share of the samples of the motion without sliding that require more than `friction`",
+        of_ground=True,
+        explanation="by the nonlinear model, without impacts; NaN if the body has no `friction`, a wall behind it, "
+        "ties, loads or thrusts",
     ),
 )
 

@@ -14,7 +14,6 @@ from rockpulse.assessment.verdict import (
     MAY_OVERTURN,
     BodyVerdict,
     Grade,
-    sliding,
     worse_with_pedestal,
 )
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
@@ -172,13 +171,9 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.share.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=body_name(worst.body.name), value=value))
-    for one in sliding(answers):
-        fields = {
-            "total": counted_words(one.total, "record"),
-            "most": ratio(one.most) if np.isfinite(one.most) else say("infinite"),
-        }
-        own = six_digits(one.friction)
-        said.append(_limit("decides", "slides", name=body_name(one.body.name), count=one.above, friction=own, **fields))
+    slid = [one.body.name for one in found if one.deciding.slides_first or one.deciding.sliding > 0.0]
+    if slid:
+        said.append(_limit("decides", "slides", names=listed([body_name(name) for name in slid])))
     return said
 
 

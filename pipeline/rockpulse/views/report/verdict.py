@@ -114,6 +114,9 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
     if not found.demand:
         factor = say("verdict.smallest", factor=say(f"factor.{answers.factor}"), value=smallest)
         return say("verdict.as_recorded", **counted, factor=factor if answers.has_factor else "")
+    if found.grade == Grade.SLIDES_FIRST:
+        friction = float(answers.summary["friction"].values[one.body.place])
+        return say("verdict.slides_first", friction=six_digits(friction))
     if found.grade == Grade.AT_REST:
         return say("verdict.not_lifted", motions=counted_words(found.motions, motions.kind), name=found.demand)
     others = ""

@@ -7,7 +7,7 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions, searched_up_to
-from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_with_pedestal
+from rockpulse.assessment.verdict import BodyVerdict, worse_with_pedestal
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.formatting import ratio, several
 from rockpulse.views.shared.table import CellMark
@@ -121,7 +121,7 @@ def counted_motions(motions: Motions) -> str:
 
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
-    """Return a sentence for every body on a pedestal and for every body that may slide."""
+    """Return a sentence for every body on a pedestal."""
     notes = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
@@ -130,11 +130,6 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
             f"{alone}: assessed alone and as one body with its pedestal; the worse result governs: {worst.body.name} "
             f"({outcome}); simultaneous motions of both parts are not modelled."
         )
-    notes += [
-        f"{one.body.name}: slides under {one.above} of {several(one.total, 'record')}: the required friction "
-        f"coefficient, up to {ratio(one.most)}, is larger than {one.friction:g}; sliding is not modelled."
-        for one in sliding(answers)
-    ]
     return notes
 
 

@@ -15,7 +15,7 @@ from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.defects import DEFECTS
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
+from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, share, shortened
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number_cell
 from rockpulse.views.shared.words import say, translated
 from rockpulse.warning_text import has_warning
@@ -160,6 +160,7 @@ GRADES = {
     Grade.MAY_OVERTURN: "fair",
     Grade.NO_VERDICT: "unknown",
     Grade.NOT_KNOWN: "unknown",
+    Grade.SLIDES_FIRST: "unknown",
     Grade.OVERTURNS: "bad",
 }
 
@@ -170,6 +171,15 @@ def grade_cell(found: Finding, before: str = "") -> Cell:
     unsure = found.grade == Grade.ROCKS and found.share.high >= OVERTURNS
     verdict = ABSENT if found.grade == Grade.NO_VERDICT else say(f"grade.{found.grade.name.lower()}")
     return Cell(before + verdict, float(found.grade), grade="" if unsure else GRADES[found.grade])
+
+
+def _sliding(found: Finding) -> Cell:
+    """Return whether a body slides: first, in a share of the time of a motion, or not; a dash if it is unknown."""
+    if found.slides_first:
+        return Cell(say("grade.slides_first"), 2.0)
+    if found.sliding == 0.0:
+        return Cell(say("no"), 0.0)
+    return Cell(f"<{share(0.01)}" if found.sliding < 0.01 else share(found.sliding), found.sliding)
 
 
 def formatted(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
@@ -271,6 +281,7 @@ COLUMNS = {
         Column("median_rotation", ("median",), _rotation, "θ/α_c"),
         Column("others_rotation", ("others",), formatted(ratio), "θ/α_c"),
         Column("top_displacement", ("top",), formatted(ratio), "cm"),
+        Column("sliding", ("found",), _sliding),
         Column("uplift", ("uplift",), formatted(ratio, STANDARD_GRAVITY), "g"),
         Column("governing", ("governing",), lambda cell: cell),
         Column("worst_for", ("worst_for",), Cell),

@@ -15,16 +15,17 @@ from rockpulse.views.shared.table import Cell
 from rockpulse.views.shared.words import counted_words, say
 
 #: Meaning of each verdict, as a key of [legend] in the texts.
-_MEANINGS = ("overturns", "may_overturn", "rocks", "at_rest", "not_known")
+_MEANINGS = ("overturns", "may_overturn", "rocks", "at_rest", "not_known", "slides_first")
 
 
 def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Column, ...]:
     """Return the columns of the table after the names of the bodies; with demands, all columns refer to a demand."""
     if answers.motions.kind == "sequence":
         return col.columns("verdict", "smallest_safety_factor")
+    sliding = ("sliding",) if any(map(_may_slide, rows)) else ()
     if not answers.demands:
         smallest = col.columns(f"smallest_{answers.factor}") if answers.has_factor else ()
-        return (*col.columns("overturned_by"), *smallest, *col.columns("governing", "uplift"))
+        return (*col.columns("overturned_by"), *smallest, *col.columns("governing", "uplift", *sliding))
     names = ["at_demand"] if len(answers.demands) > 1 else []
     names += ["verdict"] if any(one.grade != Grade.NO_VERDICT for one in rows) else []
     names += ["probability" if answers.probable else "share", "probability_upper"]
@@ -32,7 +33,11 @@ def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Colu
     names += ["overturned_by"]
     if not all(math.isnan(one.median_rotation) for one in rows):
         names += ["median_rotation", "others_rotation", "top_displacement"]
-    return col.columns(*names, "governing")
+    return col.columns(*names, *sliding, "governing")
+
+
+def _may_slide(found: Finding) -> bool:
+    return found.slides_first or not math.isnan(found.sliding)
 
 
 def verdict_rows(
@@ -62,9 +67,10 @@ def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
     """Explain columns and words of the table, and the records that it does not count."""
     if answers.motions.kind == "sequence":
         return [say("legend.sequence")]
+    sliding = f" {say('legend.sliding')}" if any(map(_may_slide, rows)) else ""
     factor = f" {say(f'legend.{answers.factor}')}" if answers.has_factor else ""
     if not answers.demands:
-        return [say("legend.as_recorded") + factor, *_not_counted(rows), say("legend.state_demand")]
+        return [say("legend.as_recorded") + factor + sliding, *_not_counted(rows), say("legend.state_demand")]
     grades = {row.grade.name.lower() for row in rows}
     levels = {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
     words = [say(f"legend.{name}", **levels) for name in _MEANINGS if name in grades]
@@ -72,7 +78,7 @@ def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
     capacity = f" {say('legend.capacity', factor=say(f'factor.{answers.factor}'))}" if answers.has_factor else ""
     turned = any(not math.isnan(row.median_rotation) for row in rows)
     return [
-        " ".join(filter(None, (what, *words))) + capacity + (f" {say('legend.rotation')}" if turned else ""),
+        " ".join(filter(None, (what, *words))) + capacity + (f" {say('legend.rotation')}" if turned else "") + sliding,
         *_not_counted(rows),
     ]
 

@@ -220,8 +220,10 @@ def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = three_digi
 
 
 def _warnings(site: xr.Dataset) -> str:
-    pairs = zip(site["record"].values, site["warnings"].values, strict=True)
-    warned = [(name, str(words).splitlines()[0]) for name, words in pairs if words]
-    title = f"records with warnings: {len(warned)} (all are stored in /site, variable warnings)"
-    said = [paragraph(words, "      ", f"  {name}: ") for name, words in warned[:LISTED]]
-    return "\n".join([title, *said]) if warned else ""
+    groups: dict[str, list[str]] = {}
+    for name, words in zip(site["record"].values.tolist(), site["warnings"].values.tolist(), strict=True):
+        if words:
+            groups.setdefault(words.splitlines()[0], []).append(name)
+    title = f"records with warnings: {sum(map(len, groups.values()))} (all are stored in /site, variable warnings)"
+    said = [paragraph(f"{words}: {listed(names, 3)}", "      ", "  ") for words, names in groups.items()]
+    return "\n".join([title, *said[:LISTED]]) if groups else ""
