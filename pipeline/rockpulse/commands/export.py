@@ -63,7 +63,7 @@ VERB = Verb(
         {
             "RESULTS": "results file of any kind",
             "-o --output TABLE !": "name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install "
-            "'rockpulse[tables]'); name.README.md, written next to it, explains the columns",
+            "'rockpulse[tables]'); TABLE.README.md, written next to it, explains the columns",
             "--group NAME": "group of the file, such as half_cycles, overturning_intervals, directions, failures or "
             "records; default: the group with the results (summary)",
             "--rows DIM[,DIM]": "dimensions of a row, such as record or record,block; default: record,block,model",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.parser import Verb
@@ -28,8 +29,11 @@ NOTHING = "nothing failed and nothing was skipped"
 
 
 def _run(args: argparse.Namespace) -> int:
+    from rockpulse.run.journal import Journal
     from rockpulse.storage.hdf5.results_file import open_results_file
 
+    if not Path(args.results).exists() and (progress := Journal.progress(args.results)):
+        raise ResultsError(f"{args.results}: {progress}")
     with open_results_file(args.results) as file, file.reading():
         whole = [group for group in SHOWN_WHOLE if group in file.groups]
         tell(_whole(file, whole[0], args) if whole else "\n\n".join(_parts(file, args)))

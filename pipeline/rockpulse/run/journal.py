@@ -150,6 +150,22 @@ class Journal:
             raise
         return journal
 
+    @classmethod
+    def progress(cls, target: str | os.PathLike[str]) -> str:
+        """Return how many records the unfinished run on an output has done, as a sentence; empty without a journal."""
+        path = journal_path(target)
+        if not path.is_file():
+            return ""
+        with path.open("rb", buffering=0) as file:
+            found = cls(path, file)
+        if not found.run_id:
+            return ""
+        done, failed = len(found.complete), len(found.failures())
+        return (
+            f"the run that began {found._started} is not finished: {done} record{'s' * (done != 1)} done, {failed} of "
+            "them with a failure or rejection; if it was stopped, continue with the same command and --resume"
+        )
+
     @property
     def is_current(self) -> bool:
         """Return whether the path still refers to the opened file."""

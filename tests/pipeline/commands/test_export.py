@@ -25,9 +25,12 @@ def test_a_table_and_its_readme(results, tmp_path, capsys):
     assert pd.read_csv(target).to_dict("records") == [
         {"record": RECORDS[0], "block": "boundary wall", "model": "nonlinear", "pga": 5.5574, "outcome": "overturns"}
     ]
-    readme = (tmp_path / "table.README.md").read_text()
+    readme = (tmp_path / "table.csv.README.md").read_text()
     assert "| column | unit | empty cells of 1 | meaning |" in readme
     assert "`inf`: no limit" in readme
+    # The same table in another format has its own README.
+    assert main(["export", results, "-o", str(tmp_path / "table.csv.gz"), *options]) == 0
+    assert (tmp_path / "table.csv.gz.README.md").exists()
     assert "From `results.h5` (Borgo;" in readme
     assert "Selection: model nonlinear; outcome = overturns; sorted by safety_factor, smallest first." in readme
 
@@ -73,5 +76,5 @@ def test_the_readme_has_the_demands_and_the_decimal_comma_is_an_option(tmp_path)
     options = ["--model", "nonlinear", "--columns", "pga,outcome,capacity_ratio", "--decimal-comma"]
     assert main(["export", str(tmp_path / "r.h5"), "-o", str(target), *options]) == 0
     assert pd.read_csv(target, sep=";", decimal=",")["pga"].tolist()[:1] == [5.5574]
-    readme = (tmp_path / "t.README.md").read_text(encoding="utf-8")
+    readme = (tmp_path / "t.csv.README.md").read_text(encoding="utf-8")
     assert "Demands: SLD, PGA 1 m/s2, SLV, PGA 2.5 m/s2." in readme

@@ -8,6 +8,8 @@ import xarray as xr
 from results_tree import RECORDS, results_bytes, results_tree
 
 from rockpulse.cli import main
+from rockpulse.run.journal import Journal
+from rockpulse.run.tasks import Done
 from rockpulse.storage.hdf5.results_file import save
 
 
@@ -143,3 +145,15 @@ def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
 def test_files_that_are_shown_whole_take_no_filters(golden, capsys):
     assert main(["inspect", str(golden.site), "--records", "--worst", "3"]) == 2
     assert "--records, --worst: only for results of 'rockpulse assess'; this is a site file" in capsys.readouterr().err
+
+
+def test_an_unfinished_run_is_shown_with_its_progress(tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    with Journal.open(target) as journal:
+        journal.add(Done("a", "f", (b"x",)))
+        journal.add(Done("b", "g", (b"y",)))
+        assert main(["inspect", str(target)]) == 2
+    assert "is not finished: 2 records done, 0 of them with a failure" in capsys.readouterr().err
+    journal.path.unlink()
+    assert main(["inspect", str(target)]) == 2
+    assert "no such file" in capsys.readouterr().err

@@ -61,10 +61,8 @@ LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 
 
 def readme_of(path: Path) -> Path:
-    """Return the path of the README of a table: table.README.md for table.csv.gz."""
-    return path.with_name(
-        f"{next(path.name.removesuffix(one) for one in SUFFIXES if path.name.endswith(one))}.README.md"
-    )
+    """Return the path of the README of a table: table.csv.README.md for table.csv."""
+    return path.with_name(f"{path.name}.README.md")
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:

@@ -59,7 +59,7 @@ def check(
         `period` [s] and `displacement_ratio`; and `statement`, the reason for NaN. A ratio of 1 or more passes; it is
         for the worse direction of rotation, named in `activation_sense` and `displacement_sense`. If results are given,
         over (block), for the worst of several restitutions: `probability` of overturning; `factor_50`, the median over
-        the records; and `beside`, the reason for NaN in these.
+        the records (of a pair the direction with the smallest factor); and `beside`, the reason for NaN in these.
 
     Raises
     ------
@@ -182,7 +182,8 @@ def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np
     beside = [why or ("" if answers.probable else "the results contain no probability") for why in others.values()]
     probability, factor = np.full((2, len(beside)), math.nan)
     if answers.probable:
-        every, motions = verdicts(answers), answers.motions.over(answers["factor_50"], np.nan)
+        every = verdicts(answers)
+        motions = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)  # weakest direction
         for place, name in enumerate(others):
             lanes = [lane for lane, one in enumerate(every) if one.body.block == name]
             if beside[place] or not lanes:

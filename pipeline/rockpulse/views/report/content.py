@@ -234,7 +234,7 @@ def record_pages(cells: AnswerCells, full: bool) -> list[SimpleNamespace]:
         worst = cells.verdict(place, cells.worst(place)) if answers.bodies else Cell(ABSENT)
         one = Known(answers.summary, record=record)
         impulse = f"I {three_digits(one.value('main_impulse'), 'm/s')}"
-        brief = impulse if math.isnan(one.value(PGA)) else ", ".join(one.strength)
+        brief = impulse if math.isnan(one.value(PGA)) else one.strength[0]
         pages.append(
             SimpleNamespace(
                 key=f"record-{place}",

@@ -21,7 +21,7 @@ from rockpulse.views.shared.words import body_name, counted_words, in_dates, lis
 from rockpulse.views.text.left_out import apart, by_kind
 
 #: Largest number of rows in the table of records, directions in a row, reasons for a kind, and of ids of an earthquake.
-ROWS, DIRECTIONS, REASONS, IDS = 10, 3, 2, 12
+ROWS, DIRECTIONS, REASONS, IDS = 10, 3, 2, 6
 #: Largest number of characters of a reason, whose full text is in the annex.
 LONGEST = 90
 #: Kinds whose reasons are listed; other kinds have a common reason.

@@ -39,7 +39,7 @@ def _columns(of_records: bool) -> tuple[Column, ...]:
     demand, share = say("check.demand"), say("check.ratio")
     counted = titled("n", lambda count: Cell(f"{count}" if count else ABSENT), "records")
     return (
-        titled("", lambda code: Cell(f"  {code_words(code)}"), "code"),
+        titled("", lambda code: Cell(code_words(code)), "code"),
         titled("alpha_0", _value, "multiplier"),
         titled("a_0*", _value, "activation"),
         titled(demand, _value, "activation_demand"),
@@ -56,16 +56,17 @@ def _columns(of_records: bool) -> tuple[Column, ...]:
 
 def check_table(check: xr.Dataset, order: Sequence[str]) -> Table:
     """Return the result of :func:`rockpulse.check` as a table with a row for each body, in `order`, and code."""
-    rows = check.sel(block=list(order)).stack(row=("block", "code"))
-    selected = _columns(_of_records(check))
-    table = tabulated("code-checks", check_title(check), selected, rows)
+    checked = check.sel(block=list(order)).stack(row=("block", "code"))
+    table = tabulated("code-checks", check_title(check), _columns(_of_records(check)), checked)
     titles = iter((say("check.code"), say("check.outcome"), say("check.outcome")))
     headings = (one if one.title else one._replace(title=next(titles)) for one in table.headings)
     names = [Cell(name) for name in order for _ in range(check.sizes["code"])]
+    words = {"good": say("check.yes"), "bad": say("check.no"), "": ""}
+    rows = ([one._replace(text=words[one.grade] or one.text) for one in row] for row in table.rows)
     return replace(
         table,
         headings=(Heading(say("head.body")), *headings),
-        rows=tuple((name, *row) for name, row in zip(names, table.rows, strict=True)),
+        rows=tuple((name, *row) for name, row in zip(names, rows, strict=True)),
     )
 
 
@@ -82,7 +83,8 @@ def check_overview(check: xr.Dataset) -> str:
     below = []
     for place, name in enumerate(names):
         below += [(Cell(name), *[Cell("")] * (len(table.headings) - 1))]
-        below += table.rows[place * len(codes) : (place + 1) * len(codes)]
+        own = table.rows[place * len(codes) : (place + 1) * len(codes)]
+        below += [(code._replace(text=f"  {code.text}"), *row) for code, *row in own]
     notes = check_notes(check)
     if of_results:
         notes.append(

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
@@ -191,7 +192,9 @@ def standing_overview(standing: xr.Dataset) -> str:
 
 
 def _assumed(risk: xr.Dataset) -> list[str]:
-    return [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_conditions']}."]
+    cut = "cut at uplift: a PGA below the uplift PGA of a body on the ground contributes nothing."
+    notes = [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_conditions']}."]
+    return notes + [cut] * (risk.attrs["measure"] == PGA)
 
 
 def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Sequence[str]) -> str:

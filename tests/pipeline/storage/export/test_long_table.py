@@ -199,7 +199,7 @@ def test_parts_make_the_same_table_as_the_whole(opened):
 @pytest.mark.sweep
 def test_the_readme_names_every_column_with_unit_meaning_and_what_is_missing(opened, table, tmp_path):
     target, readme = written(opened, tmp_path / "table.csv", selection=RowSelection(limit=9))
-    assert readme == readme_of(target) == tmp_path / "table.README.md"
+    assert readme == readme_of(target) == tmp_path / "table.csv.README.md"
     text = readme.read_text()
     lines = [[cell.strip(" `") for cell in line.split("|")] for line in text.splitlines() if line.startswith("| `")]
     rows = {cells[1]: cells[2:5] for cells in lines}
@@ -220,7 +220,7 @@ def test_nothing_is_replaced_unless_asked_for(opened, tmp_path):
     assert target.read_text() == "mine"
     written(opened, target, overwrite=True)
     target.unlink()
-    with pytest.raises(ResultsError, match=r"table\.README\.md: the file exists"):
+    with pytest.raises(ResultsError, match=r"table\.csv\.README\.md: the file exists"):
         written(opened, target)
     assert not target.exists()
 
@@ -246,7 +246,7 @@ def test_a_fault_leaves_the_old_table_and_no_rubbish(opened, tmp_path, monkeypat
     with pytest.raises(ResultsError, match=r"cannot write the table: No space left on device"):
         written(opened, target, overwrite=True)
     assert (target.read_bytes(), readme.read_bytes()) == before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["table.README.md", "table.csv"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["table.csv", "table.csv.README.md"]
 
 
 def test_a_line_of_the_file_is_a_row_whatever_ends_a_line_in_a_text(tmp_path):

@@ -67,7 +67,7 @@ def test_a_workbook_has_numbers_to_16_digits_and_texts_that_are_only_texts(opene
     assert {cell.data_type for row in sheet.iter_rows(min_row=2) for cell in row[column : column + 1]} == {"s"}
     assert sorted({row[column] for row in rows}) == sorted(["=1+1", r"a\x1b[2Jb", TEXTS[2]])
     assert "A workbook of one sheet" in readme.read_text()
-    assert readme.name == "t.README.md"
+    assert readme.name == "t.xlsx.README.md"
 
 
 def test_what_a_workbook_cannot_hold_is_told_before_it_is_written(opened, tmp_path, monkeypatch):

@@ -13,7 +13,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.studies.check.check import check
+from rockpulse.studies.check.check import check, history_results
 from rockpulse.studies.check.mechanism import Force, Mechanism, Weight
 from rockpulse.studies.check.records import check_records, rotations_at, rotations_of
 from rockpulse.views.text.check import check_overview
@@ -187,3 +187,10 @@ def test_bodies_and_codes_without_rotations_are_stated(assessed):
     assert "EN 1998-1, 4.3.3.4.3" in " ".join(check_overview(found).split())
     with pytest.raises(ConfigError, match=r"expected results with a \[\[demand\]\]"):
         check(config=stored, code="circolare_2019_records")
+
+
+def test_the_median_over_pairs_is_that_of_the_margins():
+    """Of each pair the direction with the smaller factor counts: 1.3 and 5.2, with a median of 3.25."""
+    pairs = motions(2, rows=[[0, 1], [2, 3]], kind="pair")
+    found = history_results(Answers(probable([0.0] * 4, factor_10=[1.0, 2.0, 8.0, 4.0]), pairs), {"b": ""})
+    assert found["factor_50"] == pytest.approx([3.25])
