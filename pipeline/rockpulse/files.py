@@ -146,7 +146,7 @@ def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[st
     if not target.name.lower().endswith(suffixes):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")
     if target.exists() and not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a file, found something that is not a regular file")
+        raise ResultsError(f"{path}: expected the name of a file, found a folder or a device")
     if target.exists() and not overwrite:
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     if not target.absolute().parent.is_dir():

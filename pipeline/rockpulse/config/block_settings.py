@@ -247,8 +247,8 @@ class BlockSettings(Section):
         if given not in ({"width", "height"}, {"p", "alpha"}, {"p", "alpha", "radius"}, set(_CORNERS)):
             found = ", ".join(sorted(given)) or "none of these"
             raise ConfigError(
-                f"{self.where}: expected width and height [m], or p [1/s] and alpha [rad], the latter with or without "
-                f"radius [m], or b_1, b_2, centre and gyration [m]; found {found}"
+                f"{self.where}: expected one of: width and height [m]; p [1/s] and alpha [rad] (radius [m] optional); "
+                f"b_1, b_2, centre and gyration [m]; found {found}"
             )
         if self.width is None and (self.offset or self.lean or self.density or self.length):
             raise ConfigError(f"{self.where}: offset, lean, density and length can be given with width and height only")

@@ -246,7 +246,7 @@ class DemandSettings(Section):
                 "selection, found neither"
             )
         if (self.period is None) == bool(ROWS[self.measure].periods):
-            needed = f'measure = "{self.measure}" needs period [s], the period of the oscillator'
+            needed = f'measure = "{self.measure}" needs the period of the oscillator in s: sa(1.0)=0.4g or period = 1.0'
             extra = f'period applies only to measure = {quoted(PERIODIC)}, found measure = "{self.measure}"; remove it'
             raise ConfigError(f"{self.where} {self.name}: {needed if self.period is None else extra}")
         measure = ROWS[self.measure].at(self.period)

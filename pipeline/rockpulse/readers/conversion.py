@@ -49,9 +49,9 @@ class Writer:
 
 _AT2 = "AT2 stores accelerations in g to 8 digits, plus event, date, station and direction, but not the start time, "
 _AT2 += "the codes, the processing or the warnings"
-_CSV = "CSV stores accelerations in m/s2 to every digit, the interval and a direction in whole degrees, but nothing "
-_CSV += "else"
-_MSEED = "miniSEED stores accelerations in m/s2 to every digit, start times, and codes as far as they fit; its "
+_CSV = "CSV stores accelerations in m/s2 at full precision, the interval and the direction (in whole degrees), and "
+_CSV += "nothing else"
+_MSEED = "miniSEED stores accelerations in m/s2 at full precision, start times, and codes as far as they fit; its "
 _MSEED += "StationXML, of the same name, the directions and whether a record is raw; it does not store the event, the "
 _MSEED += "processing or the warnings"
 #: The formats by their names for ``rockpulse convert --format``.
@@ -227,7 +227,7 @@ def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) ->
         if os.path.realpath(path) in sources:
             raise ConfigError(f"{path}: a record comes from this file; choose another name")
         if path.exists() and not path.is_file():
-            raise ConfigError(f"{path}: expected the name of a file, found something that is not a regular file")
+            raise ConfigError(f"{path}: expected the name of a file, found a folder or a device")
         if path.exists() and not overwrite:
             raise ConfigError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
         if path.exists() and path.suffix == ".xml" and b"<Source>rockpulse" not in path.read_bytes()[:HEAD]:

@@ -147,8 +147,7 @@ class Record(Shown):
         acceleration = self.acceleration if _spread(self.acceleration) else read_only(self.acceleration)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise RecordFormatError(
-                f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; the file may be "
-                "truncated"
+                f"{where}: expected a one-dimensional array of at least 2 samples, found shape {acceleration.shape}"
             )
         bad = np.flatnonzero(~np.isfinite(acceleration))
         if bad.size:

@@ -207,7 +207,7 @@ def test_a_demand_on_the_command_line(option, name, strength):
         ("0.35g", r'expected MEASURE=VALUE with a unit, such as "pga=0.35g"'),
         ("pga=0.35", r'"pga=0.35": \[\[demand\]\] value: expected a positive number and its unit \(m/s2, g'),
         ("pga=-1g", "expected a positive number"),
-        ("sa=1g", r"needs period \[s\]"),
+        ("sa=1g", r"needs the period"),
         ("pgd=1m", 'did you mean "pgv"'),
     ],
 )

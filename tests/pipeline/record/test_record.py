@@ -55,7 +55,7 @@ def test_samples_are_a_read_only_copy():
 
 @pytest.mark.parametrize("values", [[], [1.0], [[1.0, 2.0], [3.0, 4.0]]])
 def test_fewer_than_two_samples_or_a_table_are_refused(values):
-    with pytest.raises(RecordFormatError, match="expected at least 2 samples in one row"):
+    with pytest.raises(RecordFormatError, match="expected a one-dimensional array of at least 2 samples"):
         record(values=values, source="file.txt")
 
 

@@ -79,7 +79,7 @@ def test_a_read_only_disk_is_refused_at_once(folder, tmpfs, capsys):
     [
         ("file/results.h5", "there is no folder .*file; create it first"),
         ("gone/results.h5", r"there is no folder .*gone; create it first"),
-        ("folder", "found something that is not a regular file"),
+        ("folder", "found a folder or a device"),
         ("file", "the file exists|found another file, which is not replaced"),
     ],
 )

@@ -118,7 +118,7 @@ def _check_name(path: Path) -> None:
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
     """Raise ResultsError unless the target is a results file that may be replaced."""
     if not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a results file, found something that is not a regular file")
+        raise ResultsError(f"{path}: expected the name of a results file, found a folder or a device")
     if not overwrite:
         journal = journal_path(target)
         going_on = f"; --overwrite together with --resume continues the run of {journal}" if journal.exists() else ""

@@ -96,8 +96,7 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, found {measure}")
     if "spectra" not in results.children:
         raise ResultsError(
-            "results: expected those of rockpulse assess with overturning spectra, found none; assess again with "
-            '[uncertainty] spectrum = "all"'
+            'these results contain no overturning spectra; assess again with [uncertainty] spectrum = "all"'
         )
     spectra = results["spectra"].to_dataset()
     return spectra, results["summary"].to_dataset().sel(record=spectra["record"].values)

@@ -150,7 +150,7 @@ def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
     if not target.exists():
         return target
     if not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a report, found something that is not a regular file")
+        raise ResultsError(f"{path}: expected the name of a report, found a folder or a device")
     if not overwrite:
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     with target.open("rb") as file:

@@ -113,7 +113,7 @@ def risk_warnings(risk: xr.Dataset) -> list[str]:
 
 
 def inventory_overview(risk: xr.Dataset) -> str:
-    """Return the result of :func:`rockpulse.inventory_frequency` as text: the most frequent overturnings, and sums."""
+    """Return the result of :func:`rockpulse.inventory_frequency` as text: bodies of the highest frequency, totals."""
     years, measure = float(risk.attrs["years"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)

@@ -190,6 +190,8 @@ def worst_motions(answers: Answers, most: int) -> str:
     at = np.arange(len(body)), body
     order = np.lexsort((near[at], -likely[at]))
     order = order[np.asarray(motions.kept(far).any(axis=1))[order]][:most]
+    if not order.size:
+        return ""
     marked = dict(zip(answers.records, (cell.marked for cell in col.record_cells(answers.summary)), strict=True))
     strength = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
     values = {name: column.tolist() for name, column in strength.items()} | {

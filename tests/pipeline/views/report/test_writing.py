@@ -205,7 +205,7 @@ def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch
     assert other.read_text() == "mine"
     with pytest.raises(ResultsError, match="no folder"):
         report(tree, tmp_path / "none" / "report.html")
-    with pytest.raises(ResultsError, match="not a regular file"):
+    with pytest.raises(ResultsError, match="a folder or a device"):
         report(tree, tmp_path, overwrite=True)
 
 
