@@ -83,6 +83,7 @@ def test_the_seed_decides_the_intervals_and_nothing_else(done):
     assert not (other["effective_impulse_lower"] == done["effective_impulse_lower"]).any()
 
 
+@pytest.mark.sweep
 def test_the_number_of_main_impulses_can_be_given_and_must_be_one():
     given = dataclasses.replace(config(quantile=0.5), sequence=SequenceSettings(main_count=7))
     found = site(RECORDS[:5], given)
@@ -125,6 +126,7 @@ def test_weights_by_event_give_every_event_the_same():
     np.testing.assert_allclose(sums, len(records) / 8)
 
 
+@pytest.mark.sweep
 def test_a_table_of_weights_and_events_is_used(tmp_path):
     ids = [record.id for record in RECORDS]
     pd.DataFrame({"record": ids, "weight": [0, 0, 0, 0, 1, 1, 2, 2]}).to_csv(tmp_path / "weights.csv", index=False)
