@@ -8,7 +8,7 @@
    the particular solution Q = (G + H)/2 satisfies Q'' = Q - a_g and Q' = (G - H)/2, so Q + Q' = G and Q - Q' = H.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -73,16 +73,20 @@ def _exponentials(length, up, down, growth):
 
 
 class SlenderGround:
-    """A ground motion for blocks of one p: pieces (3, k) with their lengths [s] and accelerations at both ends [m/s2].
+    """A ground motion for blocks of one p: lengths [s] of pieces (k,) and the accelerations at both ends [m/s2].
 
     `wall` is True for blocks beside a wall, which only an acceleration below zero can lift.
     """
 
-    def __init__(self, pieces: np.ndarray, rate: float, wall: bool) -> None:
+    def __init__(self, pieces: Sequence[np.ndarray], rate: float, wall: bool) -> None:
         self.pieces, self.rate, self.wall = pieces, rate, wall
-        self._parts = np.maximum(np.ceil(pieces[0] * rate / LONGEST), 1.0).astype(np.int64)
-        self._ends = np.cumsum(self._parts)
-        self._firsts = range(0, int(self._ends[-1]), AT_ONCE)
+        count = pieces[0].size
+        self._divided = np.max(pieces[0]) * rate > LONGEST
+        if self._divided:
+            self._parts = np.maximum(np.ceil(pieces[0] * rate / LONGEST), 1.0).astype(np.int64)
+            self._ends = np.cumsum(self._parts)
+            count = int(self._ends[-1])
+        self._count, self._firsts = count, range(0, count, AT_ONCE)
         # From the end of the motion to its start: G, and the largest -G and G after it.
         self._after = [(0.0, np.zeros(2))]
         for first in reversed(self._firsts[1:]):
@@ -100,14 +104,17 @@ class SlenderGround:
             tables = self._tables(first, past, *after)
             past = tables.points[tables.pieces, RESPONSE] - tables.points[tables.pieces, SPEED]
             yield tables, first == self._firsts[-1]
+            del tables
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
         """Return the tables from a piece on, with H at its start, and G, its largest values and the push at the end."""
-        own = np.arange(first, min(first + AT_ONCE, int(self._ends[-1])))
-        whole = np.searchsorted(self._ends, own, side="right") if np.any(self._parts > 1) else own
-        parts = self._parts[whole]
-        place = own - (self._ends[whole] - parts)
-        seconds, begin, end = self.pieces[:, whole]
+        own = np.arange(first, min(first + AT_ONCE, self._count))
+        whole, parts, place = own, np.ones_like(own), np.zeros_like(own)
+        if self._divided:
+            whole = np.searchsorted(self._ends, own, side="right")
+            parts = self._parts[whole]
+            place = own - (self._ends[whole] - parts)
+        seconds, begin, end = (one[whole] for one in self.pieces)
         length, step = seconds * self.rate / parts, (end - begin) / parts
         start = begin + step * place
         ends = np.where(place + 1 == parts, end, start + step)
@@ -124,7 +131,6 @@ class SlenderGround:
         highest = np.max(np.stack([push, np.append(0.0, push[:-1])]).reshape(2, -1, BLOCK), axis=(0, 2))
         sides = np.stack([-after, after]).reshape(2, -1, BLOCK).max(axis=2)
         sides[:, -1] = np.maximum(sides[:, -1], left)
-        longest = float(np.max(length))
         longest = np.max(length)
         reach = np.full(growth.size, 0.505 * longest**2)
         left = np.maximum(np.maximum.accumulate(sides[:, ::-1], axis=1)[:, ::-1], 0.0)

@@ -204,8 +204,12 @@ def _march_lanes(
         ground = -ground  # mirror image
     seconds = np.diff(times)
     long = seconds > SHORTEST
-    pieces = np.stack([seconds[long], ground[:-1][long], ground[1:][long]])
-    highest = -np.min(pieces[1:]) if side else np.max(np.abs(pieces[1:]))
+    whole = slice(int(np.argmax(long)), long.size - int(np.argmax(long[::-1])))
+    every = whole if np.all(long[whole]) else long  # views where possible, as records may last days
+    pieces = seconds[every], ground[:-1][every], ground[1:][every]
+    del seconds, long
+    least, most = (float(find([find(one) for one in pieces[1:]])) for find in (np.min, np.max))
+    highest = -least if side else max(-least, most)
     if not highest > 0.0:
         raise ValueError("acceleration: expected a ground motion that lifts a block off its wall, got none")
     for rate, restitution in zip(rates.tolist(), restitutions, strict=True):
@@ -228,6 +232,7 @@ def march_one_rate(
             march_lanes(first, last, *work, state, strength, restitution, *tables, motion.wall, final, rotations)
 
         split_lanes(some, log_x.size, threads)
+        del tables, some  # before the next ones are made
     return state[:, 0]
 
 
