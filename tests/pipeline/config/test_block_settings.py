@@ -63,7 +63,7 @@ def test_radius_is_of_a_body_by_parameters_and_judges_its_restitution():
     statue = BlockSettings(name="statue", p=2.385, alpha=0.2445, radius=1.136)
     assert statue.block().restitution == pytest.approx(0.9228, abs=5e-5)
     assert statue.block().radius == 1.136
-    with pytest.raises(ConfigError, match=r"with or without radius .* found height, radius, width"):
+    with pytest.raises(ConfigError, match=r"radius .*optional.* found height, radius, width"):
         BlockSettings(name="a", width=0.5, height=2.0, radius=1.0)
     with pytest.raises(ConfigError, match=r'"statue" radius: no body with p = 2\.385'):
         BlockSettings(name="statue", p=2.385, alpha=0.2445, radius=2.272).block()

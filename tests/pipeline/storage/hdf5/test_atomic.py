@@ -97,7 +97,7 @@ def test_a_link_is_followed_and_the_check_leaves_nothing_behind(tmp_path):
     [
         ("file/results.h5", "no folder"),
         ("missing/results.h5", "no folder .*create it first"),
-        (".", "not a regular"),
+        (".", "a folder or a device"),
     ],
 )
 def test_places_that_cannot_be_written_are_refused(tmp_path, name, message):
