@@ -327,7 +327,7 @@ class RunSettings(Section):
 
     >>> rp.RunSettings(workers=0)
     Traceback (most recent call last):
-    rockpulse.errors.ConfigError: [run] workers: expected one of "all" or an integer from 1 to...
+    rockpulse.errors.ConfigError: [run] workers: expected "all" or an integer from 1 to 10000, found 0
     """
 
     heading = "[run]"

@@ -225,7 +225,7 @@ class HazardSettings(Section):
     --------
     >>> rp.HazardSettings(k0=1e-4)
     Traceback (most recent call last):
-    rockpulse.errors.ConfigError: [hazard] k0, k: expected both of the power law k0 x^-k, found one
+    rockpulse.errors.ConfigError: [hazard] k0, k: the power law k0 x^-k needs both keys, found one; give the other
     """
 
     heading = "[hazard]"

@@ -141,8 +141,8 @@ def critical_scale(
 
     Examples
     --------
-    >>> rp.plots.critical_scale(results, "pier").get_xlabel()
-    "smallest factor on the model's input that overturns [-]"
+    >>> rp.plots.critical_scale(results, "pier").get_xlabel().split(" on ")[0]
+    'smallest scale factor'
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
