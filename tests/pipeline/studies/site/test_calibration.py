@@ -69,13 +69,13 @@ def test_every_record_has_its_sequence_and_the_site_their_medians(done):
         assert 0.0 <= low <= middle <= high
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_nothing_depends_on_the_order_of_the_records(done):
     mixed = site([RECORDS[place] for place in (5, 2, 7, 0, 1, 6, 3, 4)])
     assert mixed.identical(done)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_seed_decides_the_intervals_and_nothing_else(done):
     other = site(settings=dataclasses.replace(config(), run=RunSettings(seed=9)))
     for name in (*SHAPE, "effective_impulse", "main"):
@@ -100,7 +100,7 @@ def test_one_earthquake_has_no_design_but_its_spectra():
     assert np.isfinite(one["spectra"]["spectrum"]).all()
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", SCALING)
 def test_scaling_to_twice_the_target_doubles_every_impulse(measure):
     weak, strong = (site(RECORDS[:3], scale_to=measure, target=target) for target in (1.5, 3.0))
@@ -118,7 +118,7 @@ def test_scaled_beyond_the_usual_is_said():
     assert "scaled by" in str(far["processing"][0].item())
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_weights_by_event_give_every_event_the_same():
     records = [*RECORDS, *(shake(0, 1.5, name=f"more{number}") for number in range(3))]
     found = site(records, weights="event")
