@@ -103,7 +103,7 @@ class Curve:
         self, motion: StrongMotion, body: Block, ends: tuple[float, float], count: int, seed: int, rotation: float
     ) -> None:
         self.bottom, self.top = ends
-        draws = qmc.Sobol(3, rng=seed).random(count)
+        draws = qmc.Sobol(3, seed=seed).random(count)
         self.log_factor = self.bottom + (self.top - self.bottom) * draws[:, 2]
         self.over = overturned(motion, body, self.log_factor, draws, rotation)
         self.level = np.arange(self.bottom + EDGE, self.top - EDGE, STEP)

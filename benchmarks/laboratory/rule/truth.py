@@ -61,7 +61,7 @@ def exact_marches(
     body: Block, ground: np.ndarray, dt: float, uncertainty: Uncertainty, count: int = LANES, seed: int = SEED
 ) -> Marches:
     """March one body by the nonlinear equation, from below its uplift to above :data:`FACTOR_MAX`."""
-    draws = qmc.Sobol(3, rng=seed).random(count)
+    draws = qmc.Sobol(3, seed=seed).random(count)
     reach, last = REACH * uncertainty.factor, math.log(FACTOR_MAX)
     alpha = body.alpha_c * np.exp(-uncertainty.geometry * ndtri(0.5 + 0.5 * draws[:, 1]))
     uplift = math.log(body.gravity * np.min(np.tan(alpha)) / np.max(np.abs(ground)))
