@@ -63,7 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _run(argv)
     except KeyboardInterrupt as error:
-        if argv is None:  # the end of Python restores what a signal does, unless it is ignored
+        if argv is None:  # while Python shuts down, a further Ctrl-C would end it by the signal
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         return _ended(str(error) or "interrupted", INTERRUPTED)
 

@@ -20,7 +20,7 @@ from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ
 
 ENDS = ("", "_low", "_high")
 #: Variables of the nominal body: the larger of the rotations in its two senses counts, not the higher probability.
-NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_friction_share")
+NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share")
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
@@ -55,8 +55,8 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
     """Return the results (m, d) for the nominal bodies under the record times `factors`, if `near` is True."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
-    shares = [friction_shares(scene, bodies, np.where(near, factors, np.nan)[:, one]) for one in range(near.shape[1])]
-    found["demand_friction_share"] = np.stack(shares, axis=1)
+    shares = [sliding_shares(scene, bodies, np.where(near, factors, np.nan)[:, one]) for one in range(near.shape[1])]
+    found["demand_sliding_share"] = np.stack(shares, axis=1)
     for place in np.flatnonzero(near.any(axis=0)):
         factor, kept = np.where(near, factors, 0.0)[:, place], near[:, place]
         scale = np.concatenate([factor, factor[sides.both]])
@@ -69,7 +69,7 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
     return found
 
 
-def friction_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndarray:
+def sliding_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndarray:
     """Return for each block the share of the motion that requires more than its friction, under the record times (m,).
 
     NaN without friction or a factor, and for blocks beside a wall or with ties, loads or thrusts.

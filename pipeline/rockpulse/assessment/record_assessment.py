@@ -13,7 +13,7 @@ from rocking.response import Response
 from rocking.search.capacity import uplift_scale
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
-from rockpulse.assessment.probability import friction_shares, record_probability
+from rockpulse.assessment.probability import record_probability, sliding_shares
 from rockpulse.assessment.scene import floor_scene, joined_responses, places_of, senses, turned
 from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import Bodies, FeltMotion
@@ -202,5 +202,5 @@ def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dic
     main = np.nan if scene.sequence is None or scene.sequence.shape else float(scene.sequence.main)
     found["impulse_ratio"] = np.asarray(main / lanes.critical_impulse)
     found["floor_amplification"] = np.full(lanes.shape, stronger)
-    found["friction_share"] = friction_shares(scene, bodies, np.ones(lanes.shape))
+    found["sliding_share"] = sliding_shares(scene, bodies, np.ones(lanes.shape))
     return found

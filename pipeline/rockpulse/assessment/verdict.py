@@ -300,6 +300,6 @@ def _sliding(answers: Answers, demand: str | None, kept: np.ndarray) -> np.ndarr
     """Return for each body the largest share of a motion of the mask `kept` that requires more than its friction."""
     if np.isnan(answers.summary["friction"].values).all() or answers.motions.kind == "sequence":
         return np.full(kept.shape[1], np.nan)
-    shares = answers["friction_share"] if demand is None else answers.of_demand("demand_friction_share", demand)
+    shares = answers["sliding_share"] if demand is None else answers.of_demand("demand_sliding_share", demand)
     most = np.fmax.reduce(answers.motions.over(shares, np.nan), axis=1)
     return np.asarray(np.fmax.reduce(np.where(kept, most, np.nan), axis=0, initial=np.nan))

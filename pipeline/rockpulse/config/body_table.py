@@ -56,9 +56,9 @@ def _keys() -> dict[str, str]:
     """Return the unit of each column: the keys of [[block]], such as "width" and "tie.height", and of the site."""
     found: dict[str, str] = {}
     for item in fields(BlockSettings):
-        cls = item.metadata.get("entries")
-        named = [(item.name, item)] if cls is None else [(f"{toml_key(item)}.{one.name}", one) for one in fields(cls)]
-        found |= {name: one.metadata["values"].unit for name, one in named}
+        entry = item.metadata.get("entries")
+        keys = {item.name: item} if entry is None else {f"{toml_key(item)}.{key.name}": key for key in fields(entry)}
+        found |= {name: key.metadata["values"].unit for name, key in keys.items()}
     return found | SITE
 
 

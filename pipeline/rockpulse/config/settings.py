@@ -245,10 +245,13 @@ class DemandSettings(Section):
                 f'{self.where} {self.name}: expected the key value (such as "0.35 g" for a PGA) or '
                 "selection, found neither"
             )
-        if (self.period is None) == bool(ROWS[self.measure].periods):
+        periodic = bool(ROWS[self.measure].periods)
+        if periodic and self.period is None:
             needed = f'measure = "{self.measure}" needs the period of the oscillator in s: sa(1.0)=0.4g or period = 1.0'
+            raise ConfigError(f"{self.where} {self.name}: {needed}")
+        if self.period is not None and not periodic:
             extra = f'period applies only to measure = {quoted(PERIODIC)}, found measure = "{self.measure}"; remove it'
-            raise ConfigError(f"{self.where} {self.name}: {needed if self.period is None else extra}")
+            raise ConfigError(f"{self.where} {self.name}: {extra}")
         measure = ROWS[self.measure].at(self.period)
         shown, in_si = f"{self.value:g}" if isinstance(self.value, float) else self.value, self.value
         if isinstance(self.value, str):

@@ -285,7 +285,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of direction or processing by reading, or if `whole` is true its loss; "" if there is none."""
+    """Describe how reading changes direction or processing, or with `whole` loses them; empty without a change."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -300,7 +300,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of the state of processing by reading; "" if there is none."""
+    """Describe how reading changes the state of processing; empty without a change."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

@@ -52,7 +52,7 @@ def test_a_body_aloft_is_shaken_by_its_floor_and_the_others_by_the_ground():
     assert ratio[1] == pytest.approx(ratio[0] * floor.amplification)
     speed = block.p * pgv(RECORD) / (block.gravity * np.tan(block.alpha_c))
     assert summary["velocity_ratio"].values[0] == pytest.approx(speed)
-    asked = summary["friction_share"].values
+    asked = summary["sliding_share"].values
     assert np.isnan(asked[:2]).all()
     assert asked[2] == pytest.approx(models.sliding_demand(block, GROUND, 0.01, 0.2).share[0])
     history = {one.model: one for one in rp.plots.histories(tree, "burst", "aloft", ["nonlinear"])}["nonlinear"]

@@ -355,9 +355,9 @@ def rubbing(friction, shares, *, demand=1.0, restraints="", probability=0.0):
     summary = probable([0.0] * 5, at_demand=[probability] * 5, demand=demand)
     own = {"friction": friction, "uplift_acceleration": 0.25 * 9.80665, "gravity": 9.80665, "restraints": restraints}
     variables = {name: ("block", [value]) for name, value in own.items()}
-    variables["friction_share"] = (OF[:2], np.array(shares)[:, np.newaxis])
+    variables["sliding_share"] = (OF[:2], np.array(shares)[:, np.newaxis])
     if demand is not None:
-        variables["demand_friction_share"] = ((*OF[:2], "demand"), 0.5 * np.array(shares)[:, np.newaxis, np.newaxis])
+        variables["demand_sliding_share"] = ((*OF[:2], "demand"), 0.5 * np.array(shares)[:, np.newaxis, np.newaxis])
     return answers(summary.assign(variables))
 
 

@@ -49,7 +49,7 @@ HALF_CYCLE = along(
     half_cycle=whole("number of the half-cycle, from 1", _column("half_cycles", lambda rows: rows.cycle + 1)),
     start_velocity=real("u = theta'/(p alpha_c) at the start of the half-cycle"),
     peak=real("largest theta/alpha_c of the half-cycle; inf if the block overturns"),
-    duration=real("time to the next impact; inf if there is none", "s"),
+    duration=real("time to the next impact; inf without a further impact", "s"),
     impulse_count=whole("number of secondary impulses in the half-cycle; -1 for infinitely many", explanation="n_i"),
     interval=real("corrected interval of the secondary impulses; NaN if there are none", "s", explanation="dT_i"),
     impact_speed=real("velocity before the next impact divided by p alpha_c; NaN if there is no impact"),

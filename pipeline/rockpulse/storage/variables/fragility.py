@@ -73,7 +73,7 @@ _JUDGED: Declared = {
 CURVE = along(
     _LANES,
     **_FIT,
-    status=flag(_words(Status), "whether there is a curve, or why there is none"),
+    status=flag(_words(Status), "whether a curve was fitted, or why not"),
     band=flag(_words(Band), "whether there are confidence limits, or why there are none"),
     **_JUDGED,
     records=whole("number of records"),
@@ -128,7 +128,7 @@ IDA: Declared = {
 }
 
 STRIPES: Declared = {
-    "factor": real("scale factor on the record; NaN if there is none", dims=("record", "block", "stripe")),
+    "factor": real("scale factor on the record; NaN for unused stripes", dims=("record", "block", "stripe")),
     "weight": real(
         "weight of the record at this scale factor in the fits",
         dims=("record", "stripe"),

@@ -126,9 +126,9 @@ AT_DEMAND: Declared = {
         first=-1,
         of_ground=True,
     ),
-    "demand_friction_share": real(
-        "the same as friction_share under the record scaled to the demand",
-        take=_of_lanes("demand_friction_share"),
+    "demand_sliding_share": real(
+        "the same as sliding_share under the record scaled to the demand",
+        take=_of_lanes("demand_sliding_share"),
         of_ground=True,
         explanation="not computed as above",
     ),

@@ -176,7 +176,7 @@ DEMAND = along(
     floor_amplification=real(
         "peak acceleration of the floor divided by that of the ground; 1 on the ground", of_ground=True
     ),
-    friction_share=real(
+    sliding_share=real(
         "share of the samples of the motion without sliding that require more than `friction`",
         of_ground=True,
         explanation="by the nonlinear model, without impacts; NaN if the body has no `friction`, a wall behind it, "
