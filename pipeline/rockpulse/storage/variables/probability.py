@@ -127,7 +127,7 @@ AT_DEMAND: Declared = {
         of_ground=True,
     ),
     "demand_sliding_share": real(
-        "the same as sliding_share under the record scaled to the demand",
+        "as sliding_share, under the record scaled to the demand",
         take=_of_lanes("demand_sliding_share"),
         of_ground=True,
         explanation="not computed as above",

@@ -177,7 +177,7 @@ DEMAND = along(
         "peak acceleration of the floor divided by that of the ground; 1 on the ground", of_ground=True
     ),
     sliding_share=real(
-        "share of the samples of the motion without sliding that require more than `friction`",
+        "share of the time in which the rocking block would need more than `friction`",
         of_ground=True,
         explanation="by the nonlinear model, without impacts; NaN if the body has no `friction`, a wall behind it, "
         "ties, loads or thrusts",
