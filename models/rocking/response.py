@@ -66,7 +66,7 @@ class HalfCycles(LaneValues):
         u_i = theta'/(p alpha_c) right after the impact and the main impulse [-]; largest theta/alpha_c [-], inf if the
         block overturns; speed u_r right before the next impact [-].
     duration, interval : (h, ...) ndarray
-        Time to the next impact, inf if there is none, and corrected interval dT_i of the intermediate impulses [s].
+        Time to the next impact (inf without one), and corrected interval dT_i of the intermediate impulses [s].
     impulse_count : (h, ...) ndarray of int
         Number n_i of intermediate impulses (0 for none, -1 if n -> infinity or there is no half-cycle).
 

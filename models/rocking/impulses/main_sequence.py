@@ -118,7 +118,7 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
 
 @njit()
 def effective_amplification(restitution, ratio, half_cycle):
-    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]; half-cycle i overturns if v_i >= 1 (F4, n -> infinity)."""
+    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-] for n -> infinity; S_i: :func:`amplification`."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 

@@ -176,11 +176,10 @@ class OverturningSpectrum:
         self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
-        """Return P(x; p, C) at the levels (a, c, k).
+        """Return the probability that abs(theta)/alpha exceeds `rotation`, shape (a, c, k) for p, C and x.
 
-        The uncertainty gives the range of restitution as shares of the nominal C (c,). The limit state is a
-        `rotation` theta/alpha; inf for overturning. Raises ValueError for a C whose range lies outside the lanes, or a
-        rotation that is not positive.
+        `restitution` (c,) are nominal C, and the uncertainty gives their ranges; `rotation` inf means overturning.
+        Raises ValueError for a C whose range is not covered, or a rotation that is not positive.
         """
         if not rotation > 0.0:
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")

@@ -266,7 +266,7 @@ def _to_impact(s, i, k, passed, count, points, rows, blocks, wall, peaks):
 
 @njit(inline="always", _nrt=False)
 def _impact(s, i, k, points, wall, peaks):
-    """Apply the impact in piece `k`, if there is one; return whether there is none in the rest of the piece."""
+    """Apply the next impact within piece `k`; return True if the block reaches the end of the piece without one."""
     u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
     tau = s[TAU + i]
     turn = 1.0 if wall else -1.0
