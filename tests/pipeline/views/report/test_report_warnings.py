@@ -30,7 +30,7 @@ def test_the_gravest_stand_first_and_three_lines_at_most_stand_on_the_first_page
     assert [one.grade for one in said] == sorted((one.grade for one in said), key=GRADES.index)
     decides, earthquakes, not_covered = limits(said, [verdict(summary, of)], answers(summary, of))
     assert decides.startswith("What may change a verdict: at the demand “ULS” there is no verdict, because only")
-    assert earthquakes.startswith("The verdict rests on 3 earthquakes")
+    assert earthquakes.startswith("The results rest on 3 earthquakes")
     assert not_covered.startswith("Not covered: sliding")
     assert "[" not in "".join((decides, earthquakes, not_covered))  # no key of the configuration
 
@@ -77,17 +77,17 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
     found = [verdict(summary, of)]
     said = warnings(answers(summary, of), found, FilesUsed(1))
     told = limits(said, found, answers(summary, of))
-    assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "57 %" in line]
+    assert [line for line in told if line.startswith("The results rest on 2 earthquakes: ") and "57 %" in line]
     assert [one for one in said if "2 earthquakes" in one.head and "57 %" in one.text]
 
 
 def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing_count():
-    said = heads(probable([0.0, 0.0], at_demand=[0.0, 0.0], demand=1.0), "record")["the verdict rests on 2 earthquakes"]
+    said = heads(probable([0.0, 0.0], at_demand=[0.0, 0.0], demand=1.0), "record")["the results rest on 2 earthquakes"]
     assert said.grade == "limits"
     assert "A probability of 0.05 cannot be estimated from 2 earthquakes" in said.text
     assert "by up to 57 % of the motions" in said.text
     summary = probable([0.0] * 12, at_demand=[0.0] * 12, demand=1.0)
-    said = heads(summary, "record")["the verdict rests on 12 earthquakes"]
+    said = heads(summary, "record")["the results rest on 12 earthquakes"]
     assert "cannot be estimated" not in said.text
     assert (
         "--demand pga=0.35g"
