@@ -9,6 +9,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 
+from rockpulse.app import CHILD
 from rockpulse.commands import VERBS
 from rockpulse.commands.parser import Parser
 from rockpulse.commands.terminal import (
@@ -60,6 +61,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Parse the arguments (by default ``sys.argv``), run one verb, and return the exit code."""
     if argv is None and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, interrupt)
+        if CHILD in os.environ:
+            from rockpulse.app.child import follow_parent
+
+            follow_parent()
     try:
         return _run(argv)
     except KeyboardInterrupt as error:
