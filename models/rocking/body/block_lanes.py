@@ -40,6 +40,7 @@ class BlockLanes(LaneValues, Shown):
     restitution_2: Floats = lane_field(init=False)
     side: Integers = lane_field(0, init=False)
     mass: Floats = lane_field(init=False)
+    hinge: Floats = lane_field(0.0, init=False)
     restraints: Restraints | np.ndarray | None = lane_field(None, init=False)
     warnings: tuple[str, ...] = field(init=False)
 
