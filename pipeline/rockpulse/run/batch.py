@@ -128,7 +128,7 @@ class _Batch:
             given = [paths] if isinstance(paths, str | os.PathLike) else paths
             paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links are not resolved
         found, rows = find_files(paths, (output, journal_path(output), *options.written))
-        check_patterns(found, self.analysis.config.records.files)
+        check_patterns(found, read_options(self.analysis.config))
         with Journal.open(output, options.resume, options.overwrite, appends) as journal, ExitStack() as resources:
             self.journal = journal
             remove_parts(output)  # temporary files of killed runs

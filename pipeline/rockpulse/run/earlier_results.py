@@ -15,7 +15,7 @@ from rockpulse.config.configuration import SECTIONS, Config, config_from_text
 from rockpulse.errors import ConfigError, ResultsError, some
 from rockpulse.record.record import BETWEEN
 from rockpulse.run.analysis import Analysis, Part
-from rockpulse.run.tasks import IDLE, Task, configuration_fingerprint
+from rockpulse.run.tasks import IDLE, OF_TASKS, Task, configuration_fingerprint
 from rockpulse.storage.hdf5.netcdf4 import slab
 from rockpulse.storage.hdf5.results_file import ResultsFile, open_results_file
 from rockpulse.storage.hdf5.verification import verify
@@ -33,8 +33,6 @@ DIGITS = 16
 PARTIAL = "-" * DIGITS
 #: Largest number of rows that are read at once.
 ROWS = 64
-#: Keys of [records] whose effect is part of the fingerprint of each task, or which affect no numbers.
-FREE = {"paths", "keep", "confirm", "units", "dt", "events", "files", "pairs"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +151,7 @@ def _differences(old: Config, new: Config, verb: str) -> list[str]:
     found = []
     for name in SECTIONS:
         if name not in (*IDLE[verb], "run"):
-            free = FREE if name == "records" else set()
+            free = set(OF_TASKS) if name == "records" else set()
             found += _changed_keys(f"[{name}]", getattr(old, name), getattr(new, name), free)
     if old.run.seed != new.run.seed:
         found.append(f"[run] seed: {old.run.seed} in the file, {new.run.seed} now")
