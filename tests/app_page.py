@@ -52,6 +52,7 @@ def served(folder, *options):
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
         said, _ = process.communicate(timeout=30)
+        print(said)  # shown with a failure
     assert process.returncode in (0, -signal.SIGKILL), said
     assert "Traceback" not in said, said
 

@@ -104,7 +104,8 @@ class ResultPart:
                 if report.is_file():
                     _link(say("app.results.html"), report.name)
                 else:
-                    ui.button(say("app.results.make"), on_click=handler(lambda: self._write_report(".html")))
+                    make = ui.button(say("app.results.make"), on_click=handler(lambda: self._write_report(".html")))
+                    make.props("outline no-caps")
                 for label, kind in (("PDF", ".pdf"), ("CSV", TABLE)):
                     ui.button(label, on_click=handler(self._saving(kind))).props("outline no-caps")
                 _link("HDF5", RESULTS)

@@ -34,9 +34,12 @@ class Window:
         self.wait(lambda: self.find("#results h2"))
         return self
 
-    def wait(self, seen):
+    def wait(self, seen, expected=""):
         waiting = WebDriverWait(self.browser, PATIENCE, 0.1, [StaleElementReferenceException])
-        return waiting.until(lambda _: seen())
+        try:
+            return waiting.until(lambda _: seen())
+        except TimeoutException:
+            pytest.fail(f"expected {expected or 'something else'} on\n{self.find('body')[0].text}")
 
     def find(self, selector):
         return self.browser.find_elements("css selector", selector)
@@ -45,10 +48,7 @@ class Window:
         return self.find(f"#{part}")[0].text
 
     def says(self, part, *words):
-        try:
-            self.wait(lambda: all(word in self.text(part) for word in words))
-        except TimeoutException:
-            pytest.fail(f"expected {words} in\n{self.text(part)}")
+        self.wait(lambda: all(word in self.text(part) for word in words), words)
 
     def drop(self, *paths):
         self.find("#records input[type=file]")[0].send_keys("\n".join(map(str, paths)))
@@ -85,9 +85,15 @@ class Window:
         return {url.split("/")[2] for url in urls if not url.startswith(("data:", "blob:"))}
 
 
+def add(window, count):
+    """Add a body to a page, which then has `count`."""
+    window.press("bodies", "Add a body")
+    window.wait(lambda: len(window.find(".body-row")) == count)
+
+
 def walls(window):
     """Two bodies, the first one typed in millimetres and corrected."""
-    window.press("bodies", "Add a body")
+    add(window, 1)
     window.type("bodies", "name", "wall")
     window.type("bodies", "width [m]", "550")
     window.type("bodies", "height [m]", "4200")
@@ -96,7 +102,7 @@ def walls(window):
     window.type("bodies", "width [m]", "0.3")
     window.type("bodies", "height [m]", "2,4")
     window.says("bodies", "uplift PGA 0.125 g")
-    window.press("bodies", "Add a body")
+    add(window, 2)
     window.type("bodies", "name", "pier")
     window.type("bodies", "width [m]", "wide")
     window.says("bodies", "expected a positive number of metres")
