@@ -132,9 +132,6 @@ class _Scenes:
             motions |= dict(zip(others, again, strict=True))
         except ResultsError as reason:
             why_not = str(reason)
-        if block.side:
-            # The sense of the record is chosen such that the body turns away from its wall.
-            motions = {at: one._replace(rotation=np.abs(one.rotation)) for at, one in motions.items()}
         try:
             ground = stored_record(self._tree, record)
             time, acceleration, curve = ground.time, ground.acceleration, self._curve(row, lane, block, ground)
