@@ -57,10 +57,12 @@ def half_wave_lanes(
     p: ArrayLike = RATES,
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
+    *,
+    rotations: bool = True,
 ) -> SpectrumLanes:
     """Compute the lanes of an overturning spectrum under half-waves, with :func:`piece_lanes`."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
-    return piece_lanes(times, ground, p, between, threads)
+    return piece_lanes(times, ground, p, between, threads, rotations=rotations)
 
 
 def checked_half_waves(

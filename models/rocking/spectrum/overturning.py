@@ -179,10 +179,13 @@ class OverturningSpectrum:
         """Return the probability that abs(theta)/alpha exceeds `rotation`, shape (a, c, k) for p, C and x.
 
         `restitution` (c,) are nominal C, and the uncertainty gives their ranges; `rotation` inf means overturning.
-        Raises ValueError for a C whose range is not covered, or a rotation that is not positive.
+        Raises ValueError for a C whose range is not covered, for a rotation that is not positive, and for a finite
+        rotation if the lanes hold only verdicts.
         """
         if not rotation > 0.0:
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
+        if np.isfinite(rotation) and np.any(np.isnan(self.lanes.peak)):
+            raise ValueError(f"rotation: expected inf, as the lanes were computed without rotations, got {rotation!r}")
         parts = self._parts(restitution)
         return np.stack([sum(part * one.reaching(rotation, *ends) for part, *ends in parts) for one in self._at])
 

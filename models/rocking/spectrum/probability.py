@@ -95,13 +95,8 @@ class Uncertainty:
 
     def density(self, shift: ArrayLike) -> np.ndarray:
         """Return the probability density of the shift Z of ln f due to factor and geometry together [-]."""
-        scale = math.hypot(self.factor, self.geometry)
-        at = np.asarray(shift, dtype=float) / scale
-        near = np.abs(at) < FARTHEST
-        inside, found = at[near], np.zeros(at.shape)
-        bell = np.exp(-0.5 * inside * inside) * (2.0 / (scale * math.sqrt(2.0 * math.pi)))
-        found[near] = bell * ndtr(self.geometry / self.factor * inside)
-        return found
+        given = np.asarray(shift, dtype=float)
+        return lane_bells(given.ravel(), np.ones(given.size), np.zeros(1), self).reshape(given.shape)
 
     def below(self, shift: ArrayLike) -> np.ndarray:
         """Return the probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
@@ -145,7 +140,23 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
     """Return the weight w_i h(t_i - ln f) of each lane at each level (n, k), with its width w_i in ln f."""
-    return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
+    bells = np.zeros((log_factor.size, log_level.size))
+    _bells(
+        log_factor, weight, log_level, math.hypot(shift.factor, shift.geometry), shift.geometry / shift.factor, bells
+    )
+    return bells
+
+
+@njit(_nrt=False)
+def _bells(log_factor, weight, log_level, scale, shape, bells):
+    # Skew-normal: twice the normal density times the normal distribution function at shape times the argument.
+    height = 1.0 / (scale * math.sqrt(2.0 * math.pi))
+    for lane in range(log_factor.size):
+        for level in range(log_level.size):
+            at = (log_factor[lane] - log_level[level]) / scale
+            if abs(at) < FARTHEST:
+                bell = math.exp(-0.5 * at * at) * math.erfc(-math.sqrt(0.5) * shape * at)
+                bells[lane, level] = bell * height * weight[lane]
 
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:

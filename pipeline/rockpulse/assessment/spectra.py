@@ -27,11 +27,11 @@ ALPHA = 0.1
 
 #: Function that marches the lanes of a record, for each `method`; the rule can use known half-waves.
 LANES: dict[str, Callable[..., SpectrumLanes]] = {
-    "nonlinear": lambda record, rates=RATES, threads=None, waves=None: spectrum_lanes(
-        record.acceleration, record.dt, rates, threads
+    "nonlinear": lambda record, rates=RATES, threads=None, waves=None, rotations=True: spectrum_lanes(
+        record.acceleration, record.dt, rates, threads, rotations=rotations
     ),
-    "rule": lambda record, rates=RATES, threads=None, waves=None: load_rule().spectrum_lanes(
-        waves or half_waves(record), rates, threads
+    "rule": lambda record, rates=RATES, threads=None, waves=None, rotations=True: load_rule().spectrum_lanes(
+        waves or half_waves(record), rates, threads, rotations=rotations
     ),
 }
 
