@@ -106,6 +106,7 @@ def spectrum_lanes(
     *,
     side: int = 0,
     rotations: bool = True,
+    second: int = SECOND,
 ) -> SpectrumLanes:
     """Compute the lanes of a record's overturning spectrum.
 
@@ -122,6 +123,8 @@ def spectrum_lanes(
         1 or -1 for blocks beside a wall, which turn only towards theta > 0 or theta < 0; 0 for free blocks.
     rotations : bool
         False to compute only which lanes overturn, in about half the time.
+    second : int
+        Number of lanes in the second stage at each p, 144 lanes being in the first.
 
     Raises
     ------
@@ -138,7 +141,8 @@ def spectrum_lanes(
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
     between = REBOUNDS if side else (LEAST_RESTITUTION, MOST_RESTITUTION)
-    return piece_lanes(interval * np.arange(ground.size), ground, p, between, threads, side=side, rotations=rotations)
+    times = interval * np.arange(ground.size)
+    return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=second)
 
 
 def piece_lanes(
@@ -150,6 +154,7 @@ def piece_lanes(
     *,
     side: int = 0,
     rotations: bool = True,
+    second: int = SECOND,
 ) -> SpectrumLanes:
     """March lanes at ascending p [1/s] under a ground acceleration [m/s2] linear between ascending `times` (k,) [s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
@@ -161,7 +166,7 @@ def piece_lanes(
         return least + (most - least) * rank
 
     of_rates = [restitutions] * rates.size
-    rows = list(_march_lanes(times, ground, rates, of_rates, SECOND, threads, side, rotations=rotations))
+    rows = list(_march_lanes(times, ground, rates, of_rates, second, threads, side, rotations=rotations))
     found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     if not rotations:
         found["peak"][np.isfinite(found["peak"])] = np.nan
