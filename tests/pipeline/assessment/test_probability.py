@@ -251,6 +251,6 @@ def test_many_bodies_share_marches_and_none_depends_on_the_others():
     none = rp.UncertaintySettings(spectrum="none")
     own = told(record("one"), configured(*many[:12], uncertainty=none))
     assert set(own["probability_source"]) == {LIMIT}
-    for name in ("overturning_probability", "factor_50", "factor_mean"):
-        difference = np.abs(shared[name][:12] - own[name])
-        assert 0.0 < np.max(difference) < 0.05 * max(1.0, np.max(own[name]))
+    assert 0.0 < np.max(np.abs(shared["overturning_probability"][:12] - own["overturning_probability"])) < 0.05
+    for name in ("factor_10", "factor_50", "factor_mean"):  # a factor on a plateau of P may be far off
+        assert np.median(np.abs(np.log(shared[name][:12] / own[name]))) < 0.03
