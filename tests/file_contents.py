@@ -6,7 +6,7 @@ import numpy as np
 #: References, which are addresses in the file: the dimensions are told by name.
 REFERENCES = {"DIMENSION_LIST", "REFERENCE_LIST"}
 #: What tells two runs apart that do the same: when, under which identity, and the checksum over both.
-OF_THE_RUN = {"history", "run_id", "run_digest", "attributes_sha256"}
+OF_THE_RUN = {"history", "run_id", "run_digest", "run_settings", "run_rows", "attributes_sha256"}
 
 
 def contents(path):

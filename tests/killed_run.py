@@ -10,6 +10,7 @@ import os
 import signal
 import sys
 import threading
+import traceback
 from pathlib import Path
 
 from rockpulse.cli import main
@@ -57,6 +58,23 @@ def run(point: str, number: int, arguments: list[str]) -> int:
     else:
         strike_at(point, number)
     return main(arguments)
+
+
+def in_a_fork(call, target):
+    """Exit code of a call in a fork of this process, minus the signal that ended it, and what it wrote to stderr."""
+    messages = target.parent.with_name(f"{target.parent.name}.stderr")
+    child = os.fork()
+    if not child:
+        code = 99
+        try:
+            sys.stderr = messages.open("w", buffering=1)
+            code = call()
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            os._exit(code)
+    _, status = os.waitpid(child, 0)
+    return os.waitstatus_to_exitcode(status), messages.read_text()
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ def completed(summary):
         known["uplift_acceleration"] = np.tan(summary["alpha_c"].values) * summary["gravity"].values
     added = {}
     for name, one in SUMMARY.items():
-        if name not in summary.variables and ("demand" in summary.dims or "demand" not in one.dims):
+        if name not in summary.variables and {"demand", "tie"} & {*one.dims} <= {*summary.dims}:
             order = [dim for dim in summary.get("outcome", summary["restitution"]).dims if dim in one.dims]
             dims = (*order, *(dim for dim in one.dims if dim in summary.dims and dim not in order and dim != "case"))
             values = np.broadcast_to(known.get(name, one.absent), [summary.sizes[dim] for dim in dims])

@@ -114,6 +114,9 @@ class Response(LaneValues, Shown):
         possible motion, and the impulse train gives another result.
     active_samples : int or ndarray or None
         Response to a record only: number of samples in which the block moved.
+    corner_rotation : (2, ...) ndarray or None
+        Bodies with ties, loads or thrusts only: largest rotation about the right-hand and the left-hand corner [rad],
+        inf if the body overturns about it; NaN for other bodies and UNRESOLVED.
 
     Examples
     --------
@@ -133,6 +136,7 @@ class Response(LaneValues, Shown):
     half_cycles: HalfCycles | None = lane_field(default=None)
     ground_contact: Booleans | None = lane_field(False, default=None)
     active_samples: Integers | None = lane_field(0, default=None)
+    corner_rotation: np.ndarray | None = lane_field(default=None)
 
     @classmethod
     def unresolved(cls, lanes: tuple[int, ...], reason: Reason) -> Self:

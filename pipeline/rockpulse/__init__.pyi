@@ -44,6 +44,7 @@ from .model_table import ModelSettings as ModelSettings
 from .model_table import SearchSettings as SearchSettings
 from .models import Block as Block
 from .readers.conversion import write as write
+from .readers.file_pairs import PairSettings as PairSettings
 from .readers.folders import read as read
 from .readers.folders import read_all as read_all
 from .readers.format import FileSettings as FileSettings

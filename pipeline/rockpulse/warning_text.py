@@ -73,6 +73,9 @@ WARNINGS = {
     # a design sequence
     "demand_not_compared": "a sequence has no PGA or other intensity that could be scaled to the demand of the site "
     "([[demand]]): nothing is compared with it",
+    # a body
+    "tie_unlimited": "tie {number:d} at {height:.3g} m never breaks, because no ultimate elongation is given; give "
+    "ultimate, the elongation at which the tie or its anchor fails",
     # a warning on another record that this one uses
     "of_vertical": "vertical channel: {warning}",
     "of_channel": "{channel}: {warning}",

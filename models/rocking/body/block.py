@@ -41,6 +41,9 @@ class Block(BlockLanes):
         Restraints, the same for all blocks of an array.
     mass, density, length : float or (m,) array_like, optional
         Mass [kg], or density [kg/m3] and length across the plane of rocking [m]; needed with restraints.
+    compressive_strength : float, optional
+        Strength f of the masonry [Pa], with density and length: the corners of rotation move inwards to the resultant
+        of a rectangular block of stresses, N/(1.7 f length) with the weight N of body and loads (NTC 2018, 7.8.2.2.3).
     log : bool
         Whether the warnings are also logged, by the logger "rockpulse".
 
@@ -58,6 +61,8 @@ class Block(BlockLanes):
         I_1c = g alpha_c/(p cos alpha_c), the impulse that overturns the resting block at once (Eq. 9 with i = 1) [m/s].
     side : int or (m,) ndarray
         1 for a body that turns towards theta > 0 only, -1 for its mirror image, 0 for one that turns both ways.
+    hinge : float or (m,) ndarray
+        Distance of the corners of rotation from the faces [m]; 0 without a compressive strength.
     mass : float or (m,) ndarray
         Mass including the loads that move with the body [kg]; NaN if it was not given.
     restraints : Restraints, (m,) ndarray of them, or None
@@ -71,12 +76,14 @@ class Block(BlockLanes):
         For sizes or gravity that are not positive and finite, a single size, a half size together with a full one, a
         restitution outside [0, 1], or "housner" with a slenderness below 0.707, for which it is negative; for a centre
         of mass outside the base, a rebound without `one_sided` or a restitution with it, and for restraints without a
-        mass, above the body or so strong that they overturn the resting body.
+        mass, above the body or so strong that they overturn the resting body; for a compressive strength that leaves no
+        base, or without density and length.
 
     References
     ----------
     Casapulla, C., Maione, A. (2017), COMPDYN 2017, doi:10.7712/120117.5612.17190.
     Housner, G. W. (1963), Bull. Seismol. Soc. Am. 53(2), 403-417.
+    Circolare 7/2019, C8.7.1.2.1: hinges inside the edge; NTC 2018, 7.8.2.2.3: block of stresses of 0.85 f.
 
     Examples
     --------
@@ -107,6 +114,7 @@ class Block(BlockLanes):
         mass: ArrayLike | None = None,
         density: ArrayLike | None = None,
         length: ArrayLike | None = None,
+        compressive_strength: float | None = None,
         log: bool = True,
     ) -> None:
         sizes = {"width": width, "height": height, "half_width": half_width, "half_height": half_height}
@@ -125,19 +133,27 @@ class Block(BlockLanes):
         shift = options["offset"] + rise * np.sin(options["lean"])
         gravity = float(positive("gravity", gravity, "m/s2", lanes=False))
         radius = np.hypot(base, rise)
-        if not np.any(shift) and not carried(loads)[0]:
+        plain, hinge = not np.any(shift) and not carried(loads)[0], np.zeros(())
+        if compressive_strength is not None:
+            strength = float(positive("compressive_strength", compressive_strength, "Pa", lanes=False))
+            if density is None or length is None:
+                raise ValueError("compressive_strength: expected with it density in kg/m3 and length in m")
+            pressed = np.asarray(mass) * gravity + sum(one.weight for one in loads)
+            hinge = 0.5 * pressed / (limits.STRESS_BLOCK * strength * np.asarray(length, dtype=float))
+        if plain and compressive_strength is None:
             p = np.sqrt(3.0 * gravity / (4.0 * radius))
             alpha = np.arctan2(base, rise)
             first = limits.Corner(radius, alpha, p, limits.most_restitution(p, alpha, None, gravity))
             second, shape = first, "rectangle"
         else:
             body = base - shift, base + shift, rise * np.cos(options["lean"]), radius / math.sqrt(3.0)
-            first, second, mass = limits.both_corners(*body, mass, loads, gravity)
-            shape = "general"
-        acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
-        self._finish(
-            (base, rise), first, second, restitution, gravity, shape, (one_sided, rebound), (acting, mass), log
-        )
+            first, second, mass = limits.both_corners(*body, mass, loads, gravity, hinge)
+            shape = "rectangle" if plain else "general"
+        acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts), float(np.max(hinge, initial=0.0)))
+        if acting and np.any(hinge != acting.hinge):
+            raise ValueError("compressive_strength: expected bodies of one size with ties, loads or thrusts")
+        held, wall = (acting, mass), (one_sided, rebound)
+        self._finish((base, rise), first, second, restitution, gravity, shape, wall, held, log, hinge)
 
     @classmethod
     def from_parameters(
@@ -260,6 +276,7 @@ class Block(BlockLanes):
         wall: tuple[bool, Any],
         restraints_and_mass: tuple[Restraints, Any],
         log: bool,
+        hinge: ArrayLike = 0.0,
     ) -> None:
         """Set all fields; `shape` is "rectangle", "general", "own" (given by p, alpha and radius) or "unknown"."""
         ratios = limits.restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
@@ -282,6 +299,7 @@ class Block(BlockLanes):
             "restitution_2": ratios[1],
             "side": np.array(1.0 if wall[0] else 0.0),
             "mass": known,
+            "hinge": np.asarray(hinge),
         }
         for name, value in values.items():
             values[name] = value = np.array(np.broadcast_to(value, lanes), dtype=np.int64 if name == "side" else float)

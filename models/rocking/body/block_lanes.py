@@ -40,6 +40,7 @@ class BlockLanes(LaneValues, Shown):
     restitution_2: Floats = lane_field(init=False)
     side: Integers = lane_field(0, init=False)
     mass: Floats = lane_field(init=False)
+    hinge: Floats = lane_field(0.0, init=False)
     restraints: Restraints | np.ndarray | None = lane_field(None, init=False)
     warnings: tuple[str, ...] = field(init=False)
 
@@ -190,6 +191,7 @@ class BlockLanes(LaneValues, Shown):
         sizes = {"width": self.width, "height": self.height}
         facts |= {name: brief(size, "m") for name, size in sizes.items() if not np.all(np.isnan(size))}
         facts |= {"p": brief(self.p, "1/s"), "alpha_c": brief(self.alpha_c, "rad")}
+        facts |= {"crushed edge": brief(self.hinge, "m")} if np.any(self.hinge) else {}
         facts["rebound" if np.all(self.side) else "C"] = brief(self.restitution)
         if np.any(self.side):
             facts["wall"] = "behind it" if np.all(self.side) else "behind some"

@@ -17,6 +17,8 @@ from rocking.body.restraint import Load, Restraints, carried
 
 #: Slenderness above which Sorrentino's rebound from a wall is valid, because 1 - 1.5 cos^2 alpha is negative.
 LEAST_SLENDERNESS = np.sqrt(2.0)
+#: Stress of the rectangular block at the compressed edge, divided by the compressive strength [-]: NTC 2018, 7.8.2.2.3.
+STRESS_BLOCK = 0.85
 
 
 class Corner(NamedTuple):
@@ -73,8 +75,12 @@ def both_corners(
     mass: ArrayLike | None,
     loads: Sequence[Load],
     gravity: float,
+    hinge: ArrayLike = 0.0,
 ) -> tuple[Corner, Corner, Any]:
-    """Return both corners and the mass of a body; loads that move with the body are included as point masses."""
+    """Return both corners and the mass of a body; loads that move with the body are included as point masses.
+
+    `near` and `far` are the distances of the faces from the centre of mass; the corners are `hinge` inside the faces.
+    """
     along = carried(loads)[0]
     if np.any(near <= 0.0) or np.any(far <= 0.0):
         raise ValueError("offset, lean: expected a centre of mass above the base, between its two corners")
@@ -91,7 +97,12 @@ def both_corners(
         for m, x, one in zip(weights, places, along, strict=True):
             inertia = inertia + m * ((x - shift) ** 2 + (one.height - centre) ** 2)
         near, far, height, gyration = near - shift, far + shift, centre, np.sqrt(inertia / mass)
-    near, far, height, gyration = common_shape(near=near, far=far, height=height, gyration=gyration)
+    if np.any(near <= hinge) or np.any(far <= hinge):
+        raise ValueError(
+            f"compressive_strength: the edge would be crushed over {2.0 * float(np.max(hinge)):.3g} m, so that no base "
+            "is left under the centre of mass; expected a higher strength in Pa"
+        )
+    near, far, height, gyration = common_shape(near=near - hinge, far=far - hinge, height=height, gyration=gyration)
     return corner(near, far, height, gyration, gravity), corner(far, near, height, gyration, gravity), mass
 
 

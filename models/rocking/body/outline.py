@@ -39,8 +39,8 @@ class Outline:
     @classmethod
     def of(cls, block: Any) -> Self:
         """Return the outline of a single block."""
-        right = float(block.radius * math.sin(block.alpha_c))
-        left = float(block.radius_2 * math.sin(block.alpha_2))
+        right = float(block.radius * math.sin(block.alpha_c) + block.hinge)
+        left = float(block.radius_2 * math.sin(block.alpha_2) + block.hinge)
         given = block.restraints or Restraints()
         sides = ((1.0, right, left, "positive"), (-1.0, left, right, "negative"))
         ties = [

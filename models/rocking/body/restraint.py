@@ -7,8 +7,9 @@
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import Any, Literal, Self
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -157,16 +158,48 @@ COLUMNS = 9
 TIE, FRICTION = 0.0, 1.0
 
 
+class TieState(IntEnum):
+    """What a motion does to a tie, from least to most."""
+
+    SLACK = 0  #: the displacement of its attachment never exceeds its gap
+    ELASTIC = 1  #: it acts and does not yield
+    YIELDED = 2
+    BROKEN = 3
+
+
+class TieDemand(NamedTuple):
+    """What a motion demands of t ties, from the largest rotations of the body.
+
+    Attributes
+    ----------
+    elongation : (t, ...) ndarray
+        Largest elongation [m], after a break that of the gap between its ends; inf if the body overturns against it.
+    force : (t, ...) ndarray
+        Largest force [N]: stiffness times elongation, at most the yield force or the force at which it breaks.
+    state : (t, ...) ndarray of int
+        :class:`TieState`; -1 where the rotation is not known.
+    """
+
+    elongation: np.ndarray
+    force: np.ndarray
+    state: np.ndarray
+
+
 @dataclass(frozen=True)
 class Restraints:
-    """All restraints of one body; a load that moves with the body is part of the body and is not listed here."""
+    """All restraints of one body; a load that moves with the body is part of the body and is not listed here.
+
+    `hinge` is the distance of the corners of rotation from the faces of the body [m]; the distances of ties, loads and
+    thrusts are measured from the faces.
+    """
 
     ties: tuple[Tie, ...] = ()
     loads: tuple[Load, ...] = ()
     thrusts: tuple[Thrust, ...] = ()
+    hinge: float = 0.0
 
     def __bool__(self) -> bool:
-        return any(getattr(self, one.name) for one in fields(self))
+        return bool(self.ties or self.loads or self.thrusts)
 
     @property
     def highest(self) -> float:
@@ -175,7 +208,8 @@ class Restraints:
 
     def as_text(self) -> str:
         """Return the restraints as JSON text."""
-        return json.dumps({one.name: [vars(part) for part in getattr(self, one.name)] for one in fields(self)})
+        parts = {name: [vars(part) for part in getattr(self, name)] for name in ("ties", "loads", "thrusts")}
+        return json.dumps(parts | ({"hinge": self.hinge} if self.hinge else {}))
 
     @classmethod
     def from_text(cls, text: str) -> Self | None:
@@ -183,16 +217,57 @@ class Restraints:
         if not text:
             return None
         parts, makers = json.loads(text), {"ties": Tie, "loads": Load, "thrusts": Thrust}
-        return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
+        made = {name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()}
+        return cls(**made, hinge=parts.get("hinge", 0.0))
 
     def mirrored(self, base: float) -> Self:
-        """Return the restraints of the mirror image of a body of width `base` [m]: theta > 0 becomes theta < 0."""
+        """Return the restraints of the mirror image of a body with `base` [m] between the corners of rotation."""
         other = {"positive": "negative", "negative": "positive", "both": "both"}
+        width = base + 2.0 * self.hinge
         return type(self)(
             tuple(Tie(**{**vars(tie), "side": other[tie.side]}) for tie in self.ties),
-            tuple(Load(**{**vars(one), "distance": base - _bearing(one, base)}) for one in self.loads),
-            tuple(Thrust(-one.force, one.height, base - one.distance) for one in self.thrusts),
+            tuple(Load(**{**vars(one), "distance": width - self.bearing(one, base)}) for one in self.loads),
+            tuple(Thrust(-one.force, one.height, width - one.distance) for one in self.thrusts),
+            self.hinge,
         )
+
+    def bearing(self, load: Load, base: float) -> float:
+        """Return the distance of the bearing of a load from the right-hand face, measured inwards [m]."""
+        return 0.5 * base + self.hinge if load.distance is None else load.distance
+
+    def tie_demand(self, rotation: np.ndarray) -> TieDemand:
+        """Return what rotations demand of the ties, in their order.
+
+        Parameters
+        ----------
+        rotation : (2, ...) array_like
+            Largest rotations about the right-hand and the left-hand corner [rad]; inf if the body overturns.
+
+        Examples
+        --------
+        >>> held = Restraints((Tie(height=8.0, stiffness=6e6, yield_force=74e3, ultimate=0.2),))
+        >>> demand = held.tie_demand([0.005, 0.0])
+        >>> round(float(demand.elongation[0]), 4), float(demand.force[0]), TieState(demand.state[0])
+        (0.04, 74000.0, <TieState.YIELDED: 2>)
+        """
+        turned = np.asarray(rotation, dtype=float)
+        falls = np.isposinf(turned)
+        turned = np.where(falls, 0.0, turned)
+        elongation = np.zeros((len(self.ties), *turned.shape[1:]))
+        force, state = elongation.copy(), np.zeros(elongation.shape, dtype=np.int64)
+        for place, tie in enumerate(self.ties):
+            moved = tie.height * np.sin(turned) + (tie.distance - self.hinge) * (1.0 - np.cos(turned)) - tie.gap
+            moved = np.where(falls, np.inf, np.maximum(moved, 0.0))
+            sides = [side for side, name in enumerate(("positive", "negative")) if tie.side in (name, "both")]
+            elongation[place] = most = np.max(moved[sides], axis=0)
+            limit = min(tie.yield_force, tie.stiffness * tie.ultimate)
+            force[place] = np.minimum(tie.stiffness * most, limit)
+            acts, yields = most > 0.0, (most * tie.stiffness > tie.yield_force) & (tie.yield_force <= limit)
+            state[place] = np.where(yields, TieState.YIELDED, np.where(acts, TieState.ELASTIC, TieState.SLACK))
+            breaks = (most >= tie.ultimate) & math.isfinite(tie.ultimate)
+            state[place] = np.where(breaks, TieState.BROKEN, state[place])
+            state[place] = np.where(np.isnan(most), -1, state[place])
+        return TieDemand(elongation, force, state)
 
     def elements(self, base: float) -> np.ndarray:
         """Return the ties and the friction of loads as a table (e, 9) with the columns KIND to ULTIMATE."""
@@ -200,11 +275,12 @@ class Restraints:
         for tie in self.ties:
             for name, side in (("positive", 1.0), ("negative", -1.0)):
                 if tie.side in (name, "both"):
-                    at = (tie.height, tie.distance, tie.distance)
+                    inwards = tie.distance - self.hinge
+                    at = (tie.height, inwards, inwards)
                     rows.append((TIE, side, *at, tie.stiffness, tie.gap, tie.yield_force, tie.ultimate))
         for load in self.loads:
             if load.friction is not None:
-                force, near = load.friction * load.weight, _bearing(load, base)
+                force, near = load.friction * load.weight, self.bearing(load, base) - self.hinge
                 at = (load.height, near, base - near)
                 rows.append((FRICTION, 0.0, *at, force / SLIP, 0.0, force, math.inf))
         return np.array(rows, dtype=float).reshape(len(rows), COLUMNS)
@@ -213,17 +289,13 @@ class Restraints:
         """Return the moment of loads and thrusts at each corner, as (2, 2) factors of cos(phi) and sin(phi) [N m]."""
         found = np.zeros((2, 2))
         for load in self.loads:
-            near = _bearing(load, base)
+            near = self.bearing(load, base) - self.hinge
             found += load.weight * np.array([[near, -load.height], [base - near, -load.height]])
         for one in self.thrusts:
-            found[0] -= one.force * np.array([one.height, one.distance])
-            found[1] += one.force * np.array([one.height, base - one.distance])
+            near = one.distance - self.hinge
+            found[0] -= one.force * np.array([one.height, near])
+            found[1] += one.force * np.array([one.height, base - near])
         return found
-
-
-def _bearing(load: Load, base: float) -> float:
-    """Return the distance of the bearing of a load from the right-hand corner, measured inwards [m]."""
-    return 0.5 * base if load.distance is None else load.distance
 
 
 def carried(loads: Sequence[Load]) -> tuple[list[Load], list[Load]]:

@@ -9,7 +9,7 @@ from rocking.march import corner_event as more
 from rocking.march import event, kernel, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_steps, nonlinear_steps
-from rocking.march.restrained import begin_restraint, rest_levels, restraint_after_impact
+from rocking.march.restrained import begin_restraint, keep_peaks, rest_levels, restraint_after_impact
 from rocking.march.restrained_event import finish_restrained, motion_after, restrained_steps
 from rocking.march.slots import LEFT, Slots, empty_slots
 
@@ -73,6 +73,8 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, restraints):
 def end_corner_lane(f, i, j, c, status, record, equation, count, restraints, work):
     """Return the results of the ended lane in slot j, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
+    if restraints is not None:
+        keep_peaks(f, j, i[row.LANE + j], restraints, status == event.OVERTURNED)
     if status == event.OVERTURNED:
         time = f[row.SAMPLE + j] * record.dt + f[row.PASSED + j] / f[row.P + j]
         return np.inf, kernel.OVERTURNS, kernel.NO_REASON, time, impacts + 1, impacts
@@ -88,6 +90,7 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, restraints, wor
         after, wait, before, decay = more.free_motion(f, j, equation == event.LINEAR)
     else:
         after, wait, before, decay = motion_after(f, i, j, c, count, restraints, work)
+        keep_peaks(work.f, 0, i[row.LANE + j], restraints, after == np.inf)
     if after == np.inf:
         impacts += before
         time = (record.acceleration.size - 1) * record.dt + wait

@@ -27,7 +27,7 @@ from rocking.march.event import LINEAR
 from rocking.march.kernel import Options
 from rocking.march.restrained import RestraintState
 from rocking.march.slots import Accelerogram
-from rocking.response import Response, empty_results, response_of
+from rocking.response import Outcome, Response, empty_results, response_of
 
 
 def run_kernel(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
@@ -73,7 +73,13 @@ def march_bodies(
         work = None if restraints is None else corner_slots()
         march_corners(first, last, ground, lanes, options, corner_slots(), *found, restraints, work)
 
-    return run_kernel(march, (factors.size, side.size), samples, threads)
+    response = run_kernel(march, (factors.size, side.size), samples, threads)
+    if restraints is None:
+        return response
+    turned = np.where(
+        response.outcome == Outcome.UNRESOLVED, np.nan, restraints.peak.T.reshape(2, factors.size, side.size)
+    )
+    return response.changed(corner_rotation=turned)
 
 
 def _restraint_state(block: Block, copies: int) -> RestraintState:
@@ -99,6 +105,7 @@ def _restraint_state(block: Block, copies: int) -> RestraintState:
         points=np.stack([distance, np.hypot(height, distance), np.arctan2(distance, height)], axis=3),
         weight=np.ascontiguousarray(weight.T),
         angle=np.ascontiguousarray(np.stack([np.sin(angle), np.cos(angle)], axis=2)),
+        peak=np.zeros((copies * len(every), 2)),
         mode=np.zeros((copies * len(every), elements.shape[1]), dtype=np.int64),
         set=np.zeros((copies * len(every), elements.shape[1])),
     )

@@ -229,7 +229,14 @@ def recorded_response(
         response = alike[0](slice(None))
     else:
         parts = [(np.flatnonzero(kind), march) for kind, march in kinds if np.any(kind)]
-        response = Response.join([march(own) for own, march in parts], [own for own, _ in parts], alpha.size)
+        found = [march(own) for own, march in parts]
+        if np.any(restrained):
+            none = [np.full((2, *np.shape(one.outcome)), np.nan) for one in found]
+            turned = [
+                no if one.corner_rotation is None else one.corner_rotation for one, no in zip(found, none, strict=True)
+            ]
+            found = [one.changed(corner_rotation=own) for one, own in zip(found, turned, strict=True)]
+        response = Response.join(found, [own for own, _ in parts], alpha.size)
     time = dt * np.arange(samples) if history else None
     return response.changed(time=time).squeezed((factors.ndim == 0, lanes == ()))
 

@@ -34,6 +34,7 @@ class RestraintState(NamedTuple):
     # and the angle of the line between them to the vertical [rad]
     weight: np.ndarray  #: (m, 2) M g R by corner [N m]
     angle: np.ndarray  #: (m, 2, 2) sin(alpha) and cos(alpha) by corner
+    peak: np.ndarray  #: (lanes, 2) largest phi about each corner [rad], written at the end of a lane
     mode: np.ndarray  #: (lanes, e) of int, state of each element
     set: np.ndarray  #: (lanes, e) displacement without force: for a tie minus its gap, for a load towards
     # theta > 0 [m]
@@ -92,7 +93,7 @@ def set_restraint(f, j, block, lane, restraints):
                 force = part[YIELD_FORCE] if outward else -part[YIELD_FORCE]
                 one += force * height
                 two += force * distance
-                fixed += abs(force) * (height + distance)
+                fixed += abs(force) * (height + abs(distance))
                 continue
         else:
             if part[SIDE] != side or mode == BROKEN:
@@ -106,7 +107,7 @@ def set_restraint(f, j, block, lane, restraints):
                 slides = 1.0
                 one += part[YIELD_FORCE] * height
                 two += part[YIELD_FORCE] * distance
-                fixed += part[YIELD_FORCE] * (height + distance)
+                fixed += part[YIELD_FORCE] * (height + abs(distance))
                 ceiling = min(ceiling, last)
                 continue
             floor = max(floor, rotation_at(own, point))
@@ -130,6 +131,15 @@ def set_restraint(f, j, block, lane, restraints):
     if stiff > 0.0:
         longest = min(longest, LONGEST_PHASE / math.sqrt(stiff / weight))
     f[row.LONGEST + j] = longest
+
+
+@njit(_nrt=False)
+def keep_peaks(f, j, lane, restraints, falls):
+    """Keep the largest rotations of body j about both corners; inf about its corner if it falls."""
+    place, _ = sides(f, j)
+    peaks = restraints.peak[lane]
+    peaks[place] = np.inf if falls else max(peaks[place], f[row.PEAK + j])
+    peaks[1 - place] = max(peaks[1 - place], f[more.OTHER_PEAK + j])
 
 
 @njit(_nrt=False)

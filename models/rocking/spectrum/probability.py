@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import isotonic_regression
 from scipy.special import ndtr, owens_t
 
 from rocking.arguments import ArrayLike, numbers
@@ -109,12 +108,48 @@ ROUNDING = 1e-12
 
 
 def rising(probability: np.ndarray) -> np.ndarray:
-    """Fit non-decreasing probabilities (..., k) [-] by isotonic least squares (pool adjacent violators)."""
+    """Fit non-decreasing probabilities (..., k) [-] by isotonic least squares (pool adjacent violators; Busing 2022).
+
+    Busing, F. M. T. A. (2022), J. Stat. Softw. 102, Code Snippet 1, doi:10.18637/jss.v102.c01.
+    """
     fitted = np.array(probability, dtype=float)
     rows = fitted.reshape(-1, fitted.shape[-1])
-    for row in np.flatnonzero(np.any(np.diff(rows, axis=1) < -ROUNDING, axis=1)):
-        rows[row] = isotonic_regression(rows[row]).x
+    _pool(rows, np.flatnonzero(np.any(np.diff(rows, axis=1) < -ROUNDING, axis=1)), np.empty(rows.shape[1]))
     return np.maximum.accumulate(rows, axis=1).reshape(fitted.shape)
+
+
+@njit(_nrt=False)
+def _pool(rows, chosen, size):
+    # The first places of a row and of `size` hold the means and sizes of the blocks of equal values so far.
+    for number in chosen:
+        row = rows[number]
+        last, place = -1, 0
+        while place < row.size:
+            mean, members = row[place], 1.0
+            place += 1
+            if last >= 0 and row[last] >= mean:  # a new block takes the next values first, then the blocks before it
+                total = size[last] * row[last] + mean
+                members += size[last]
+                mean = total / members
+                last -= 1
+                while place < row.size and mean >= row[place]:
+                    total += row[place]
+                    members += 1.0
+                    mean = total / members
+                    place += 1
+                while last >= 0 and row[last] >= mean:
+                    total += size[last] * row[last]
+                    members += size[last]
+                    mean = total / members
+                    last -= 1
+            last += 1
+            row[last], size[last] = mean, members
+        end = row.size
+        for block in range(last, -1, -1):  # from the last block, as the values take the places of the means
+            mean, begin = row[block], end - int(size[block])
+            for place in range(begin, end):
+                row[place] = mean
+            end = begin
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:

@@ -236,8 +236,8 @@ class Answers:
         return self.of_demand("capacity_ratio", demand)
 
     def of_demand(self, name: str, demand: str) -> np.ndarray:
-        """Return the values (records, bodies) of a variable at a demand."""
-        return np.asarray(self[name][..., [*self.demands].index(demand)])
+        """Return the values (records, bodies) of a variable at a demand; (records, bodies, ties) of ties."""
+        return np.asarray(self[name][:, :, [*self.demands].index(demand)])
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
@@ -305,7 +305,8 @@ def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
-    dims = [dim for dim in ("record", "pair", "block", "case", "demand", "model") if dim in variable.dims]
+    order = ("record", "pair", "block", "case", "demand", "tie", "model")
+    dims = [dim for dim in order if dim in variable.dims]
     values = values.transpose([variable.dims.index(dim) for dim in dims])
     values = values[..., 0] if "model" in dims else values
     if "block" not in dims:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rocking.body.block import Block
+from rocking.body.restraint import Restraints
 from rocking.march.recorded import recorded_response, sliding_demand
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
@@ -29,11 +30,11 @@ from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
 from rockpulse.model_table import is_full
 from rockpulse.record.record import Record
-from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
+from rockpulse.storage.variables.probability import AT_DEMAND, OF_TIES, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
 #: Variables of the nominal body: the larger of the rotations in its two senses counts, not the higher probability.
-NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share")
+NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share", *OF_TIES)
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 #: Lanes in the second stage of a spectrum that many bodies share, at each frequency parameter.
@@ -52,6 +53,7 @@ def record_probability(
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     values["demand_outcome"] = np.full(values["demand_factor"].shape, -1)
+    values |= _no_ties((count, len(config.demands), bodies.tie_count))
     if config.demands:
         factors = demand_factors(channels or [scene.record], bodies.lanes.weaker, config, scene.record.id)
         values["demand_factor"] = factors
@@ -59,6 +61,11 @@ def record_probability(
             values |= _at_demands(scene, bodies, factors, _near(factors, config))
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     return values, _fill(values, scene, bodies, config) if config.has_probability else None
+
+
+def _no_ties(shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+    """Return the variables of ties (m, d, t) without values."""
+    return {name: np.full(shape, one.absent, dtype=one.kind) for name, one in OF_TIES.items()}
 
 
 def _near(factors: np.ndarray, config: Config) -> np.ndarray:
@@ -70,6 +77,7 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
     """Return the results (m, d) for the nominal bodies under the record times `factors`, if `near` is True."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
+    found |= _no_ties((*near.shape, bodies.tie_count))
     shares = [sliding_shares(scene, bodies, np.where(near, factors, np.nan)[:, one]) for one in range(near.shape[1])]
     found["demand_sliding_share"] = np.stack(shares, axis=1)
     for place in np.flatnonzero(near.any(axis=0)):
@@ -78,10 +86,24 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
         marched = recorded_response(
             sides.block, record.acceleration, record.dt, vertical=scene.vertical, block_scale=scale
         )
-        response = sides.worse(marched)
+        worse = sides.worse_places(marched)
+        response = marched.take(worse)
         found["demand_rotation_ratio"][kept, place] = np.asarray(response.peak_rotation_ratio)[kept]
         found["demand_outcome"][kept, place] = np.asarray(response.outcome)[kept]
+        if bodies.tie_count and response.corner_rotation is not None:
+            restraints = sides.block.take(worse).acting()
+            for lane in np.flatnonzero(kept & np.array([bool(one and one.ties) for one in restraints])):
+                for name, values in _of_ties(restraints[lane], response.corner_rotation[:, lane]).items():
+                    found[name][lane, place, : values.size] = values
     return found
+
+
+def _of_ties(restraints: Restraints | None, rotation: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the variables (t,) of the ties of a body from its largest rotations about both corners."""
+    assert restraints is not None
+    demand, ultimate = restraints.tie_demand(rotation), np.array([tie.ultimate for tie in restraints.ties])
+    share = np.where(np.isfinite(ultimate), demand.elongation / np.where(np.isfinite(ultimate), ultimate, 1.0), np.nan)
+    return dict(zip(OF_TIES, (demand.elongation, demand.force, share, demand.state), strict=True))
 
 
 def sliding_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndarray:

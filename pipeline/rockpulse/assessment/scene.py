@@ -140,11 +140,13 @@ class Senses:
 
     def worse(self, response: Response) -> Response:
         """Return for each block the worse response of its two senses: overturning, no result, or larger rotation."""
-        if self.both.size == 0:
-            return response
+        return response if self.both.size == 0 else response.take(self.worse_places(response))
+
+    def worse_places(self, response: Response) -> np.ndarray:
+        """Return for each block the index in ``block`` of the sense with the worse response."""
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
         rank = np.where(response.outcome == Outcome.UNRESOLVED, np.finfo(float).max, rank)
-        return response.take(self._chosen(rank))
+        return self._chosen(rank)
 
     def smaller(self, found: ScaleIntervals) -> ScaleIntervals:
         """Return the intervals of the sense with the smaller safety factor, for each block."""

@@ -115,7 +115,7 @@ def build_tree(
     """Build the tree of results from the parts of all records; `swept` has the record ids of each pair."""
     arrays = joined_parts([empty_rows(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
-    for path, variable in _variables(config).items():
+    for path, variable in _variables(bodies, config).items():
         group, _, name = path.rpartition("/")
         if path not in arrays:
             arrays[path] = _in_dims(variable, np.asarray(_take(variable)(bodies, config)), bodies)
@@ -142,7 +142,11 @@ def empty_tree(bodies: Bodies, config: Config) -> xr.DataTree:
 
 def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
     """Return the variables that grow with the records as empty arrays, by path."""
-    return {path: _absent(one, 0, bodies, config) for path, one in _variables(config).items() if one.dims[0] in GROWING}
+    return {
+        path: _absent(one, 0, bodies, config)
+        for path, one in _variables(bodies, config).items()
+        if one.dims[0] in GROWING
+    }
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
@@ -161,7 +165,7 @@ def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
     """Return the variables of one record, by path ("/summary/pga"), except its earthquake."""
     return {
         path: _of_record(variable, one)
-        for path, variable in _variables(one.config).items()
+        for path, variable in _variables(one.bodies, one.config).items()
         if variable.dims[0] in GROWING and path != EVENT
     }
 
@@ -175,13 +179,13 @@ def _of_record(variable: StoredVariable, one: RecordAssessment) -> np.ndarray:
     return variable.values(values)
 
 
-def _variables(config: Config) -> dict[str, StoredVariable]:
+def _variables(bodies: Bodies, config: Config) -> dict[str, StoredVariable]:
     """Return the stored variables of an assessment by path, except those of /failures and /directions."""
     return {
         f"{group}/{name}": variable
         for group in ("/summary", "/half_cycles", "/overturning_intervals", "/spectra", "/records")
         for name, variable in ASSESSMENT_GROUPS[group].items()
-        if variable.stored is None or variable.stored(config)
+        if (variable.stored is None or variable.stored(config)) and ("tie" not in variable.dims or bodies.tie_count)
     }
 
 
@@ -201,7 +205,7 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
     """Return an array of missing values with `rows` rows."""
-    own = {"block": len(bodies.names), "case": bodies.cases}
+    own = {"block": len(bodies.names), "case": bodies.cases, "tie": bodies.tie_count}
     sizes = own | {"model": len(config.models.use), "demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
     return np.full(shape, variable.absent, dtype=variable.kind)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _run(args: argparse.Namespace) -> int:
-    of_records = ("paths", "units", "dt", "confirm", "workers", "scheduler", "resume", "strict", "log_file")
+    of_records = ("paths", "units", "dt", "confirm", "workers", "scheduler", "resume", "append", "strict", "log_file")
     options = {name: "PATHS" if name == "paths" else f"--{name.replace('_', '-')}" for name in of_records}
     given = [option for name, option in options.items() if getattr(args, name)]
     if args.sequence is not None and given:
@@ -84,6 +84,10 @@ VERB = Verb(
             "of [models] use",
         },
         *BATCH,
+        {
+            "--append": "add the records that are not in RESULTS yet to it, and keep its rows; PATHS must contain its "
+            "earlier records too, and options, bodies and program must be the same",
+        },
     ),
     run=_run,
     examples=(
@@ -92,6 +96,7 @@ VERB = Verb(
         "rockpulse assess records/ --config site.toml -o results.h5 --overwrite",
         "rockpulse assess history.csv --units cm/s2 --dt 0.01 --block wall=0.3x2.4 -o results.h5",
         "rockpulse assess records/ --bodies bodies.csv --demand pga=0.35g -o results.h5",
+        "rockpulse assess records/ more/ --config site.toml -o results.h5 --append",
         "rockpulse assess --sequence design.h5 --config site.toml -o bodies.h5",
     ),
 )

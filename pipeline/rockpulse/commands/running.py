@@ -36,6 +36,7 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
         scheduler=args.scheduler,
         resume=args.resume,
         overwrite=args.overwrite,
+        append=getattr(args, "append", False),
         strict=args.strict,
         written=() if args.log_file is None else (args.log_file,),
         bar=progress_bars(args.quiet),

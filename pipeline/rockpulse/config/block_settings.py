@@ -179,6 +179,10 @@ class BlockSettings(Section):
         Coefficient of friction at the base, used to check sliding [-].
     mass, density, length : float or None
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
+    compressive_strength : float or None
+        Compressive strength f of the masonry [Pa], with width, height, density and length: the corners of rotation move
+        inwards by half the depth N/(0.85 f length) of the compressed edge, N the weight of the body and of its loads.
+        Code checks divide f by the confidence factor.
     elastic_modulus : float or None
         Young's modulus E of an element that is free to vibrate (parapet, pinnacle) [Pa], reduced for cracking; with
         width, height and density. Code checks then take the demand at its period T_0.
@@ -226,6 +230,7 @@ class BlockSettings(Section):
     mass: float | None = number(None, low=0.0, above=True, unit="kg")
     density: float | None = number(None, low=0.0, above=True, unit="kg/m3")
     length: float | None = number(None, low=0.0, above=True, unit="m")
+    compressive_strength: float | None = number(None, low=0.0, above=True, unit="Pa")
     elastic_modulus: float | None = number(None, low=0.0, above=True, unit="Pa")
     kappa: float | None = number(None, low=0.0, above=True)
     confirm_size: bool = boolean(False)
@@ -252,6 +257,11 @@ class BlockSettings(Section):
             )
         if self.width is None and (self.offset or self.lean or self.density or self.length):
             raise ConfigError(f"{self.where}: offset, lean, density and length can be given with width and height only")
+        if self.compressive_strength is not None and (self.density is None or self.length is None or self.pedestals):
+            raise ConfigError(
+                f"{self.where} compressive_strength: crushing of the edge needs width, height, density and length, and "
+                "no pedestal; change these keys, or remove compressive_strength"
+            )
         if self.p is not None and (self.ties or self.loads or self.thrusts or self.mass):
             raise ConfigError(
                 f"{self.where}: mass, ties, loads and thrusts need a body given by width and height, or by b_1, "
@@ -313,7 +323,7 @@ class BlockSettings(Section):
         held["mass"] = self.mass
         try:
             if self.width is not None and self.height is not None:
-                held |= {name: self[name] for name in ("offset", "lean", "density", "length")}
+                held |= {name: self[name] for name in ("offset", "lean", "density", "length", "compressive_strength")}
                 block = Block(width=self.width, height=self.height, **common, **held)
             elif self.b_1 is not None:
                 corners = {name: self[name] for name in ("b_1", "b_2", "gyration")}

@@ -11,10 +11,12 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from rocking.body.block import Block
+from rocking.body.restraint import Restraints, Tie
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
+from rockpulse.warning_text import WarningText, with_codes
 
 #: Largest ratio of the masses of body and floor at which the body hardly changes the floor's motion [-].
 LIGHT = 0.05
@@ -49,8 +51,11 @@ class Bodies:
     floors: tuple[tuple[FloorSettings, ...], ...]
     #: Name of the body that is combined with its pedestal; empty for other bodies.
     pedestal_of: tuple[str, ...]
-    #: Warnings on each body, one per line.
+    #: Warnings on each body, one per line, and their codes, separated by blanks.
     warnings: tuple[str, ...]
+    warning_codes: tuple[str, ...]
+    #: Largest number of ties of a body.
+    tie_count: int
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
         """Group the indices of bodies by the motion under them; directions `within` degrees of `azimuth` are equal."""
@@ -67,9 +72,9 @@ class Bodies:
         some: dict[str, Any] = {
             name: getattr(self, name)[places] for name in ("width", "height", "facing", "azimuth", "friction")
         }
-        for name in ("names", "floors", "pedestal_of", "warnings"):
+        for name in ("names", "floors", "pedestal_of", "warnings", "warning_codes"):
             some[name] = tuple(getattr(self, name)[place] for place in places)
-        return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, **some)
+        return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, tie_count=self.tie_count, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
         """Reshape the values of all blocks (..., b x cases) to b bodies with their restitutions (..., b, cases)."""
@@ -129,6 +134,11 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
             )
 
     facing, azimuth = _values_of_key(given, named, "facing"), _values_of_key(given, named, "azimuth")
+    ties = {name: ties_of(block.lanes().lane(0)) for name, block in named.items()}
+    warned = [
+        with_codes([*block.warnings, *(_heavy(given[name], block) if name in given else []), *_unlimited(ties[name])])
+        for name, block in named.items()
+    ]
     return Bodies(
         names=tuple(named),
         lanes=Block.stack([block.lanes(cases) for block in named.values()]),
@@ -140,11 +150,24 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
         friction=_values_of_key(given, named, "friction"),
         floors=tuple(given[name].floors if name in given else () for name in named),
         pedestal_of=tuple(alone.get(name, "") for name in named),
-        warnings=tuple(
-            "\n".join([*block.warnings, *(_heavy(given[name], block) if name in given else [])])
-            for name, block in named.items()
-        ),
+        warnings=tuple(words for words, _ in warned),
+        warning_codes=tuple(codes for _, codes in warned),
+        tie_count=max(map(len, ties.values())),
     )
+
+
+def ties_of(block: Block) -> tuple[Tie, ...]:
+    """Return the ties of a single block."""
+    return block.restraints.ties if isinstance(block.restraints, Restraints) else ()
+
+
+def _unlimited(ties: Sequence[Tie]) -> list[str]:
+    """Return a warning for each tie without an ultimate elongation."""
+    return [
+        WarningText("tie_unlimited", number=number, height=tie.height)
+        for number, tie in enumerate(ties, 1)
+        if math.isinf(tie.ultimate)
+    ]
 
 
 def refuse_floors(bodies: Bodies, why: str) -> None:

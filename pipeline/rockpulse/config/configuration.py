@@ -14,9 +14,10 @@ from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.ground_types import soil_factor
 from rockpulse.config.study_settings import logo_bytes
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.files import TOML_LIMIT, parse_toml, read_text
+from rockpulse.files import TOML_LIMIT, parse_toml, read_text, table_of
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
+from rockpulse.readers.file_pairs import PairSettings
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Sections that may occur more than once.
@@ -79,6 +80,9 @@ class Config:
     folder: Path = field(default=Path(), compare=False)
 
     def __post_init__(self) -> None:
+        if self.records.pair_table is not None:
+            pairs = (*self.records.pairs, *_pairs_of(self.records.pair_table, self.folder))
+            object.__setattr__(self, "records", dataclasses.replace(self.records, pairs=pairs, pair_table=None))
         _require_different("[[block]]", [block.name for block in self.bodies])
         _require_different("[[demand]]", [demand.name for demand in self.demands])
         ratios = [(block.name, own) for block in self.bodies for own in (block.restitution, block.rebound)]
@@ -138,6 +142,26 @@ SECTIONS: dict[str, type[Section]] = {
     for item in dataclasses.fields(Config)
     if isinstance(item.default_factory, type)
 }
+
+
+def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
+    """Read the pairs of files of a table (CSV) with the columns north and east; raise ConfigError for another file."""
+    path = located(table, folder)
+    where = f"[records] pair_table: {path}"
+    if not path.is_file():
+        raise ConfigError(f"{where}: no such file; expected a CSV table with the columns north and east")
+    cells = table_of(where, read_text(path, what="a CSV table with the columns north and east"))
+    if missing := [name for name in ("north", "east") if name not in cells]:
+        raise ConfigError(f"{where}: expected the columns north and east; missing: {', '.join(missing)}")
+    found = []
+    for number, (north, east) in enumerate(zip(cells["north"], cells["east"], strict=True), start=1):
+        try:
+            found.append(PairSettings(north=north, east=east))
+        except ConfigError as error:
+            raise ConfigError(f"{where}: row {number}: {error}") from None
+    if not found:
+        raise ConfigError(f"{where}: expected a row for each pair, found none")
+    return found
 
 
 def _require_different(heading: str, names: list[str]) -> None:

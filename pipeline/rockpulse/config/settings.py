@@ -10,6 +10,7 @@ from typing import Any
 
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, is_number, key, number, text, texts
+from rockpulse.readers.file_pairs import PairSettings
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
 
@@ -52,7 +53,9 @@ class RecordSettings(Section):
     """The records to read, the unit of files that do not state a unit, and the groups of results to store.
 
     `confirm` contains patterns of the ids of channels that are confirmed in spite of a doubt (a peak above 5 g, a
-    defect, a duplicate that differs); `files` contains units and intervals of single files, in TOML [[records.file]].
+    defect, a duplicate that differs); `files` contains units and intervals of single files, in TOML [[records.file]];
+    `pairs` the files that are the two components of a recording, in TOML [[records.pair]], and `pair_table` is a table
+    of them, which :class:`Config` reads into `pairs`.
 
     The azimuth is the direction in which the body rocks: for a wall or façade the normal to its plane, e.g. 45 degrees
     for a façade that faces north-east. For a body that rocks to both sides, 45 and 225 degrees are the same.
@@ -73,10 +76,12 @@ class RecordSettings(Section):
     response: str = choice("sensitivity", ("sensitivity", "remove"))
     include_vertical: bool = boolean(False)
     events: str | None = text(None)
+    pair_table: str | None = text(None)
     keep: tuple[str, ...] = texts()
     confirm: tuple[str, ...] = texts()
     store: str = choice("all", ("all", "half_waves", "none"))
     files: tuple[FileSettings, ...] = entries(FileSettings)
+    pairs: tuple[PairSettings, ...] = entries(PairSettings)
 
     def __post_init__(self) -> None:
         super().__post_init__()

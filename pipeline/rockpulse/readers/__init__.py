@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from rockpulse.readers.arrays import read_tables, text_tables
+from rockpulse.readers.file_pairs import PairSettings
 from rockpulse.readers.format import FileSettings, Format, ReadOptions
 from rockpulse.readers.formats import FORMATS
 from rockpulse.readers.kit.text import UNITS
@@ -13,7 +14,7 @@ from rockpulse.readers.no_record import advice, is_table, may_be_record
 from rockpulse.readers.source import NoRecord, SourceFile, TableOfResults, Unrecognised, open_source, open_stream
 from rockpulse.record.record import Record
 
-__all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", "read_source"]
+__all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "PairSettings", "ReadOptions", "read", "read_source"]
 
 
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
@@ -32,6 +33,8 @@ def _read_text(file: SourceFile, options: ReadOptions) -> list[Record]:
             options = options.of_file(file.name)
             records = row.read(file, options)
             options.check(records)
+            for pair in options.pairs:  # at most one
+                records = pair.directed(file.name, records)
             return records
     kind = Unrecognised if may_be_record(file) else NoRecord
     raise kind(f"{file.name}: no reader recognises the file; {advice(file)} ('rockpulse formats' lists what is read)")

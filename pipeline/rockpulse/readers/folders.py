@@ -13,6 +13,7 @@ from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers import read as read_file
 from rockpulse.readers.archive import Archive, is_archive
+from rockpulse.readers.file_pairs import PairSettings, check_pairs
 from rockpulse.readers.format import FileSettings
 from rockpulse.readers.no_record import is_quiet
 from rockpulse.readers.parts import sample_digest, settled
@@ -119,6 +120,7 @@ def read_all(
     dt: float | None = None,
     response: str = "sensitivity",
     files: Sequence[FileSettings] = (),
+    pairs: Sequence[PairSettings] = (),
 ) -> tuple[list[Record], list[Failure]]:
     """Read every record under some paths.
 
@@ -138,6 +140,8 @@ def read_all(
     files : sequence of FileSettings, optional
         Unit and interval of some of the files, instead of `units` and `dt`; if several match a file, the last one that
         gives a property is used. A file that states something else is rejected.
+    pairs : sequence of PairSettings, optional
+        Files that are the two components of a recording.
 
     Returns
     -------
@@ -154,7 +158,7 @@ def read_all(
     UnitError
         If `units` is not an accepted unit. Faulty files raise no error.
     ConfigError
-        If `response` is not an accepted value, or a pattern of `files` matches no file.
+        If `response` is not an accepted value, a pattern of `files` matches no file, or a file of `pairs` is missing.
 
     Examples
     --------
@@ -162,9 +166,9 @@ def read_all(
     >>> len(records), [one.kind for one in failures]
     (5, ['failed'])
     """
-    options = ReadOptions(units, dt, response, tuple(files))
+    options = ReadOptions(units, dt, response, tuple(files), tuple(pairs))
     found, failures = find_files(paths)
-    check_patterns(found, options.files)
+    check_patterns(found, options)
     # The station metadata of a folder are read once for all its records.
     station_files = lru_cache(maxsize=16)(folder_station_files)
     records: list[Record] = []
@@ -230,12 +234,13 @@ def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
     return items, faults
 
 
-def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> None:
-    """Raise ConfigError if a pattern of `files` matches no file and no member of an archive."""
+def check_patterns(found: Sequence[Found], options: ReadOptions) -> None:
+    """Raise ConfigError if a pattern of `files` matches no file or member, or a file of `pairs` is not exactly one."""
     names = [str(item.path) for item in found]
-    missed = [row for row in files if not any(map(row.chooses, names))]
-    if missed:
+    missed = [row for row in options.files if not any(map(row.chooses, names))]
+    if missed or options.pairs:
         names += [name for item in found for name in _member_names(item.path)]
+        check_pairs(names, options.pairs)
         missed = [row for row in missed if not any(map(row.chooses, names))]
     if missed and names:
         raise ConfigError(

@@ -1,16 +1,15 @@
 """Defines the rows of the table of formats (every reader has one), and the options of reading."""
 
 import math
-import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, replace
 from fnmatch import fnmatchcase
 from numbers import Real
-from pathlib import Path
 
 from rockpulse.errors import ConfigError, RecordFormatError, UnitError
 from rockpulse.option import KeyType, Section, key, number, text
+from rockpulse.readers.file_pairs import PairSettings, path_spellings
 from rockpulse.readers.kit.channel import with_copy_warnings
 from rockpulse.readers.kit.spacing import same_step
 from rockpulse.readers.kit.text import UNITS, canonical_unit, for_other_files
@@ -71,10 +70,7 @@ class FileSettings(Section):
 
     def chooses(self, name: str) -> bool:
         """Return whether the pattern matches the absolute path of a file or member, in the form of `Record.source`."""
-        path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
-        archive, _, member = path.partition("!")
-        parts = [path, archive, f"/{member}"] if member else [path]
-        parts += [part[:-3] for part in parts if part.lower().endswith(".gz")]
+        parts = path_spellings(name)
         pattern = self.match.replace("\\", "/").removeprefix("./").replace("[", "[[]")
         return any(fnmatchcase(part, wanted) for part in parts for wanted in (pattern, f"*/{pattern}"))
 
@@ -89,6 +85,7 @@ class ReadOptions:
     response: str = "sensitivity"
     # for some files, in place of the above; a property is taken from the last row that gives it and matches the file
     files: tuple[FileSettings, ...] = ()
+    pairs: tuple[PairSettings, ...] = ()  # files that are the two components of a recording
 
     def __post_init__(self) -> None:
         if self.units is not None:
@@ -99,8 +96,8 @@ class ReadOptions:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
     def of_file(self, name: str) -> "ReadOptions":
-        """Return the options for one file, named as in `Record.source`, with only those FileSettings that match it."""
-        if not self.files:
+        """Return the options for one file, named as in `Record.source`, with only those rows that match it."""
+        if not self.files and not self.pairs:
             return self
         units, dt = self._last("units", name), self._last("dt", name)
         return replace(
@@ -108,6 +105,7 @@ class ReadOptions:
             units=self.units if units is None else units.units,
             dt=self.dt if dt is None else dt.dt,
             files=tuple(row for row in self.files if row is units or row is dt),
+            pairs=tuple(row for row in self.pairs if row.side(name)),
         )
 
     def said_by(self, key: str) -> str:

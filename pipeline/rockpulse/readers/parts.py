@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from rockpulse.errors import Failure, last_part
+from rockpulse.readers.file_pairs import without_unlike
 from rockpulse.readers.integrals import without_integrals
 from rockpulse.readers.kit.channel import SIGNS
 from rockpulse.readers.kit.facts import later
@@ -73,14 +74,20 @@ def settled(
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
     """Return the sorted records without duplicates, each with its parts; records split into files are joined.
 
-    The second value contains a failure for each duplicate (equal `digest`), and for each integral of another file.
+    The second value contains a failure for each duplicate (equal `digest`), for each integral of another file, and for
+    each file of a pair whose files differ in interval or length.
     """
     kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
     kept, integrals = without_integrals(kept)
+    kept, unlike = without_unlike(kept)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
     kept = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
     named = distinct_ids(kept)
-    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [*duplicates, *integrals]
+    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [
+        *duplicates,
+        *integrals,
+        *unlike,
+    ]
 
 
 def _place(record: Record) -> tuple[str, str]:

@@ -24,7 +24,10 @@ _UPWARDS = (
     "horizontal channels are"
 )
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
-_BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
+_BOTH_IN_ONE = (
+    "state which two files are a pair ([[records.pair]]), or put both directions into one file with headings such as "
+    "'time [s],acc N [g],acc E [g]'"
+)
 #: Pattern of a SEED channel code; codes of one sensor differ only in the last letter, and the second is the kind of
 #: instrument.
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
@@ -71,6 +74,8 @@ class Neighbours:
             self._of_source[record.source].append(place)
             if record.start_time is None:
                 self._of_event[_occasion(record)].append(place)
+            if record.together:
+                self._of_source[record.together].append(place)
 
     def of(self, record: Record) -> list[Record]:
         """Return the channels with the file or time of a record or, if the record has no time, its event and folder."""
@@ -82,7 +87,7 @@ class Neighbours:
             first = bisect_left(self._timed, (start - self._longest - record.dt,))
             last = bisect_left(self._timed, (start + record.duration + record.dt,))
             places = {place for _, place in self._timed[first:last]}
-        places.update(self._of_source.get(record.source, ()))
+        places.update(self._of_source.get(record.together or record.source, ()))
         return [self._records[place] for place in sorted(places)]
 
 
@@ -114,7 +119,7 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
     sensor (the first two letters of a SEED channel; the depth of KiK-net), are both on the ground or at one place of a
     structure, overlap in time by at least half of the shorter channel, and come
 
-    - from one file, or
+    - from one file, or from two files that the user states to be a pair, or
     - from files with station codes and start times, or
     - from files in one folder without start times, but with the same event, station name and sampling interval
       (PEER AT2, CSMNC).
@@ -220,7 +225,7 @@ def place_on_structure(record: Record) -> str:
 def instrument(record: Record) -> tuple[object, ...]:
     """Return the properties that the channels of one instrument have in common."""
     codes = (record.network, record.station, record.location, record.format, record.processed)
-    place = "" if record.station else record.station_name or record.source
+    place = record.together or ("" if record.station else record.station_name or record.source)
     on_structure = record.orientation == "structural"
     if on_structure:
         place = place_on_structure(record) or record.source
@@ -251,6 +256,8 @@ def _together(record: Record, other: Record) -> bool:
     if _overlap(record, other) <= 0.0 or (record.station, sensor_level(record)) != (other.station, sensor_level(other)):
         return False
     starts = [one.start_time is not None for one in (record, other)]
+    if record.together or other.together:
+        return record.together == other.together
     if (record.network, record.location) == (other.network, other.location) and (
         record.source == other.source or (record.station and all(starts))
     ):

@@ -97,6 +97,8 @@ class Record(Shown):
         State of the record: its samples are checked for defects once, and it is conditioned for assessment once.
     outline : tuple of float
         Result of :func:`outline_of` for a record without its samples; empty for other records.
+    together : str
+        Names of the two files that the user states to be one recording ([[records.pair]]); empty for other records.
 
     Examples
     --------
@@ -141,6 +143,7 @@ class Record(Shown):
     sensor_depth: float = float("nan")
     stage: Stage = "read"
     outline: tuple[float, ...] = ()
+    together: str = ""
 
     def __post_init__(self) -> None:
         where = self.source or self.id

@@ -166,7 +166,7 @@ def _given(
     one = isinstance(records, (str, os.PathLike, Record))
     every: list[Any] = [records] if one else list(cast(Iterable[Any], records))
     if every and all(isinstance(item, (str, os.PathLike)) for item in every):
-        found, unread = read_all(every, options.units, None, options.dt, options.response, options.files)
+        found, unread = read_all(every, options.units, None, options.dt, options.response, options.files, options.pairs)
         if not found:
             reasons = "; ".join(f"{row.reason}" for row in unread[:3])
             raise RecordRefused(f"records: no record in {', '.join(map(str, every))}{': ' * bool(reasons)}{reasons}")

@@ -3,9 +3,8 @@
 import os
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain
-from pathlib import Path
+from dataclasses import dataclass, field
+from itertools import chain, groupby
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,21 @@ import xarray as xr
 
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.assessment.tree import direction_statistics, joined_parts
-from rockpulse.errors import Failure, ResultsError
+from rockpulse.errors import Failure
 from rockpulse.record.measures import PGA
 from rockpulse.run.analysis import Analysis, Part, Plan
+from rockpulse.run.earlier_results import (
+    DIGITS,
+    PARTIAL,
+    RUN_DIGEST,
+    RUN_ID,
+    RUN_ROWS,
+    RUN_SETTINGS,
+    EarlierResults,
+)
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import Journal
+from rockpulse.run.tasks import configuration_fingerprint
 from rockpulse.selection.directions import swept_directions
 from rockpulse.storage.hdf5.atomic import replacing
 from rockpulse.storage.hdf5.results_file import check_described, provenance, save
@@ -25,10 +34,6 @@ from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.probability import MEAN
 
-#: Attribute of the root of a results file: id of the run that wrote it, as in its journal.
-RUN_ID = "run_id"
-#: Attribute of the root: SHA-256 of all inputs of the run, from :func:`rockpulse.run.tasks.digest_of`.
-RUN_DIGEST = "run_digest"
 #: Largest size of the values that are written at once [bytes].
 CHUNK = 32 * 1024**2
 #: Overhead per array in memory, and per string in the file [bytes].
@@ -41,18 +46,40 @@ SWEPT_PROBABILITY = ("overturning_probability",)
 
 @dataclass(frozen=True)
 class JournalParts:
-    """The parts of the results of finished tasks in a journal; it can be iterated several times."""
+    """The parts of the results of finished tasks, of a journal or of the file to which the run appends.
+
+    It can be iterated several times.
+    """
 
     journal: Journal
     analysis: Analysis
-    keys: Sequence[str]
+    fingerprints: Mapping[str, str]  # by key of the finished tasks, in their order
     events: Mapping[str, str]
+    earlier: EarlierResults | None = field(default=None, kw_only=True)
 
     def __iter__(self) -> Iterator[Part]:
-        for key in self.keys:
-            packed = list(self.journal.parts(key))
-            while packed:  # the bytes of a part are freed before it is used
-                yield self.analysis.of_event(unpack(packed.pop(0)), self.events[key])
+        known = {} if self.earlier is None else self.earlier.rows
+        for kept, keys in groupby(self.fingerprints, known.__contains__):
+            if kept and self.earlier is not None:
+                yield from self.earlier.parts([*keys], self.events)
+                continue
+            for key in keys:
+                packed = list(self.journal.parts(key))
+                while packed:  # the bytes of a part are freed before it is used
+                    yield self.analysis.of_event(unpack(packed.pop(0)), self.events[key])
+
+    @property
+    def run(self) -> dict[str, str]:
+        """Root attributes that identify the options and the task of each row, for a later run that appends."""
+        known = {} if self.earlier is None else self.earlier.rows
+        failed = self.journal.failures()
+        rows = [
+            (PARTIAL if key in failed and key not in known else fingerprint[:DIGITS])
+            * (len(known[key]) if key in known else self.journal.count(key))
+            for key, fingerprint in self.fingerprints.items()
+        ]
+        settings = configuration_fingerprint(self.analysis.config, self.analysis.name)
+        return {RUN_SETTINGS: settings, RUN_ROWS: "".join(rows)}
 
 
 def write_results(
@@ -69,7 +96,7 @@ def write_results(
         if not any(True for _ in parts):
             return 0
         empty, swept = analysis.template, swept_directions(plan.planned, analysis.config)
-        return assemble(output, empty, parts, failures, swept, overwrite, run)
+        return assemble(output, empty, parts, failures, swept, overwrite, run | parts.run)
     found = list(parts)
     tree = analysis.collect(found, plan.planned, failures)
     if found:
@@ -112,22 +139,6 @@ def assemble(
         if directions is not None:
             _write_directions(writer, directions, pairs, records, chunk)
     return len(records)
-
-
-def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Return the id and the digest of the run that wrote a file; empty strings if unknown."""
-    import h5py
-
-    if not Path(path).is_file() or not h5py.is_hdf5(path):
-        return "", ""
-    try:
-        with h5py.File(path, "r") as file:
-            return str(file.attrs.get(RUN_ID, "")), str(file.attrs.get(RUN_DIGEST, ""))
-    except (OSError, RuntimeError) as error:
-        raise ResultsError(
-            f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume",
-            tells_resume=True,
-        ) from error
 
 
 def _sizes(parts: Iterable[Part]) -> tuple[list[str], dict[str, int], int]:

@@ -16,7 +16,8 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import Failure, RecordRefused, ResultsError, StoppedAtFailure, some
 from rockpulse.readers.folders import Found, check_patterns, find_files
 from rockpulse.run.analysis import Analysis
-from rockpulse.run.assembly import JournalParts, run_of, write_results
+from rockpulse.run.assembly import JournalParts, write_results
+from rockpulse.run.earlier_results import EarlierResults, check_appends, earlier_results, run_of, run_to_append
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
@@ -56,8 +57,9 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
     Raises
     ------
     ConfigError
-        For invalid bodies or an invalid scheduler, a table of events that does not match the records, or a pattern of
-        ``config.records.files`` that matches no file.
+        For invalid bodies or an invalid scheduler, a table of events that does not match the records, a pattern of
+        ``config.records.files`` that matches no file, or, with ``options.append``, a file with other options, another
+        program or records that are not among the given files.
     ResultsError
         If the output exists, cannot be written, or is being written by another process.
     StoppedAtFailure
@@ -110,6 +112,7 @@ class _Batch:
 
     journal: Journal
     tasks: Sequence[Task] = ()
+    earlier: EarlierResults | None = None  # of the file to which the run appends
 
     def __init__(self, analysis: Analysis, output: PathLike, options: BatchOptions) -> None:
         self.analysis, self.output, self.options = analysis, output, options
@@ -119,13 +122,14 @@ class _Batch:
         """Run the whole batch from the paths to the file."""
         output, options = self.output, self.options
         # A resumed run may find its own file, even finished.
-        check_target(output, options.overwrite or options.resume, self.analysis.kind)
+        check_target(output, options.overwrite or options.resume or options.append, self.analysis.kind)
+        appends = run_to_append(output, self.analysis, options.overwrite) if options.append else ""
         if options.scheduler is not None:  # the workers run in other folders
             given = [paths] if isinstance(paths, str | os.PathLike) else paths
             paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links are not resolved
         found, rows = find_files(paths, (output, journal_path(output), *options.written))
-        check_patterns(found, self.analysis.config.records.files)
-        with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as resources:
+        check_patterns(found, read_options(self.analysis.config))
+        with Journal.open(output, options.resume, options.overwrite, appends) as journal, ExitStack() as resources:
             self.journal = journal
             remove_parts(output)  # temporary files of killed runs
             try:
@@ -162,7 +166,11 @@ class _Batch:
     def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
         """Process the records and write the results file; return True if an earlier run had already written it."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
-        run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
+        going_on = (options.resume or options.append) and not options.overwrite
+        run_id, before = run_of(output) if going_on else ("", "")
+        appending = bool(run_id and journal.appends) and run_id in (journal.appends, journal.run_id)
+        if appending:
+            check_appends(output, analysis.config, analysis.name)
         replace = options.overwrite or run_id == journal.run_id
         before = "" if replace else before
         check_target(output, replace or bool(before), analysis.kind)
@@ -170,6 +178,9 @@ class _Batch:
         every, rows, unread = self.surveyed(pool, found, rows)
         plan = analysis.plan([one.record for one in every], rows)
         self.tasks = tasks_of(plan.planned, every, analysis.config, analysis.name)
+        if appending:
+            sources = [one.record.source for one in every] + [row.file for row in rows if row.kind != "failed"]
+            self.earlier = earlier_results(output, analysis, self.tasks, sources)
         del every  # frees memory: the tasks contain all of these
         for row in plan.failures:
             if row.kind == "failed":
@@ -178,7 +189,7 @@ class _Batch:
                 options.tell(row.reason)
         self.stop_at(plan.failures)
         asked = digest_of(self.tasks, plan.events, analysis.config, analysis.name)
-        if before:  # the run that wrote the file has removed its journal
+        if before and (before == asked or not appending):  # the run that wrote the file has removed its journal
             check_target(output, before == asked, analysis.kind)
             journal.remove()
             options.tell(f"{output}: the run was already complete; nothing was left to do")
@@ -189,8 +200,8 @@ class _Batch:
         self.report.failures = [*plan.failures, *self.report.failures]
         keys = self.finished()
         self.report.broken_off = unread + len(self.tasks) - len(keys)
-        parts = JournalParts(journal, analysis, keys, plan.events)
-        self.report.records = write_results(output, parts, plan, self.report.failures, replace, asked)
+        parts = JournalParts(journal, analysis, keys, plan.events, earlier=self.earlier)
+        self.report.records = write_results(output, parts, plan, self.report.failures, replace or appending, asked)
         return False
 
     def pool_for(self, items: int, resources: ExitStack, before: WorkerPool | None = None) -> WorkerPool:
@@ -250,14 +261,19 @@ class _Batch:
             places = f"{journal.gaps} damaged part{'s' * (journal.gaps != 1)}" if journal.gaps else ""
             lost = " and ".join(filter(None, (results, places)))
             self.log_and_tell(f"{journal.path} is damaged: {lost} cannot be used; missing records are processed again")
-        before = journal.finished()
-        missing = [task for task in self.tasks if before.get(task.key) != task.fingerprint]
-        resumed = self.report.resumed = len(self.tasks) - len(missing)
+        before, done = journal.finished(), self.finished()
+        missing = [task for task in self.tasks if task.key not in done]
+        resumed = self.report.resumed = len(done)
         stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
         logger.info(
             "%s %d records; finished before: %d, of another state: %d", analysis.doing, len(missing), resumed, stale
         )
-        if options.resume:
+        if self.earlier is not None:
+            stale = self.earlier.stale
+            again = f"; {stale} must be computed again, because they or the records compared with them have changed"
+            kept = f"{len(self.earlier.rows)} of {len(self.tasks)} records are in {self.output} already"
+            options.tell(f"{kept}{again if stale else ''}")
+        elif options.resume:
             again = f"; {stale} are processed again, because they, the options or the version of rockpulse have changed"
             options.tell(f"{resumed} of {len(self.tasks)} records were finished before{again if stale else ''}")
         rows = journal.failures()
@@ -288,10 +304,14 @@ class _Batch:
         rows = self.journal.failures() | lost
         report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
 
-    def finished(self) -> list[str]:
-        """Return the keys of those tasks whose results, for the same files and options, are in the journal."""
-        before = self.journal.finished()
-        return [task.key for task in self.tasks if before.get(task.key) == task.fingerprint]
+    def finished(self) -> dict[str, str]:
+        """Return the fingerprints, by key, of the tasks whose results for the same files and options are stored."""
+        before, kept = self.journal.finished(), () if self.earlier is None else self.earlier.rows
+        return {
+            task.key: task.fingerprint
+            for task in self.tasks
+            if task.key in kept or before.get(task.key) == task.fingerprint
+        }
 
     def kept(self, strict: bool = False) -> str:
         """Return a message that states which finished records are kept; remove the journal if there are none."""
@@ -301,7 +321,7 @@ class _Batch:
         if not every:
             journal.remove()
             return "nothing was finished yet"
-        count = len(self.finished()) if self.tasks else len(every)
+        count = len(every.intersection(self.finished())) if self.tasks else len(every)
         if not count:
             others = f"{journal.path} keeps {len(every)} records of other files or options"
             return f"nothing of this run was finished yet; {others}"

@@ -105,6 +105,7 @@ class Journal:
     def __init__(self, path: Path, file: FileIO) -> None:
         frames, self._end, self.gaps = frames_of(file)  # gaps: ranges without a frame
         self.path, self.run_id, self._started = path, "", ""
+        self.appends = ""  # run_id of the results file to which the run appends
         self._file, self._identity = file, _identity(os.fstat(file.fileno()))
         self._kept: dict[str, Frame] = {}
         for frame in frames:
@@ -112,15 +113,18 @@ class Journal:
                 self.gaps += 1
                 continue
             self.run_id, self._started = frame.head["run"], frame.head["started"]
+            self.appends = frame.head.get("appends", "")
             if "key" in frame.head:
                 self._kept[frame.head["key"]] = frame
 
     @classmethod
-    def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> "Journal":
+    def open(
+        cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False, appends: str = ""
+    ) -> "Journal":
         """Create the journal of a run next to its output, or open the journal of a stopped run, and lock it.
 
-        `resume` keeps the finished tasks of a stopped run, `overwrite` drops them. JournalError if the file is locked,
-        is not a journal, or exists without either option.
+        `resume` keeps the finished tasks of a stopped run, `overwrite` drops them; `appends` is the run_id of the file
+        to which the run appends. JournalError if the file is locked, is not a journal, or exists without either option.
         """
         path = journal_path(target)
         check_regular(path, JournalError)
@@ -136,7 +140,7 @@ class Journal:
                 raise JournalError(f"{path}: another run on this output has just ended; run the command again")
             empty = os.fstat(file.fileno()).st_size == 0
             journal = cls(path, file)
-            journal._take_up(resume, overwrite)
+            journal._take_up(resume, overwrite, appends)
         except BaseException as error:
             if file is not None:
                 if empty:
@@ -217,6 +221,10 @@ class Journal:
                 "--resume"
             ) from error
 
+    def count(self, key: str) -> int:
+        """Return the number of parts of a finished task."""
+        return len(self._kept[key].sizes)
+
     def parts(self, key: str) -> tuple[bytes, ...]:
         """Return the parts of a finished task; JournalError if the parts are damaged."""
         found = self._parts(key) if key in self._kept else ()
@@ -234,7 +242,7 @@ class Journal:
             del self._kept[key]
         return sorted(dropped)
 
-    def _take_up(self, resume: bool, overwrite: bool) -> None:
+    def _take_up(self, resume: bool, overwrite: bool, appends: str) -> None:
         """Continue after the frames that are kept, or start a new journal."""
         self._file.seek(0)
         begins = self._file.read(len(MARK))
@@ -250,6 +258,9 @@ class Journal:
             )
         if self.run_id and resume:
             self._file.truncate(self._end)  # a truncated frame follows
+            if appends and appends != self.appends:
+                self.appends = appends
+                self._append({})
             return
         count = len(self.complete)
         if count and not overwrite:
@@ -258,14 +269,14 @@ class Journal:
                 "done; continue with --resume, or start again with --overwrite"
             )
         self._file.truncate(0)
-        self._end, self._kept = 0, {}
+        self._end, self._kept, self.appends = 0, {}, appends
         self.run_id, self._started = secrets.token_hex(16), f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
         self._append({})
         if os.name == "posix":  # on other systems a folder cannot be opened
             flush(self.path.parent, os.O_RDONLY)
 
     def _append(self, outcome: dict[str, Any], parts: Iterable[bytes] = ()) -> Frame:
-        head = {"run": self.run_id, "started": self._started, **outcome}
+        head = {"run": self.run_id, "started": self._started, "appends": self.appends, **outcome}
         frame = append(self._file, self._end, head, tuple(parts))
         self._end = frame.end
         return frame
@@ -283,6 +294,7 @@ def _is_ours(head: Mapping[str, Any]) -> bool:
     rows = head.get("failures", None if "key" in head else [])
     return (
         all(isinstance(head.get(name), str) for name in names)
+        and isinstance(head.get("appends", ""), str)
         and isinstance(rows, list)
         and all(isinstance(row, list) and len(row) == 4 and all(isinstance(one, str) for one in row) for row in rows)
     )

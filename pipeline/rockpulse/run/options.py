@@ -39,6 +39,9 @@ class BatchOptions:
         Keep the finished records of a stopped run if neither the records nor the options have changed.
     overwrite : bool
         Replace existing results and, without `resume`, the finished records of a stopped run.
+    append : bool
+        Keep the rows of an existing results file of :func:`assess_files`, and process only the other records; the file
+        must have the same options, bodies and program, and its records must be among the given files.
     strict : bool
         Stop at the first file or record that fails.
     written : tuple of path
@@ -62,6 +65,7 @@ class BatchOptions:
     executor: Executor | None = None
     resume: bool = False
     overwrite: bool = False
+    append: bool = False
     strict: bool = False
     written: tuple[str | os.PathLike[str], ...] = ()
     bar: Callable[..., AbstractContextManager[Any]] = no_bar

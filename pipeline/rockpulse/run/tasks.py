@@ -42,6 +42,8 @@ IDLE = {
 #: Keys of [calibration] and of [fragility] that affect only the statistics at the end of a run.
 LATE = ("weights", "quantile", "confidence", "bootstrap")
 OF_FITS = ("model", "overturning_model", "confidence")
+#: Keys of [records] that are part of the fingerprint of each task, or affect no numbers.
+OF_TASKS = ("paths", "events", "keep", "units", "dt", "files", "pairs", "confirm")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -100,7 +102,7 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
 def read_options(config: Config) -> ReadOptions:
     """Return the options of the configuration for reading files."""
     records = config.records
-    return ReadOptions(records.units, records.dt, records.response, records.files)
+    return ReadOptions(records.units, records.dt, records.response, records.files, records.pairs)
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
@@ -113,7 +115,7 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     seeded = verb == "assess" and config.has_probability
     config = replace(
         config,
-        records=replace(config.records, paths=(), events=None, keep=(), units=None, dt=None, files=(), confirm=()),
+        records=_as_default(config.records, OF_TASKS),
         calibration=_as_default(config.calibration, LATE),
         fragility=_as_default(config.fragility, OF_FITS),
         search=config.search if verb == "assess" else replace(config.search, intervals=False),

@@ -43,6 +43,8 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
     """Yield pairs of indices of records of one earthquake, enough to connect all its records among `free`."""
     for members in _grouped(free, lambda index: records[index].source or None):
         yield from pairwise(members)
+    for members in _grouped(free, lambda index: records[index].together or None):
+        yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
     yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)
     with_origin = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]

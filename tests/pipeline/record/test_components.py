@@ -180,7 +180,7 @@ def test_files_without_times_belong_together_by_folder_event_and_station():
 def test_columns_without_a_partner_are_told_how_to_get_one(azimuth, words):
     _, (row,) = find_pairs([Record([0.0, 1.0], 0.01, id="x.1", azimuth=azimuth, format="columns")])
     assert words in row.reason
-    assert "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'" in row.reason
+    assert "state which two files are a pair ([[records.pair]]), or put both directions into one file" in row.reason
 
 
 def test_files_without_times_pair_by_station_code_too(samples):

@@ -17,7 +17,8 @@ from rockpulse.config.configuration import load_config
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.run import assembly
 from rockpulse.run.analysis import worked
-from rockpulse.run.assembly import JournalParts, assemble, run_of
+from rockpulse.run.assembly import JournalParts, assemble
+from rockpulse.run.earlier_results import run_of
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import Done, Journal
 from rockpulse.selection.directions import plan_motions, swept_directions
@@ -106,7 +107,7 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
             parts = (pack(done[number]),)
             journal.add(Done(f"record {number}", "f", parts))
         keys = [f"record {number}" for number in range(4)]
-        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
+        parts = JournalParts(journal, Assessment(config), dict.fromkeys(keys, ""), dict.fromkeys(keys, "Ridgecrest"))
         assert assemble(target, empty_tree(bodies, config), parts, FAILURES, run={"run_id": journal.run_id}) == 4
         assert run_of(target)[0] == journal.run_id
     save(build_tree(done[:4], bodies, config, FAILURES), tmp_path / "saved.h5")
@@ -181,7 +182,7 @@ def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(asse
     monkeypatch.setattr(assembly.TreeWriter, "append", fail)
     with Journal.open(target) as journal:
         journal.add(Done("a", "f", (pack(done[0]),)))
-        parts = JournalParts(journal, Assessment(config), ["a"], {"a": ""})
+        parts = JournalParts(journal, Assessment(config), {"a": ""}, {"a": ""})
         with pytest.raises(ResultsError, match=re.escape(f"{target}: cannot write the results: No space left on dev")):
             assemble(target, empty_tree(bodies, config), parts, overwrite=True, run={"run_id": "mine"})
         assert journal.finished() == {"a": "f"}

@@ -8,12 +8,11 @@ import signal
 import subprocess
 import sys
 import time
-import traceback
 from pathlib import Path
 
 import pytest
 from file_contents import assert_contents, contents
-from killed_run import run
+from killed_run import in_a_fork, run
 from record_writers import at2, pulse
 
 from rockpulse.cli import main
@@ -75,23 +74,6 @@ def struck(folder, target, point, number, workers=1):
     _, said = process.communicate(timeout=300)
     assert_nobody_is_left(process.pid)
     return process.returncode, said
-
-
-def in_a_fork(call, target):
-    """Exit code of a call in a fork of this process, minus the signal that ended it, and what it wrote to stderr."""
-    messages = target.parent.with_name(f"{target.parent.name}.stderr")
-    child = os.fork()
-    if not child:
-        code = 99
-        try:
-            sys.stderr = messages.open("w", buffering=1)
-            code = call()
-        except BaseException:
-            traceback.print_exc()
-        finally:
-            os._exit(code)
-    _, status = os.waitpid(child, 0)
-    return os.waitstatus_to_exitcode(status), messages.read_text()
 
 
 def members(group: int) -> list[int]:

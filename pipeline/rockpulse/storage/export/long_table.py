@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Dimensions that become columns, one per label, if a variable has only one of them besides those of the rows.
 SPREAD = ("demand", "parameter")
+#: Dimension of variables that are in a table only if it is named among the dimensions of the rows.
+ASKED = "tie"
 #: Dimension to which each index variable of a table refers.
 POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
 #: Coordinates of /summary to which an index may refer.
@@ -185,7 +187,8 @@ def results_table(
 
 def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
     """Return the dimensions of the variable with most dimensions, except dimensions that become columns."""
-    every = [tuple(str(dim) for dim in one.dims if dim not in SPREAD) for one in dataset.data_vars.values()]
+    shown = [one.dims for one in dataset.data_vars.values() if ASKED not in one.dims]
+    every = [tuple(str(dim) for dim in dims if dim not in SPREAD) for dims in shown]
     most = [dims for dims in dict.fromkeys(every) if dims and len(dims) == max(map(len, every))]
     if len(most) != 1:
         several = "; ".join(" ".join(dims) for dims in most) or "none"

@@ -46,6 +46,11 @@ BLOCK = along(
         lambda b, config: b.azimuth,
     ),
     friction=real("coefficient of friction at the base; NaN if not given", take=lambda b, config: b.friction),
+    hinge=real(
+        "distance of the corners of rotation from the faces of the body; 0 without compressive_strength",
+        "m",
+        explanation="half the depth of the compressed edge; `alpha_c`, `p` and `radius` are about these corners",
+    ),
     mass=real("mass of the body and of the loads that move with it; NaN if not known", "kg"),
     restraints=text(
         "ties, loads and thrusts of the body",
@@ -80,6 +85,11 @@ BLOCK = along(
     slenderness=real("height divided by width"),
     critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s-1"),
     block_warnings=text("warnings on the block", lambda bodies, config: bodies.warnings, explanation="one per line"),
+    block_warning_codes=text(
+        "codes of the warnings on the block",
+        lambda bodies, config: bodies.warning_codes,
+        explanation="in their order, separated by blanks; `plain` for one without a code",
+    ),
 )
 
 CASE = {

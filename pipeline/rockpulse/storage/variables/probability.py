@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from rocking.body.limits import RATES
+from rocking.body.restraint import TieState
 from rocking.response import Outcome
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
@@ -132,6 +133,38 @@ AT_DEMAND: Declared = {
         take=_of_lanes("demand_sliding_share"),
         of_ground=True,
         explanation="not computed as above",
+    ),
+}
+
+
+#: Variables of the ties of each body at the demands of the site, along `demand` and `tie`.
+OF_TIES: Declared = {
+    "demand_tie_elongation": real(
+        "largest elongation of each tie under the record scaled to the demand; inf where the body overturns",
+        "m",
+        _of_lanes("demand_tie_elongation"),
+        of_ground=True,
+        explanation="of the nominal body by the nonlinear model, beyond the gap, in the order of the ties in "
+        "`restraints`; after a break the distance of its ends; NaN: fewer ties, or not computed as above",
+    ),
+    "demand_tie_force": real(
+        "largest force of each tie under the record scaled to the demand",
+        "N",
+        _of_lanes("demand_tie_force"),
+        of_ground=True,
+        explanation="NaN as above",
+    ),
+    "demand_tie_share": real(
+        "largest elongation of each tie divided by its ultimate elongation; NaN without one",
+        take=_of_lanes("demand_tie_share"),
+        of_ground=True,
+    ),
+    "demand_tie_state": flag(
+        ("not_computed", *(state.name.lower() for state in TieState)),
+        "what the record scaled to the demand does to each tie",
+        _of_lanes("demand_tie_state"),
+        first=-1,
+        of_ground=True,
     ),
 }
 

@@ -13,7 +13,7 @@ from rockpulse.record.defects import drifts
 from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
 from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.bodies import BLOCK, CASE
-from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY
+from rockpulse.storage.variables.probability import AT_DEMAND, OF_TIES, PROBABILITY
 from rockpulse.warning_text import find, with_codes
 
 LANES = ("record", "block", "case")
@@ -278,6 +278,7 @@ SUMMARY: Declared = {
     **along(LANES, **PROBABILITY),
     "capacity_ratio": CAPACITY_RATIO,
     **along((*LANES, "demand"), None, _demanded, **AT_DEMAND),
+    **along((*LANES, "demand", "tie"), None, _demanded, **OF_TIES),
     **BLOCK,
     **CASE,
     **COORDINATES,

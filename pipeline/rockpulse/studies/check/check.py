@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -27,6 +28,7 @@ from rockpulse.studies.check.records import check_records, rotations_at
 #: Settings of a body that either the codes or the time histories do not use.
 NOT_SHARED = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
 NOT_SHARED |= {"elastic_modulus", "kappa"}
+UNLIMITED = "a tie without ultimate: no displacement is known at which it breaks, and d_0 is that without ties"
 #: The code that uses the rotations of the results, and the code that is checked only if it is named.
 RECORDS, FRAME = "circolare_2019_records", "circolare_2019_frame"
 
@@ -95,7 +97,7 @@ def check(
     spectrum = spectrum_of(config.check, config.folder)
     answers = None if tree is None else answers_of(tree)
     rule = "EN 1998-1, 4.3.3.4.3" if config.check.spectrum.startswith("en_1998") else "NTC 2018, 7.3.5"
-    found = _mechanisms(config)
+    found = _mechanisms(config, config.check.confidence_factor)
     others = {} if answers is None else _others(answers, stored, config)
     columns = {
         one: [_checked(one, senses, why, spectrum, floors, config.check) for senses, why, floors in found.values()]
@@ -103,7 +105,7 @@ def check(
         if one != RECORDS
     }
     if RECORDS in codes:
-        of_records = {} if answers is None else _of_records(answers, found, others, rule)
+        of_records = {} if answers is None else _of_records(answers, found, _mechanisms(config), others, rule)
         if code is not None and not of_records:
             raise ConfigError(f"code {RECORDS}: expected results with a [[demand]], found none; assess with --demand")
         columns |= of_records
@@ -125,12 +127,17 @@ def check(
     )
 
 
-def _mechanisms(config: Config) -> dict[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]]:
-    """Return for each body its mechanisms or the reason why it has none, and the floors under it."""
+#: The mechanisms of each body or the reason why it has none, and the floors under it.
+_Mechanisms: TypeAlias = Mapping[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]]
+
+
+def _mechanisms(config: Config, confidence_factor: float = 1.0) -> _Mechanisms:
+    """Return the mechanisms of all bodies, with their compressive strength divided by the confidence factor."""
     found: dict[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]] = {}
     for body in config.bodies:
         try:
-            found |= {name: (senses, "", body.floors) for name, senses in mechanisms(body).items()}
+            own = mechanisms(body, confidence_factor)
+            found |= {name: (senses, "", body.floors) for name, senses in own.items()}
         except ConfigError:
             raise
         except ValueError as error:
@@ -149,18 +156,25 @@ def _checked(
     if why:
         return Checked(statement=why)
     try:
-        return worst([CHECKS[code](one, spectrum, floors, settings) for one in senses])
+        found = worst([CHECKS[code](one, spectrum, floors, settings) for one in senses])
+        if not math.isnan(found.displacement) and any(one.unlimited for one in senses):
+            found = found._replace(statement="; ".join(filter(None, (found.statement, UNLIMITED))))
+        return found
     except TableEnds as error:
         return Checked(statement=str(error))
 
 
 def _of_records(
     answers: Answers,
-    found: Mapping[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]],
+    found: _Mechanisms,
+    assessed: _Mechanisms,
     others: Mapping[str, str],
     rule: str,
 ) -> dict[str, list[Checked]]:
-    """Return the checks of the rotations of all bodies for each demand and limit state, by the name of the code."""
+    """Return the checks of the rotations of all bodies for each demand and limit state, by the name of the code.
+
+    The rotations are those of the mechanisms `assessed`, whose strength is not divided by the confidence factor.
+    """
     columns: dict[str, list[Checked]] = {}
     for demand in answers.demands:
         rotations = rotations_at(answers, demand)
@@ -168,7 +182,7 @@ def _of_records(
             columns[f"records_{state}" + f", {demand}" * (len(answers.demands) > 1)] = [
                 Checked(statement=why or others[name])
                 if why or others[name]
-                else check_records(senses, rotations[name], state, rule)
+                else check_records(senses, rotations[name], state, rule, assessed[name][0])
                 for name, (senses, why, _) in found.items()
             ]
     return columns

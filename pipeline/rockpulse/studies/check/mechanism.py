@@ -4,7 +4,7 @@
    sideways and lifts W_i by x_i minus z_i times the rotation (small rotations, as in codes). The multiplier of the
    horizontal forces at the rotation theta is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the last
    sum over the weights whose mass moves with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid-plastic: beyond
-   their gap they resist with their yield force until they break.
+   their gap they resist with their yield force until they break. d_0 is that of the body without its ties.
 """
 
 import math
@@ -41,6 +41,7 @@ class Force(NamedTuple):
     height: float  #: [m]
     begins: float = 0.0  #: displacement from which the force acts [m]
     ends: float = math.inf  #: displacement up to which the force acts [m]
+    tie: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,25 +75,25 @@ class Mechanism:
         """Ratio of spectral displacement to rotation [m]: Circolare 7/2019, (C8.7.1.4)."""
         return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
 
-    def at(self, rotation: float, lasting: bool = False) -> float:
-        """Return the multiplier alpha at a rotation [rad]; `lasting` omits forces that cease at some displacement."""
+    @property
+    def unlimited(self) -> bool:
+        """Whether a tie has no ultimate elongation."""
+        return any(one.tie and math.isinf(one.ends) for one in self.forces)
+
+    def at(self, rotation: float, untied: bool = False) -> float:
+        """Return the multiplier alpha at a rotation [rad]; `untied` omits the ties."""
         held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
         for force in self.forces:
             acts = force.begins <= force.height * rotation <= force.ends
-            if acts and not (lasting and math.isfinite(force.ends)):
+            if acts and not (untied and force.tie):
                 held += force.force * force.height
         return held / self._driving
 
     @property
     def collapse_displacement(self) -> float:
-        """Spectral displacement d_0 at which the resistance becomes zero [m]."""
+        """Spectral displacement d_0 at which the resistance without the ties becomes zero [m]."""
         weights = sum(one.weight * one.height for one in self.weights)
-        knots = sorted({0.0, *(one.begins / one.height for one in self.forces if one.begins > 0.0)})
-        for begin, end in zip(knots, [*knots[1:], math.inf], strict=True):
-            zero = begin + self.at(begin, lasting=True) * self._driving / weights
-            if zero < end:
-                return max(begin, zero) * self.lever
-        return math.inf
+        return max(0.0, self.at(0.0, untied=True) * self._driving / weights) * self.lever
 
     @property
     def slope(self) -> float:
@@ -122,20 +123,16 @@ def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[For
     weights, forces = [], []
     for load in restraints.loads:
         assert load.friction is not None  # loads without friction move with the body
-        weights.append(Weight(load.weight, _bearing(load, base), load.height, False))
+        weights.append(Weight(load.weight, restraints.bearing(load, base) - restraints.hinge, load.height, False))
         forces.append(Force(load.friction * load.weight, load.height))
     for tie in restraints.ties:
         if tie.side == "negative":
             continue
         if math.isinf(tie.yield_force):
             raise ValueError("a tie without yield_force, but the check assumes rigid-plastic ties: give yield_force")
-        forces.append(Force(tie.yield_force, tie.height, tie.gap, tie.gap + tie.ultimate))
+        forces.append(Force(tie.yield_force, tie.height, tie.gap, tie.gap + tie.ultimate, tie=True))
     forces += [Force(-one.force, one.height) for one in restraints.thrusts]
     return weights, forces
-
-
-def _bearing(load: Load, base: float) -> float:
-    return 0.5 * base if load.distance is None else load.distance
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
@@ -148,7 +145,7 @@ def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] 
     found = [_mechanism(whole, body, carried)]
     if whole.side == 0:
         base = float(body.radius * np.sin(body.alpha_c) + body.radius_2 * np.sin(body.alpha_2))
-        seen = Restraints(loads=tuple(carried)).mirrored(base).loads
+        seen = Restraints(loads=tuple(carried), hinge=float(body.hinge)).mirrored(base).loads
         found.append(_mechanism(whole.mirrored(), body.mirrored(), seen))
     return tuple(dict.fromkeys(found))
 
@@ -156,17 +153,24 @@ def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] 
 def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
     mass, radius, alpha = float(body.mass), float(body.radius), float(body.alpha_c)
     weight = body.gravity * mass if math.isfinite(mass) else 1.0
-    arm, height = radius * math.sin(alpha), radius * math.cos(alpha)
-    base = arm + float(body.radius_2) * math.sin(body.alpha_2)
+    # The weight of the carried loads, too, crushes the edge.
+    inside = Restraints(hinge=float(block.hinge))
+    arm, height = radius * math.sin(alpha) + float(body.hinge) - inside.hinge, radius * math.cos(alpha)
+    base = arm + float(body.radius_2) * math.sin(body.alpha_2) + float(body.hinge) - inside.hinge
     weights = [Weight(weight, arm, height, True)]
-    weights += [Weight(one.weight, _bearing(one, base), one.height, True) for one in carried]
+    weights += [Weight(one.weight, inside.bearing(one, base) - inside.hinge, one.height, True) for one in carried]
     held = block.restraints
     others, forces = _forces(held, base) if isinstance(held, Restraints) else ([], [])
     return Mechanism(tuple(weights + others), tuple(forces), body.gravity)
 
 
-def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
-    """Return the mechanisms of a body by name, alone and on each of its pedestals (see :func:`senses_of`)."""
+def mechanisms(body: BlockSettings, confidence_factor: float = 1.0) -> dict[str, tuple[Mechanism, ...]]:
+    """Return the mechanisms of a body by name, alone and on each of its pedestals (see :func:`senses_of`).
+
+    `confidence_factor` divides its compressive strength.
+    """
+    if body.compressive_strength is not None:
+        body = replace(body, compressive_strength=body.compressive_strength / confidence_factor)
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)
     alone = replace(body, loads=rest).block() if carried else None

@@ -62,20 +62,30 @@ def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
     return found
 
 
-def check_records(senses: Sequence[Mechanism], rotations: Rotations, limit_state: str, rule: str) -> Checked:
-    """Check the rotations of a body according to C8.7.1.2.1.9, with the limits of its worse direction of rotation."""
+def check_records(
+    senses: Sequence[Mechanism],
+    rotations: Rotations,
+    limit_state: str,
+    rule: str,
+    assessed: Sequence[Mechanism] | None = None,
+) -> Checked:
+    """Check the rotations of a body according to C8.7.1.2.1.9, with the limits of its worse direction of rotation.
+
+    `assessed` are the mechanisms whose rotations are given, by default `senses`, which have the strength of the check.
+    """
     statement = ""
     if rotations.records < FEWEST:
         statement = f"{rotations.records} records at the demand, but {rule} requires three or more"
     elif math.isnan(rotations.compared):
         statement = f"{rotations.unknown} of {rotations.records} records have no rotation at the demand"
-    return worst([_checked(one, rotations, limit_state) for one in senses])._replace(
+    every = zip(senses, senses if assessed is None else assessed, strict=True)
+    return worst([_checked(one, of, rotations, limit_state) for one, of in every])._replace(
         records=rotations.records, statement=statement, activation_sense=""
     )
 
 
-def _checked(body: Mechanism, rotations: Rotations, limit_state: str) -> Checked:
-    allowed, unit = allowed_displacement(body, limit_state), body.slope * body.lever
+def _checked(body: Mechanism, assessed: Mechanism, rotations: Rotations, limit_state: str) -> Checked:
+    allowed, unit = allowed_displacement(body, limit_state), assessed.slope * assessed.lever
     demand = rotations.compared * unit
     if math.isnan(demand):
         return Checked(displacement=allowed)

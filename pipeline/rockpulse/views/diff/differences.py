@@ -28,7 +28,8 @@ FACTOR = "/summary/factor_10"
 LISTED = 8
 #: Root attributes on the origin of a file, in which a change is not a difference.
 ABOUT = ("title", "site_description")
-APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", "_NCProperties", *ABOUT)
+OF_THE_RUN = ("run_id", "run_digest", "run_settings", "run_rows")
+APART = ("history", "configuration", "kind", "Conventions", "_NCProperties", *OF_THE_RUN, *ABOUT)
 
 
 @dataclass(frozen=True)

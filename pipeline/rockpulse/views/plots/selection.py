@@ -73,7 +73,7 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
     <Block width 1 m, height 4 m, p 1.889 1/s, alpha_c 0.245 rad, C 0.9118>
     """
     own = summary.sel(block=block).isel(chosen_case(summary, case))
-    names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
+    names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass", "hinge")
     return Block.restored(
         float(own["gravity"]),
         Restraints.from_text(str(own["restraints"].values)),

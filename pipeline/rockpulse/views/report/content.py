@@ -38,6 +38,7 @@ from rockpulse.views.report.verdict import (
     by_severity,
     cards,
     counted_by,
+    ties,
 )
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, restitution, six_digits, three_digits
@@ -55,6 +56,7 @@ REFERENCE = (
 
 #: Properties of restraints in N or N/m, which are shown in kN or kN/m.
 _IN_THOUSANDS = ("stiffness", "yield_force", "weight", "force")
+_IN_MILLIONS = ("compressive_strength",)
 #: Largest number of records listed under a body.
 GOVERNING = 10
 _ASSUMPTIONS = ("body", "impact", "motion", "uplift", "strength")
@@ -103,6 +105,7 @@ def page_content(
         drawings=drawn,
         limits=limits(said, found, answers),
         verdict=body_table(answers, found),
+        ties=ties(answers, found),
         check=None if checked is None else _code_checks(checked, found),
         legend=verdict_legend(answers, [row for one in found for row in one.findings]),
         used=records.used_table(answers),
@@ -258,7 +261,7 @@ def _of_block(answers: Answers, block: str, restitutions: list[float], given: Bl
         "size": say("fact.by_numbers") if math.isnan(one.value("width")) else size,
         "beside": one.support,
         "radius": one.radius,
-        "alpha_c": known("alpha_c", "rad"),
+        "alpha_c": one.critical_angle,
         "p": known("p", "1/s"),
         "slenderness": known("slenderness"),
         "rebound" if one.value("one_sided") else "restitution": ", ".join(map(restitution, restitutions)),
@@ -272,9 +275,10 @@ def _of_block(answers: Answers, block: str, restitutions: list[float], given: Bl
 def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ...]]:
     """Return mass, density, ties, loads, thrusts, modes of the floor and pedestals of a body, each as lines."""
     found: dict[str, tuple[str, ...]] = {"mass": () if math.isnan(one.real("mass")) else (one.number("mass", "kg"),)}
-    parts = json.loads(one.text("restraints") or "{}") | {"floors": json.loads(one.text("floors") or "[]")}
+    parts = {name: every for name, every in json.loads(one.text("restraints") or "{}").items() if name != "hinge"}
+    parts |= {"floors": json.loads(one.text("floors") or "[]")}
     if given is not None:
-        parts |= {"density": [{name: given[name] for name in ("density", "length")}]}
+        parts |= {"density": [{name: given[name] for name in ("density", "length", "compressive_strength")}]}
         parts |= {"pedestals": [{**pedestal} for pedestal in given.pedestals]}
     for name, every in parts.items():
         found[name] = tuple(filter(None, (", ".join(_numbers(part)) for part in every)))
@@ -288,7 +292,7 @@ def _numbers(part: dict[str, float | str | None]) -> list[str]:
         if isinstance(value, str):
             words.append(say(f"held.{value}"))
         elif value is not None and math.isfinite(value) and (value or name not in ("gap", "distance")):
-            scale = 1000.0 if name in _IN_THOUSANDS else 1.0
+            scale = 1e6 if name in _IN_MILLIONS else 1000.0 if name in _IN_THOUSANDS else 1.0
             words.append(say(f"held.{name}", value=six_digits(value / scale)))
     return words
 

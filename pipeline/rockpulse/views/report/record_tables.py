@@ -192,9 +192,9 @@ def left_out_files(tree: xr.DataTree) -> Table:
 def warning_table(summary: xr.Dataset) -> Table:
     """Return a table of the warnings on bodies and records, with a row for each code, or text without a code."""
     groups: dict[tuple[str, str], dict[str, list[int]]] = {}
-    for kind, name in (("block", "block_warnings"), ("record", "warnings")):
-        texts = summary[name].values.tolist() if name in summary else []
-        codes = summary["warning_codes"].values.tolist() if kind == "record" and texts else [""] * len(texts)
+    for kind, name in (("block", "block_warning"), ("record", "warning")):
+        texts = summary[f"{name}s"].values.tolist() if f"{name}s" in summary else []
+        codes = summary[f"{name}_codes"].values.tolist() if f"{name}_codes" in summary else [""] * len(texts)
         for place, (text, code) in enumerate(zip(texts, codes, strict=True)):
             lines, of_lines = [line for line in text.splitlines() if line], code.split(" ")
             for line, one in zip(lines, of_lines if len(of_lines) == len(lines) else lines, strict=True):

@@ -33,6 +33,7 @@ from rockpulse.views.shared.table_columns import (
     record_cells,
     unexplained,
 )
+from rockpulse.views.shared.tie_table import tie_table
 from rockpulse.views.shared.verdict_table import verdict_columns, verdict_rows
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
 
@@ -206,6 +207,12 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     judged = any(row.grade != Grade.NO_VERDICT for row in findings)
     caption = say(f"caption.{'bodies' if judged else 'no_verdict'}", motions=motions_words(answers.motions))
     return Table("verdict-bodies", caption, headings, cells, searched=FEW)
+
+
+def ties(answers: Answers, found: Sequence[BodyVerdict]) -> Table | None:
+    """Return the table of the ties; None without ties."""
+    records = [_governing(answers, record) for record in range(len(answers.records))]
+    return tie_table(answers, found, records)
 
 
 def _governing(answers: Answers, record: int) -> Cell:

@@ -237,8 +237,8 @@ def _in_language(tree: xr.DataTree) -> xr.DataTree:
         if any(len(set(every)) < node.sizes.get(name, 0) for name, every in names.items()):
             names = {}  # two bodies or demands would have one name
         for name in (name for name in ("warnings", "processing", "block_warnings") if name in node):
-            coded = name == "warnings" and "warning_codes" in node
-            codes = node["warning_codes"].values.tolist() if coded else [""] * node[name].size
+            coded = f"{name.removesuffix('s')}_codes"
+            codes = node[coded].values.tolist() if coded in node else [""] * node[name].size
             names[name] = [result_texts(str(one), code) for one, code in zip(node[name].values, codes, strict=True)]
         changed = {name: (node[name].dims, np.array(every, dtype=object)) for name, every in names.items()}
         return node.assign(changed).assign_attrs(attrs)

@@ -10,6 +10,7 @@ from rockpulse.assessment.answers import Answers, Motions, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict, worse_with_pedestal
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.formatting import ratio, several
+from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import CellMark
 from rockpulse.views.shared.table_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.words import say
@@ -121,8 +122,11 @@ def counted_motions(motions: Motions) -> str:
 
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
-    """Return a sentence for every body on a pedestal."""
+    """Return a sentence for every body with a crushed edge, and for every body on a pedestal."""
     notes = []
+    for name in answers.blocks:
+        if words := Known(answers.summary, block=name).crushing:
+            notes.append(say("crushed.note", name=name, **words))
     for alone, worst in worse_with_pedestal(answers, found):
         value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
         outcome = ", ".join(filter(None, (worst.grade.word, value)))

@@ -147,6 +147,24 @@ class Known(RecordFacts):
         return say(f"fact.radius_of_{'rectangle' if rectangle else 'body'}", radius=text)
 
     @property
+    def crushing(self) -> dict[str, str]:
+        """Return depth of the corners, critical angle, that about the edge and the difference; empty without it."""
+        hinge = self.real("hinge")
+        if not hinge > 0.0:
+            return {}
+        alpha, radius = self.real("alpha_c"), self.real("radius")
+        whole = math.atan2(radius * math.sin(alpha) + hinge, radius * math.cos(alpha))
+        less = numerals(f"{100.0 * (alpha / whole - 1.0):.1f} %").replace("-", "−")
+        words = {"alpha": three_digits(alpha, "rad"), "whole": three_digits(whole, "rad")}
+        return words | {"hinge": three_digits(100.0 * hinge, "cm"), "less": less}
+
+    @property
+    def critical_angle(self) -> str:
+        """Return the critical angle of the body, with the effect of crushing of its edge."""
+        words = self.crushing
+        return say("fact.crushed", **words) if words else self.number("alpha_c", "rad")
+
+    @property
     def support(self) -> str:
         """Describe wall, restraints, floor, pedestal and friction of the body; empty for a free body."""
         found = []

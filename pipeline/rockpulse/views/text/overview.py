@@ -7,6 +7,7 @@ import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, answers_of, lanes
+from rockpulse.assessment.verdict import verdicts as found_verdicts
 from rockpulse.record.measures import STORED
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.export.row_selection import RowSelection, unknown
@@ -16,6 +17,7 @@ from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
 from rockpulse.views.shared.table_columns import doubt, doubt_notes, record_cells
+from rockpulse.views.shared.tie_table import tie_table
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, skipped_summary, unused
 from rockpulse.views.text.lists import case_list, sorted_by_factor
@@ -38,19 +40,26 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
     if not whole and answers.motions.kind != "sequence":
         bodies = verdicts.body_verdicts(answers, BODIES if len(answers.bodies) > BODIES else None)
-        parts += [bodies, verdicts.worst_motions(answers, MOTIONS), skipped_summary(tree)]
+        parts += [bodies, ties(answers), verdicts.worst_motions(answers, MOTIONS), skipped_summary(tree)]
         parts.append("Every record, body and model: rockpulse inspect RESULTS --all")
     elif is_large(answers):
         parts += [_large(answers, directions), left_out(tree, brief=True), HINTS]
     else:
         summary = answers.summary.load()  # all values are shown, so they are read at once
         if directions is None:
-            tables = [verdicts.verdict_table(summary), verdicts.body_verdicts(answers)]
+            tables = [verdicts.verdict_table(summary), verdicts.body_verdicts(answers), ties(answers)]
             parts[1:] = [*tables, verdicts.overturned(answers, files)]
         else:
             parts[1:] = [direction_table(summary, directions.load()), verdicts.body_verdicts(answers), unused(files)]
         parts += [verdicts.governing(answers), smallest_capacities(answers), left_out(tree)]
     return "\n\n".join(filter(None, parts))
+
+
+def ties(answers: Answers) -> str:
+    """Return the table of the ties at the demands as text; empty without ties."""
+    cells = [Cell(cell.marked) for cell in record_cells(answers.summary)]
+    table = tie_table(answers, found_verdicts(answers), cells)
+    return "" if table is None else table_text(table)
 
 
 def headline(tree: xr.DataTree) -> str:
@@ -196,7 +205,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
     rows = [
         ("width, height", f"{number('width', 'm')}, {number('height', 'm')}"),
         ("half the diagonal R", one.radius),
-        ("critical angle alpha_c", number("alpha_c", "rad")),
+        ("critical angle alpha_c", one.critical_angle),
         ("frequency parameter p", number("p", "1/s")),
         ("slenderness", number("slenderness")),
         *((("beside", one.support),) if one.support else ()),

@@ -12,28 +12,49 @@ BODY, ROOF = Weight(100.0, 0.3, 2.0, True), Weight(20.0, 0.3, 4.0, True)
 
 
 def test_a_carried_roof_and_a_plastic_tie_are_the_hand_worked_case():
-    """alpha_0 = (30 + 6 + 15)/(200 + 80); e* = 280^2/(120 x 720); d_0 = alpha_0 x 720/280."""
-    held = Mechanism((BODY, ROOF), (Force(5.0, 3.0),))
+    """alpha_0 = (30 + 6 + 15)/(200 + 80); e* = 280^2/(120 x 720); d_0 = (36/280) (720/280), without the tie."""
+    held = Mechanism((BODY, ROOF), (Force(5.0, 3.0, tie=True),))
     assert held.multiplier == pytest.approx(51.0 / 280.0)
     assert held.share == pytest.approx(78400.0 / 86400.0)
-    assert held.collapse_displacement == pytest.approx(51.0 / 280.0 * 720.0 / 280.0)
+    assert held.collapse_displacement == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
+    assert held.unlimited
 
 
 def test_a_tie_that_breaks_counts_for_the_activation_but_not_for_the_displacement():
     """It breaks after 0.1 m; d_0 = (36/280) (720/280), and at 0.4 d_0 it has moved 0.154 m: alpha = 0.6 x 36/280."""
-    held = Mechanism((BODY, ROOF), (Force(5.0, 3.0, 0.0, 0.1),))
+    held = Mechanism((BODY, ROOF), (Force(5.0, 3.0, 0.0, 0.1, tie=True),))
+    assert not held.unlimited
     assert held.multiplier == pytest.approx(51.0 / 280.0)
     assert held.collapse_displacement == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
     assert held.capacity(0.4 * held.collapse_displacement) == pytest.approx(0.6 * 36.0 / 280.0)
     assert held.capacity(0.05) == pytest.approx((51.0 - 280.0 * 0.05 * 280.0 / 720.0) / 280.0)
 
 
-def test_a_gap_leaves_the_activation_alone_and_moves_the_end_of_the_curve():
-    slack = Mechanism((BODY,), (Force(5.0, 3.0, 0.03),))
+def test_a_tie_with_a_gap_changes_neither_activation_nor_the_end_of_the_curve():
+    slack = Mechanism((BODY,), (Force(5.0, 3.0, 0.03, tie=True),))
     assert slack.multiplier == pytest.approx(0.15)
-    assert slack.collapse_displacement == pytest.approx((30.0 + 15.0) / 200.0 * 2.0)
-    # A gap that is wider than the point moves until no couple is left: the tie never acts.
-    assert Mechanism((BODY,), (Force(5.0, 3.0, 1.0),)).collapse_displacement == pytest.approx(0.3)
+    assert slack.at(0.02) == pytest.approx(0.15 + 0.075 - 0.02)
+    assert slack.collapse_displacement == pytest.approx(0.3)
+
+
+def test_the_edge_is_crushed_by_the_strength_divided_by_the_confidence_factor():
+    """N = 0.6 x 4 x 1800 x 9.80665 + 20 000 = 62 364.7 N on 1 m; at 1 MPa/1.35 the corner is 0.049526 m inside."""
+    wall = rp.BlockSettings(
+        name="wall",
+        width=0.6,
+        height=4.0,
+        density=1800.0,
+        length=1.0,
+        compressive_strength=1e6,
+        loads=(rp.LoadSettings(weight=20e3, height=4.0, distance=0.2),),
+        one_sided=True,
+        rebound=0.4,
+    )
+    ((crushed,),) = mechanisms(wall, 1.35).values()
+    inside, own = 62364.73 * 1.35 / 1.7e6, 42364.73
+    multiplier = (own * (0.3 - inside) + 20e3 * (0.2 - inside)) / (own * 2.0 + 20e3 * 4.0)
+    assert crushed.multiplier == pytest.approx(multiplier, rel=1e-6)
+    assert mechanisms(wall)["wall"][0].multiplier > crushed.multiplier
 
 
 def test_a_roof_that_slides_holds_back_and_its_mass_stays_with_the_building():

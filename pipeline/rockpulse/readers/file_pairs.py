@@ -1,0 +1,149 @@
+"""Pairs of files, each with one of the two horizontal components of a recording, which the files do not state."""
+
+import math
+import os
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import MISSING, dataclass, replace
+from pathlib import Path
+
+from rockpulse.errors import ConfigError, Failure, RecordFormatError, some
+from rockpulse.option import KeyType, Section, key
+from rockpulse.readers.kit.spacing import same_step
+from rockpulse.record.record import Record
+
+_NAME = KeyType(
+    "the name of one file, without wildcards",
+    lambda value: isinstance(value, str) and bool(value.strip()) and not set("*?") & set(value),
+    str,
+)
+#: Directions of the two files, clockwise from north [degrees], and largest difference of a stated direction.
+SIDES = {"north": 0.0, "east": 90.0}
+SAME_LINE = 5.0
+
+
+@dataclass(frozen=True)
+class PairSettings(Section):
+    """Two files of one channel each that are the horizontal components of one recording; in TOML [[records.pair]].
+
+    The channels then have the directions north and east, and are a pair of one instrument and one earthquake. If the
+    true directions are unknown, any two perpendicular axes of the instrument may be called so.
+
+    Attributes
+    ----------
+    north, east : str
+        Name of the file, or end of its path, also of a member of a zip archive, such as ``a.csv`` or ``hall/a.csv``.
+
+    Raises
+    ------
+    ConfigError
+        For an empty name, a wildcard, or the same name twice.
+
+    Examples
+    --------
+    >>> pair = PairSettings(north="120111.txt", east="120112.txt")
+    >>> pair.side("far_field.zip!120112.txt"), pair.side("a.csv")
+    ('east', '')
+    """
+
+    heading = "[[records.pair]]"
+    north: str = key(MISSING, _NAME)
+    east: str = key(MISSING, _NAME)
+
+    @property
+    def where(self) -> str:
+        """Return the name of this section in messages."""
+        return f'[[records.pair]] north = "{self.north}"' if isinstance(self.north, str) else self.heading
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if _plain(self.north) == _plain(self.east):
+            raise ConfigError(f'{self.where}: expected two files, found "{self.east}" twice')
+
+    def side(self, name: str) -> str:
+        """Return "north" or "east" for a file of this pair, named as in `Record.source`; empty for other files."""
+        spellings = path_spellings(name)
+        for side in SIDES:
+            wanted = _plain(self[side])
+            if any(part == wanted or part.endswith(f"/{wanted}") for part in spellings):
+                return side
+        return ""
+
+    def directed(self, name: str, records: Sequence[Record]) -> list[Record]:
+        """Return the channel of a file of this pair with its direction; raise RecordFormatError if it has another."""
+        side = self.side(name)
+        if len(records) != 1:
+            raise RecordFormatError(
+                f"{name}: expected one channel, as {self.where} calls the file {side}, found {len(records)}; remove "
+                "the entry, and state the directions in the headings"
+            )
+        (record,) = records
+        stated = "" if record.orientation in ("unknown", "horizontal") else f"the orientation {record.orientation}"
+        if math.isfinite(record.azimuth):
+            off = abs(math.remainder(record.azimuth - SIDES[side], 180.0))
+            stated = f"the direction {record.azimuth:g} degrees" if off > SAME_LINE else ""
+        if stated:
+            raise RecordFormatError(f"{name}: the file states {stated}, {self.where} calls it {side}; correct one")
+        azimuth = record.azimuth if math.isfinite(record.azimuth) else SIDES[side]
+        together = f"{self.north} and {self.east}"
+        return [replace(record, orientation="horizontal", azimuth=azimuth, together=together)]
+
+
+def _plain(name: str) -> str:
+    return name.replace("\\", "/").removeprefix("./")
+
+
+def path_spellings(name: str) -> list[str]:
+    """Return the absolute path of a file, and of an archive and its member, also without ``.gz``, as in patterns."""
+    path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
+    archive, _, member = path.partition("!")
+    parts = [path, archive, f"/{member}"] if member else [path]
+    return parts + [part[:-3] for part in parts if part.lower().endswith(".gz")]
+
+
+def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
+    """Raise ConfigError unless each name of each pair is exactly one of the files `names`, and no file is in two."""
+    taken: dict[str, str] = {}
+    for pair in pairs:
+        for side in SIDES:
+            found = [name for name in names if pair.side(name) == side]
+            where = f'[[records.pair]] {side} = "{pair[side]}"'
+            if not found:
+                advice = "correct the name, or give the folder of the file with the records"
+                raise ConfigError(f"{where}: it is none of the files to read ({len(names)} in all); {advice}")
+            if len(found) > 1:
+                raise ConfigError(f"{where}: {len(found)} files have this name: {some(found, 2)}; give more of it")
+            if found[0] in taken:
+                raise ConfigError(f"{where}: the file is already in {taken[found[0]]}; it can be in one pair only")
+            taken[found[0]] = pair.where
+
+
+def without_unlike(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
+    """Return the records except the pairs of files that differ in interval, length or start, and their failures."""
+    groups: dict[str, list[Record]] = defaultdict(list)
+    for record in records:
+        if record.together:
+            groups[record.together].append(record)
+    reasons: dict[int, str] = {}
+    for group in groups.values():
+        if len(group) == 2 and (unlike := _difference(*group)):
+            reasons |= {id(record): unlike for record in group}
+    rows = [
+        Failure(one.source, "pair", f"{one.id}: {reasons[id(one)]}", "failed") for one in records if id(one) in reasons
+    ]
+    return [record for record in records if id(record) not in reasons], rows
+
+
+def _difference(one: Record, other: Record) -> str:
+    """Return why two files cannot be the components of one recording; empty if they can."""
+    files = f"{one.together} ([[records.pair]])"
+    if not same_step((one.dt, other.dt)):
+        return f"expected equal intervals in {files}, found {one.dt:g} and {other.dt:g} s; correct the wrong one"
+    if one.npts != other.npts:
+        return (
+            f"expected equal numbers of samples in {files}, found {one.npts} and {other.npts}; if both begin at the "
+            "same time, cut the longer one, otherwise remove the entry"
+        )
+    if one.start_time != other.start_time and None not in (one.start_time, other.start_time):
+        return f"expected equal start times in {files}, found {one.start_time} and {other.start_time}"
+    return ""
