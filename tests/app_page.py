@@ -41,9 +41,7 @@ def served(folder, *options):
     """The page of a folder; after the test Ctrl-C has ended it without an error."""
     command = [sys.executable, "-m", "rockpulse", "app", str(folder), "--no-browser", *options]
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
-    )
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment)
     try:
         first = process.stdout.readline().strip()
         assert "/?token=" in first, first + process.stdout.read()
@@ -62,7 +60,9 @@ def records(count=5):
     found = {"readme.txt": b"Records of an agency.\n"}
     for number in range(count):
         motion = (0.25 + 0.05 * number) * np.exp(-(((TIME - 2.0) / 0.8) ** 2)) * np.sin(2.0 * np.pi * TIME)
-        found[f"quake{number}.AT2"] = at2(motion, title=f"Quake {'ABCDE'[number] * 3}, {number + 1}/5/1980, Bagnoli, 270")
+        found[f"quake{number}.AT2"] = at2(
+            motion, title=f"Quake {'ABCDE'[number] * 3}, {number + 1}/5/1980, Bagnoli, 270"
+        )
     return found
 
 

@@ -33,6 +33,8 @@ NOT_RUN = {
     ("index.md", "it installs the program"),
     ("installation.md", "it needs a container engine"),
     ("installation.md", "it writes to a system folder"),
+    ("tutorials/app.md", "it needs the folder of the page"),
+    ("tutorials/app.md", "it opens a page and waits"),
     ("tutorials/assess.md", "it installs the program"),
     ("tutorials/assess.md", "it is for Windows"),
     ("tutorials/batch.md", "it needs the address of a cluster"),

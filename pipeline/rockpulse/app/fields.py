@@ -23,7 +23,9 @@ def file_input(label: str, address: str, handle: Callable[..., Any]) -> None:
     """Show an input of files, which can be dropped on it; they are sent to an address of the server."""
     with ui.element("label").classes("drop"):
         ui.label(label)
-        ui.element("input").props('type="file" multiple').on("change", handle, js_handler=SEND.replace("ADDRESS", address))
+        ui.element("input").props('type="file" multiple').on(
+            "change", handle, js_handler=SEND.replace("ADDRESS", address)
+        )
 
 
 def refused(faults: list[str]) -> None:

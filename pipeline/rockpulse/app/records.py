@@ -68,7 +68,7 @@ class RecordPart:
     async def read(self) -> None:
         """Read all records anew, and show them."""
         self.state.text = say("app.records.reading")
-        self.records, failures = await run.io_bound(self.project.read_records)
+        self.records, failures = await run.io_bound(self.project.read_records) or ([], [])
         with self.page.words():
             self._show_records()
             self._show_left(failures)
@@ -86,7 +86,11 @@ class RecordPart:
                 "field": name,
                 "sortable": True,
                 "align": "right" if name in NUMBERS else "left",
-                **({":format": f"value => value.toPrecision(3).replace('.', '{say('decimal')}')"} if name in NUMBERS else {}),
+                **(
+                    {":format": f"value => value.toPrecision(3).replace('.', '{say('decimal')}')"}
+                    if name in NUMBERS
+                    else {}
+                ),
             }
             for name in COLUMNS
         ]

@@ -81,7 +81,9 @@ class ResultPart:
         self.bar.visible = command.running
         if command.running:
             self.bar.value = command.done / command.total if command.total else 0.0
-            self.bar.props(f"{'' if command.total else 'indeterminate'}", remove="" if not command.total else "indeterminate")
+            self.bar.props(
+                f"{'' if command.total else 'indeterminate'}", remove="" if not command.total else "indeterminate"
+            )
             key = f"app.results.{command.verb}" if command.verb != "assess" or not command.total else "app.results.at"
             self.state.text = say(key, done=command.done, total=command.total, left=command.left, doing=command.doing)
             return
@@ -122,7 +124,11 @@ class ResultPart:
     def show_error(self, error: str) -> None:
         """Allow an assessment only of a valid configuration with bodies."""
         lacking = "" if self.project.document.get("block") else say("app.results.no_body")
-        if not lacking and not self.project.record_files() and not self.project.document.get("records", {}).get("paths"):
+        if (
+            not lacking
+            and not self.project.record_files()
+            and not self.project.document.get("records", {}).get("paths")
+        ):
             lacking = say("app.results.no_record")
         self.fault.text = say("app.results.wrong", error=error) if error else lacking
         self.start.set_enabled(not error and not lacking)

@@ -21,7 +21,7 @@ def config_template() -> str:
     """Return the text of the configuration template, with the names of models and measures filled in."""
     from rockpulse.config.study_settings import HAZARD_UNITS
     from rockpulse.model_table import DEFAULT_MODELS, MODELS, NAMES, UPPER_BOUND
-    from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING
+    from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING, USUAL
 
     named = {"hazard": HAZARD, "units": HAZARD_UNITS, "families": PERIODIC}
     fields = {of: " | ".join(f'"{name}"' for name in names) for of, names in named.items()}
@@ -31,7 +31,8 @@ def config_template() -> str:
     fields |= {"default": json.dumps(DEFAULT_MODELS), "names": json.dumps(NAMES)}
     for use, names in (("scaling", SCALING), ("demand", DEMAND)):
         fields[use] = " | ".join(f'"{name}" ({_meaning(ROWS[name])})' for name in names)
-    entries = {f'    "{name}",': MEASURES[name] for name in FRAGILITY}
+    order = sorted(FRAGILITY, key=lambda name: name not in USUAL)
+    entries = {f'{"    " if name in USUAL else "    # "}"{name}",': MEASURES[name] for name in order}
     fields["fragility"] = "\n".join(f"{entry:<{BEGIN}}# {_meaning(measure)}" for entry, measure in entries.items())
     text = files("rockpulse.config").joinpath("template.toml").read_text(encoding="utf-8")
     return "\n".join(_filled(line, fields) for line in text.split("\n"))

@@ -45,7 +45,11 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
 
     # On a terminal without a size tqdm would show nothing.
     sized = quiet or not sys.stderr.isatty() or os.get_terminal_size(sys.stderr.fileno()).columns > 0
-    return partial(tqdm, disable=True if quiet else False if CHILD in os.environ else None, **({} if sized else {"ncols": 80, "nrows": 24}))
+    return partial(
+        tqdm,
+        disable=True if quiet else False if CHILD in os.environ else None,
+        **({} if sized else {"ncols": 80, "nrows": 24}),
+    )
 
 
 class _KernelLines(logging.Handler):

@@ -14,7 +14,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.files import check_regular
 from rockpulse.model_table import EQUATIONS
 from rockpulse.option import KeyType, Section, boolean, choice, choices, count, is_number, key, number, text
-from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENCE
+from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENCE, USUAL
 
 if TYPE_CHECKING:
     from rocking.spectrum.probability import Uncertainty
@@ -119,7 +119,7 @@ class UncertaintySettings(Section):
     restitution: tuple[float, ...] = key((0.95, 1.05), _RANGE)
     geometry: float = number(0.05, low=0.0, high=1.0)
     azimuth: bool = boolean(False)
-    spectrum: str = choice("none", ("none", "all"))
+    spectrum: str = choice("auto", ("auto", "none", "all"))
 
     def of_draws(self) -> Uncertainty:
         """Return the uncertainties as an object of :mod:`rocking`."""
@@ -187,7 +187,7 @@ class FragilitySettings(Section):
 
     heading = "[fragility]"
     limit_states: tuple[str | float, ...] = key((UPLIFT, 0.1, 0.4, 0.6, 1.0, OVERTURNING), _LIMIT_STATES)
-    measures: tuple[str, ...] = choices(FRAGILITY, FRAGILITY)
+    measures: tuple[str, ...] = choices(USUAL, FRAGILITY)
     pga_min: float = number(1.0, low=0.0, unit="m/s2")
     data: str = choice("stripes", DATA)
     stripe_measure: str = choice(REFERENCE, FRAGILITY)

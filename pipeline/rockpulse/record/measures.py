@@ -209,6 +209,8 @@ ROWS = {row.name: row for row in _TABLE}
 MEASURES = {one.name: one for row in _TABLE for one in (map(row.at, row.periods) if row.periods else [row])}
 #: Names of measures for each use. A demand gives the name of a family and the period.
 FRAGILITY = tuple(name for name, one in MEASURES.items() if one.proportional)
+#: Measures of [fragility] by default.
+USUAL = (PGA, PGV, "si", REFERENCE)
 HAZARD, SCALING = (tuple(name for name, one in MEASURES.items() if use in one.uses) for use in ("hazard", "scaling"))
 DEMAND = tuple(name for name, row in ROWS.items() if "demand" in row.uses)
 PERIODIC = tuple(name for name in DEMAND if ROWS[name].periods)

@@ -32,7 +32,7 @@ def test_a_long_name_keeps_its_end():
 
 
 def test_the_configuration_is_read_changed_and_written(tmp_path):
-    written = "# mine\n[site]\nname = \"Old town\"\n\n[uncertainty]\nrestitution = {mean = 0.98, deviation = 0.03}\n"
+    written = '# mine\n[site]\nname = "Old town"\n\n[uncertainty]\nrestitution = {mean = 0.98, deviation = 0.03}\n'
     (tmp_path / "site.toml").write_text(written)
     project = Project(tmp_path)
     project.several("block").append({"name": "wall", "width": 0.3, "height": 2.4, "pedestal": []})
@@ -57,7 +57,7 @@ def test_a_wrong_configuration_is_not_written(tmp_path):
     assert (tmp_path / "site.toml").read_text().startswith(HEAD)
     (tmp_path / "site.toml").write_text("[site]\nnam = 1\n")
     assert project.changed_outside
-    with pytest.raises(ConfigError, match="site.toml: .*did you mean"):
+    with pytest.raises(ConfigError, match=r"site\.toml: .*did you mean"):
         project.load()
 
 

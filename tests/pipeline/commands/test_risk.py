@@ -3,6 +3,7 @@
 import pandas as pd
 import pytest
 
+import rockpulse as rp
 from rockpulse.cli import main
 
 
@@ -24,6 +25,10 @@ def test_the_hazard_of_the_fragility_or_of_a_file_gives_a_table(fragility, tmp_p
     assert f"table: {table}" in capsys.readouterr().out
     found = pd.read_csv(table)
     assert found["block"].tolist() == ["stele", "pier"]
+    assert "  cut at uplift: " in shown
+    curves = rp.load(fragility)["fragility"].sel(limit_state="overturning", measure="pga")
+    assert found["median"].tolist() == pytest.approx(curves["median"].values)
+    assert found["beta"].tolist() == pytest.approx(curves["beta"].values)
     assert shown.split("stele")[1].split()[0].rstrip("!") == f"{found['frequency'][0]:.2e}"
     # What each range of levels contributes, in the unit of the hazard.
     levels = pd.read_csv(tmp_path / "risk_levels.csv")

@@ -126,6 +126,9 @@ def fragility_frequency(
         _of_body(ensemble.observations(*place, [lane]), floor, asked)
         for lane, floor in enumerate(_floors(table, hazard))
     ]
+    curve = table.sel(limit_state=limit_state, measure=hazard.measure)
+    for row, median, beta in zip(found, curve["median"].values, curve["beta"].values, strict=True):
+        row |= {"median": median, "beta": beta}
     columns = {name: one.variable(np.array([row[name] for row in found])) for name, one in RISK.items()}
     risk = xr.Dataset(columns, {"block": table["block"]})
     risk.attrs.update(

@@ -117,8 +117,8 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
     head = f"Efficiency: dispersion beta of capacity, all bodies together; ratio: beta divided by beta for {REFERENCE}"
     if bool(compared[1].sel(measure=kept).notnull().any()):
         head += " with its band"
-    words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]
-    return table_text(Table("", head, headings, tuple(rows), tuple(words)))
+    words = "; ".join(f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept)
+    return table_text(Table("", head, headings, tuple(rows), (f"{words}.",)))
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:

@@ -67,6 +67,12 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
     )
 
 
+def _curve(risk: xr.Dataset, dispersion: str) -> tuple[Column, Column]:
+    """Return the columns of the median in the unit of the hazard and of the dispersion of the fragility."""
+    median = _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median")
+    return median, _text(dispersion, three_digits, dispersion)
+
+
 def risk_overview(risk: xr.Dataset) -> str:
     """Return the result of :func:`rockpulse.risk` as text."""
     years, measure = float(risk.attrs["years"]), risk.attrs["measure"]
@@ -74,13 +80,14 @@ def risk_overview(risk: xr.Dataset) -> str:
         *_of_frequency(risk, "block", bool, "warning"),
         _interval("interval", _chance, "probability"),
         _text("survival", _survival, "survival"),
+        *_curve(risk, "beta"),
         titled(f"{measure} [{risk.attrs['unit']}]", Cell, "levels"),
     )
     levels = [_levels(risk.isel(block=place)) for place in range(risk.sizes["block"])]
     notes = [
         "per year: annual frequency lambda, the fragility integrated over the hazard curve; intervals: over the "
         f"earthquakes of the fragility, with the hazard as given; survival: probability of surviving {years:g} years; "
-        f"{measure}: levels that contribute 90 % of lambda.",
+        f"median, beta: of the fragility; {measure}: levels that contribute 90 % of lambda.",
         *_assumed(risk),
     ]
     named = zip(risk["block"].values, risk["statement"].values, strict=True)
@@ -120,8 +127,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
     selected = (
         *_of_frequency(risk, "body", lambda *shares: any(one > OUTSIDE for one in shares), *SIDES),
         _text("survival", _survival, "survival"),
-        _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median"),
-        _text("dispersion", three_digits, "dispersion"),
+        *_curve(risk, "dispersion"),
     )
     order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(MOST_BODIES, int(known.sum()))]
     notes = [
@@ -192,9 +198,10 @@ def standing_overview(standing: xr.Dataset) -> str:
 
 
 def _assumed(risk: xr.Dataset) -> list[str]:
-    cut = "cut at uplift: a PGA below the uplift PGA of a body on the ground contributes nothing."
     notes = [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_conditions']}."]
-    return notes + [cut] * (risk.attrs["measure"] == PGA)
+    if risk.attrs["measure"] == PGA:
+        return [*notes, "cut at uplift: a PGA below the uplift PGA of a body on the ground contributes nothing."]
+    return [*notes, "not cut at uplift: only a hazard of PGA states which motions lift no body."]
 
 
 def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Sequence[str]) -> str:
@@ -205,7 +212,8 @@ def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes:
 def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
     """Return a table with one row for each body, without the contributions of single hazard levels."""
     names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
-    return _table(risk[names], "block", names, standing)
+    table = _table(risk[names], "block", names, standing)
+    return table.assign(median=table["median"] / _unit(risk), unit=risk.attrs["unit"])
 
 
 def levels_table(risk: xr.Dataset) -> pd.DataFrame:
