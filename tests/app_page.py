@@ -1,6 +1,7 @@
-"""A page of ``rockpulse app`` in a process of its own, and files to drop on it."""
+"""A page of ``rockpulse app`` in a process of its own, files to drop on it, and its window in a browser."""
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pytest
 from record_writers import at2
 
 TIME = 0.01 * np.arange(400)
@@ -72,3 +74,97 @@ def zipped(path, members):
         for name, content in members.items():
             archive.writestr(name, content)
     return path
+
+
+class Window:
+    """The page in the browser, by what a user sees."""
+
+    def __init__(self, browser, served):
+        self.browser, self.served = browser, served
+
+    def open(self, address=None):
+        self.browser.get("about:blank")
+        self.browser.get_log("browser")
+        self.browser.get_log("performance")
+        self.browser.get(address or self.served.address)
+        self.wait(lambda: self.find("#results h2"))
+        return self
+
+    def wait(self, seen, expected=""):
+        from selenium.common.exceptions import StaleElementReferenceException, TimeoutException
+        from selenium.webdriver.support.ui import WebDriverWait
+
+        waiting = WebDriverWait(self.browser, PATIENCE, 0.1, [StaleElementReferenceException])
+        try:
+            return waiting.until(lambda _: seen())
+        except TimeoutException:
+            pytest.fail(f"expected {expected or 'something else'} on\n{self.find('body')[0].text}")
+
+    def find(self, selector):
+        return self.browser.find_elements("css selector", selector)
+
+    def text(self, part):
+        return self.find(f"#{part}")[0].text
+
+    def says(self, part, *words):
+        self.wait(lambda: all(word in self.text(part) for word in words), words)
+
+    def drop(self, *paths):
+        self.find("#records input[type=file]")[0].send_keys("\n".join(map(str, paths)))
+
+    def press(self, part, label):
+        def pressed():
+            found = [one for one in self.find(f"#{part} button") if one.text == label and one.is_enabled()]
+            return found and self.browser.execute_script("arguments[0].click(); return true", found[0])
+
+        self.wait(pressed)
+
+    def field(self, part, label, number=-1):
+        return self.wait(lambda: self.find(f'#{part} input[aria-label="{label}"]'))[number]
+
+    def type(self, part, label, text, number=-1):
+        field = self.field(part, label, number)
+        field.send_keys("\ue009a\ue000", text)  # Ctrl+A
+
+    def choose(self, part, label, option):
+        box = self.wait(lambda: self.find(f'#{part} [role=combobox][aria-label="{label}"]'))[0]
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", box)
+        box.click()
+        self.wait(lambda: [one for one in self.find("[role=option]") if one.text == option])[0].click()
+
+    def console(self):
+        """What the console says, less requests that a test has refused on purpose."""
+        return [one["message"] for one in self.browser.get_log("browser") if one["level"] in ("SEVERE", "WARNING")]
+
+    def hosts(self):
+        """Hosts that the page has asked for something."""
+        asked = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
+        found = [one["params"] for one in asked if one["method"] == "Network.requestWillBeSent"]
+        urls = [one["request"]["url"] for one in found if not one["documentURL"].startswith("chrome")]
+        return {url.split("/")[2] for url in urls if not url.startswith(("data:", "blob:"))}
+
+
+def add(window, count):
+    """Add a body to a page, which then has `count`."""
+    window.press("bodies", "Add a body")
+    window.wait(lambda: len(window.find(".body-row")) == count)
+
+
+def walls(window):
+    """Two bodies, the first one typed in millimetres and corrected."""
+    add(window, 1)
+    window.type("bodies", "name", "wall")
+    window.type("bodies", "width [m]", "550")
+    window.type("bodies", "height [m]", "4200")
+    window.says("bodies", "are these millimetres?")
+    assert "To be corrected first" in window.text("results")
+    window.type("bodies", "width [m]", "0.3")
+    window.type("bodies", "height [m]", "2,4")
+    window.says("bodies", "uplift PGA 0.125 g")
+    add(window, 2)
+    window.type("bodies", "name", "pier")
+    window.type("bodies", "width [m]", "wide")
+    window.says("bodies", "expected a positive number of metres")
+    window.type("bodies", "width [m]", "1")
+    window.type("bodies", "height [m]", "4")
+    window.says("bodies", "uplift PGA 0.25 g")

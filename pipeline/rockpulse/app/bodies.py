@@ -1,9 +1,7 @@
 """The bodies: a row of inputs for each, with a drawing to scale and the uplift PGA as one types."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from markupsafe import escape
@@ -11,6 +9,7 @@ from nicegui import events, ui
 
 from rockpulse.app.fields import Fields, file_input, refused
 from rockpulse.app.project import body_error
+from rockpulse.app.window import Window
 from rockpulse.config.block_settings import (
     BlockSettings,
     LoadSettings,
@@ -25,9 +24,6 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
-
-if TYPE_CHECKING:
-    from rockpulse.app.page import Page
 
 #: Keys in the row of a body, and in its panel of further keys.
 FIRST = ("name", "width", "height")
@@ -47,7 +43,7 @@ HEADINGS = "name,width [m],height [m]"
 class BodyRow:
     """The inputs of one body; its values are a section of the document."""
 
-    def __init__(self, page: Page, values: dict[str, Any]) -> None:
+    def __init__(self, page: Window, values: dict[str, Any]) -> None:
         self.page, self.values = page, values
         self.fields: list[tuple[str, Fields]] = []
 
@@ -158,7 +154,7 @@ class BodyPart:
 
     name = "bodies"
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Window) -> None:
         self.page, self.project = page, page.project
 
     def show(self) -> None:

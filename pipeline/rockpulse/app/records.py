@@ -1,14 +1,13 @@
 """The records of the project: what was read, what was not used and why, with the remedy in place."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import events, run, ui
 
 from rockpulse.app.fields import file_input, refused, value_of
 from rockpulse.app.project import samples
+from rockpulse.app.window import Window
 from rockpulse.errors import Failure, last_part
 from rockpulse.readers import UNITS
 from rockpulse.record.intensity import pgv
@@ -16,9 +15,6 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.selection.events import words_of
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import counted_words, in_dates, say
-
-if TYPE_CHECKING:
-    from rockpulse.app.page import Page
 
 #: Columns of the table, and those of numbers.
 COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "file")
@@ -35,7 +31,7 @@ class RecordPart:
 
     name = "records"
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Window) -> None:
         self.page, self.project = page, page.project
         self.records: list[Record] = []
 

@@ -1,16 +1,12 @@
 """The results: the run with its progress, the report with its pictures, and the files to save."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
 
 from rockpulse.app.project import ASSESS, CONFIG, RESULTS, TABLE
+from rockpulse.app.window import Window
 from rockpulse.views.shared.words import say
-
-if TYPE_CHECKING:
-    from rockpulse.app.page import Page
 
 #: Makes the frame of the report as high as the report.
 FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
@@ -23,7 +19,7 @@ class ResultPart:
 
     name = "results"
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Window) -> None:
         self.page, self.project, self.command = page, page.project, page.project.command
         self._seen = -1
 

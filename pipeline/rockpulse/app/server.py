@@ -14,7 +14,7 @@ from nicegui import Client, app, ui
 from nicegui.server import Server
 
 from rockpulse.app.guard import Guard
-from rockpulse.app.page import Page
+from rockpulse.app.page import show_page
 from rockpulse.app.project import Project
 from rockpulse.errors import ConfigError
 from rockpulse.views.shared.words import LANGUAGES
@@ -42,7 +42,7 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
     @ui.page("/", title="rockpulse", response_timeout=30.0)
     def page(request: Request, language: str = "") -> None:
         asked = request.headers.get("accept-language", "")[:2]
-        Page(project, next((one for one in (language, asked) if one in LANGUAGES), "en")).show()
+        show_page(project, next((one for one in (language, asked) if one in LANGUAGES), "en"))
 
     @app.get("/files/{name}")
     def download(name: str) -> FileResponse:

@@ -1,18 +1,14 @@
 """The site: the demand, the directions of the records, the code check and the head of the report."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
 
 from rockpulse.app.fields import Fields, text_of
+from rockpulse.app.window import Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, ReportSettings
 from rockpulse.views.shared.words import say
-
-if TYPE_CHECKING:
-    from rockpulse.app.page import Page
 
 #: Kinds of demand: none, a_g S of the site, and measures with the units that a value may have.
 MEASURES = {"pga": ("g", "m/s2"), "pgv": ("m/s", "cm/s"), "sa": ("g", "m/s2")}
@@ -25,7 +21,7 @@ class SitePart:
 
     name = "site"
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Window) -> None:
         self.page, self.project = page, page.project
         self.groups: list[Fields] = []
 
