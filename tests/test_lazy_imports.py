@@ -1,11 +1,13 @@
 """Frequent imports are fast: the help and the reader plugins load neither numba, xarray nor matplotlib."""
 
 import json
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import scipy
 
 READERS = Path(__file__).parents[1] / "pipeline" / "rockpulse" / "readers"
 HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy", "matplotlib", "jinja2")
@@ -72,6 +74,22 @@ def test_looking_at_results_loads_no_solver(golden):
     commands = (["inspect", path, "--worst", "3"], ["diff", path, path])
     script = "\n".join(command(*arguments) for arguments in commands)
     assert not set(loaded(script)) & {"numba", "scipy.signal", "obspy", "matplotlib"}
+
+
+#: What an assessment of text files may load of scipy, of which numba loads scipy.linalg.
+OF_SCIPY = {"scipy.special", "scipy.linalg"}
+
+
+@pytest.mark.sweep
+def test_an_assessment_of_text_files_loads_only_what_it_uses(tmp_path):
+    samples = READERS.parents[2] / "data" / "samples"
+    given = ["--config", str(samples / "site.toml"), "-o", str(tmp_path / "results.h5")]
+    # If dask is installed, xarray loads it, and dask loads half of scipy.
+    script = "import sys\nsys.modules['dask'] = None\n" + command("assess", str(samples / "records"), *given)
+    parts = [f"scipy.{one.name}" for one in pkgutil.iter_modules(scipy.__path__) if one.ispkg and one.name[0] != "_"]
+    others = ("obspy", "matplotlib", "jinja2", "distributed", "h5netcdf")
+    assert {"scipy.signal", "scipy.stats", "scipy.optimize", *OF_SCIPY} < set(parts)
+    assert not set(loaded(script, of=(*parts, *others))) - OF_SCIPY
 
 
 @pytest.mark.sweep

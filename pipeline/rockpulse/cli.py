@@ -1,6 +1,7 @@
 """The command line, with one module per verb under :mod:`rockpulse.commands`."""
 
 import argparse
+import gc
 import io
 import logging
 import os
@@ -23,6 +24,8 @@ from rockpulse.commands.terminal import (
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
+#: Number of new objects after which Python looks for unused cycles: with its default, the imports take 0.2 s longer.
+NEW_OBJECTS = 100_000
 FAILED = 1
 USAGE = 2
 INTERRUPTED = 130
@@ -58,8 +61,10 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Parse the arguments (by default ``sys.argv``), run one verb, and return the exit code."""
-    if argv is None and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, interrupt)
+    if argv is None:
+        gc.set_threshold(NEW_OBJECTS)
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, interrupt)
     try:
         return _run(argv)
     except KeyboardInterrupt as error:

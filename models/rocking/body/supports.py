@@ -4,7 +4,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter
 
 from rocking.arguments import ArrayLike, common_shape, numbers, positive, record_samples
 from rocking.body.block import Block
@@ -142,6 +141,8 @@ def floor_motion(
     >>> round(top.amplification, 1), top.dt
     (9.6, 0.01)
     """
+    from scipy.signal import cont2discrete, lfilter  # imported late, as its import is slow
+
     ground = record_samples("acceleration", acceleration)
     step = float(positive("dt", dt, "s", lanes=False))
     given = {"period": positive("period", period, "s")}

@@ -16,7 +16,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
@@ -122,6 +121,8 @@ def critical_main(block: Block, ratio: ArrayLike, interval: float, main_count: i
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return values (m, ...) at the p and C of blocks, interpolated in `values` (a, c, ...) over ln p and C."""
+    from scipy.interpolate import RegularGridInterpolator  # imported late, as its import is slow
+
     places = []
     for at, axis in ((np.log(block.p), np.log(p)), (block.restitution, restitution)):
         places.append(np.clip(np.broadcast_to(at, block.shape), axis[0], axis[-1]))

@@ -180,7 +180,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of bodies that may slide, and of bodies with a worse verdict on their pedestal than without it."""
+    """Warn of bodies that may slide, whose ties never break, or with a worse verdict on their pedestal."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.share.value)
@@ -188,6 +188,9 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
     slid = [one.body.name for one in found if one.deciding.slides_first or one.deciding.sliding > 0.0]
     if slid:
         said.append(_limit("decides", "slides", names=listed([body_name(name) for name in slid])))
+    codes = zip(answers.blocks, answers.summary["block_warning_codes"].values, strict=True)
+    if endless := [body_name(name) for name, own in codes if has_warning(str(own), "tie_unlimited")]:
+        said.append(_limit("decides", "ties", names=listed(endless)))
     return said
 
 
