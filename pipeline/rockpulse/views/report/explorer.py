@@ -162,7 +162,7 @@ class _Scenes:
 
     def _curve(self, row: int, lane: int, block: Block, ground: Record) -> tuple[np.ndarray, np.ndarray] | None:
         """Return scale factors and probabilities of overturning of a free slender body; None for other bodies."""
-        slender = self._answers.source[row, lane] in ("slender_limit", "spectrum")
+        slender = self._answers.source[row, lane] in ("slender_limit", "spectrum", "shared_spectrum")
         if not slender or self._answers.bodies[lane].block not in self._plain:
             return None
         uncertainty = settings_of(self._tree, UncertaintySettings).of_draws()
