@@ -1,8 +1,10 @@
 """Draws the pictures of docs/tutorials/app.md: the page with records and bodies, and with results."""
 
+import base64
 import io
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from app_page import Window, records, served, walls, zipped
@@ -16,12 +18,12 @@ WIDTH, HEIGHT = 1000, 1250
 
 def picture(browser, name, first):
     """Write what the window shows from an element on, with as few colours as a diagram has."""
+    browser.execute_script(f"document.querySelector('{first}').scrollIntoView()")
+    time.sleep(1.5)  # what is out of sight is not drawn
     top = browser.execute_script(f"return document.querySelector('{first}').getBoundingClientRect().top + scrollY")
     clip = {"x": 0, "y": max(top - 10, 0), "width": WIDTH, "height": HEIGHT, "scale": 1}
     browser.execute_script("document.querySelector('.steps').style.position = 'static'; document.activeElement.blur()")
     shot = browser.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})["data"]
-    import base64
-
     image = Image.open(io.BytesIO(base64.b64decode(shot))).convert("RGB").quantize(64)
     image.save(IMAGES / name, optimize=True)
     print(IMAGES / name)
@@ -44,7 +46,6 @@ def main():
                 picture(browser, "app.png", "body")
                 window.press("results", "Assess")
                 window.wait(lambda: window.find("#results iframe"))
-                browser.implicitly_wait(3)
                 window.wait(lambda: window.find("#results iframe")[0].size["height"] > 1000)
                 picture(browser, "app-results.png", "#results")
         finally:

@@ -11,7 +11,8 @@ from rockpulse.views.shared.words import say
 #: Makes the frame of the report as high as the report.
 FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
   const fit = () => { frame.style.height = page.documentElement.scrollHeight + 'px'; };
-  page.documentElement.style.overflow = 'hidden'; fit(); new ResizeObserver(fit).observe(page.body); }"""
+  const style = page.createElement('style'); page.head.append(style);
+  style.textContent = 'html { overflow-y: hidden; } .card { content-visibility: visible; }'; fit(); new ResizeObserver(fit).observe(page.body); }"""
 
 
 class ResultPart:
