@@ -12,7 +12,8 @@ from rockpulse.views.shared.words import say
 FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
   const fit = () => { frame.style.height = page.documentElement.scrollHeight + 'px'; };
   const style = page.createElement('style'); page.head.append(style);
-  style.textContent = 'html { overflow-y: hidden; } .card { content-visibility: visible; }'; fit(); new ResizeObserver(fit).observe(page.body); }"""
+  style.textContent = 'html { overflow-y: hidden; } .card { content-visibility: visible; }';
+  fit(); new ResizeObserver(fit).observe(page.body); }"""
 
 
 class ResultPart:
