@@ -248,7 +248,7 @@ def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[
     if len(fitting) != 1:
         raise RecordFormatError(
             f"{where}: reals 34 and 62 state sampling intervals of {raw:g} and {series:g} s, and the "
-            f"length, real 63, {length:g} s for {count} samples, fits not just one; find out which is right"
+            f"length, real 63, {length:g} s for {count} samples, does not decide between them; find out which is right"
         )
     both = f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series)"
     return fitting[0], [f"{both}; {fitting[0]:g} s is that of the stated length of {length:g} s"]
