@@ -149,7 +149,7 @@ class Known(RecordFacts):
     @property
     def crushing(self) -> dict[str, str]:
         """Return depth of crushing, critical angle with and without it, and their difference as texts; else empty."""
-        hinge = self.real("hinge")
+        hinge = self.real("hinge_depth")
         if not hinge > 0.0:
             return {}
         alpha, radius = self.real("alpha_c"), self.real("radius")
