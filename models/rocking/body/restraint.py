@@ -173,7 +173,7 @@ class TieDemand(NamedTuple):
     Attributes
     ----------
     elongation : (t, ...) ndarray
-        Largest elongation [m], after a break that of the gap between its ends; inf if the body overturns against it.
+        Largest elongation [m], also after a break; inf if the body overturns in the direction that the tie resists.
     force : (t, ...) ndarray
         Largest force [N]: stiffness times elongation, at most the yield force or the force at which it breaks.
     state : (t, ...) ndarray of int
