@@ -225,7 +225,7 @@ def _per_count(header: CosmosHeader, where: str) -> float:
     nominal = header.real(43) / header.real(44) if header.real(44) > 0.0 else float("nan")
     if (gain != 1.0 or np.isfinite(nominal)) and not abs(nominal - sensitivity) <= _SENSITIVITY_TOLERANCE * sensitivity:
         raise RecordRefused(
-            f"{where}: counts without a sure gain: sensitivity times gain (reals 42, 47) is {sensitivity:g} V/g, range "
+            f"{where}: counts with a doubtful gain: sensitivity x gain (reals 42, 47) is {sensitivity:g} V/g, range "
             f"and output of the sensor (reals 43, 44) give {nominal:g} V/g; {advice}"
         )
     return 1e-6 * header.real(22) / sensitivity * kit.STANDARD_GRAVITY
