@@ -113,8 +113,10 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     included only if a probability of overturning is computed.
     """
     seeded = verb == "assess" and config.has_probability
+    bodies = config.bodies_digest
     config = replace(
         config,
+        bodies=(),
         records=_as_default(config.records, OF_TASKS),
         calibration=_as_default(config.calibration, LATE),
         fragility=_as_default(config.fragility, OF_FITS),
@@ -123,19 +125,21 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
         run=replace(config.run, workers=1, seed=config.run.seed if seeded else 0),
     )
     sections = [repr(asdict(getattr(config, name))) for name in SECTIONS if name not in IDLE[verb]]
-    blocks = [replace(block, confirm_size=True) for block in config.bodies]
-    bodies = [repr(asdict(entry)) for entry in (*blocks, *config.demands)]
+    demands = [repr(asdict(entry)) for entry in config.demands]
     chosen = repr(selection_of(config) if verb == "fragility" else demand_selections(config))
-    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies, chosen])
+    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, bodies, *demands, chosen])
 
 
 def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
     """Return the SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
-    text = replace(config, run=replace(config.run, workers=1)).as_text()
+    text = replace(config, bodies=(), run=replace(config.run, workers=1)).as_text()
     table = located(config.calibration.weights, config.folder)  # the name of a rule refers to no file
     weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
     return _digest(
-        [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
+        [
+            *(verb, text, config.bodies_digest, weights),
+            *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks),
+        ]
     )
 
 
