@@ -31,6 +31,7 @@ def completed(summary):
         "one_sided": 0,
         "event": "unknown",
         "npts": 0,
+        "hinge_depth": 0.0,
     }
     for name in ("alpha", "p", "radius", "restitution"):
         one = "alpha_c" if name == "alpha" else name

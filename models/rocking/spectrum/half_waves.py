@@ -17,9 +17,11 @@ from rocking.body.block import STANDARD_GRAVITY, Block
 from rocking.pictures import short_repr
 from rocking.spectrum.body_lanes import REACH
 from rocking.spectrum.body_probability import lane_capacity
+from rocking.spectrum.overturning import OverturningSpectrum, covered, shared_rates
 from rocking.spectrum.probability import MOST_RESTITUTION, Uncertainty
 from rocking.spectrum.slender_ground import lobe_tops, weighted_impulse
 from rocking.spectrum.slender_lanes import (
+    FIRST,
     LEAST_RESTITUTION,
     RATES,
     SpectrumLanes,
@@ -32,8 +34,9 @@ from rocking.spectrum.slender_lanes import (
 POINTS, AT_ONCE = 8, 2**15
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-#: Number of lanes of each block in the second stage, and g tan(alpha)/p of the slender blocks that are marched [m/s].
-SECOND, SPEED = 320, 0.01
+#: Number of lanes of each block in the second stage, of a spectrum that many blocks share at each p, and
+#: g tan(alpha)/p of the slender blocks that are marched [m/s].
+SECOND, SHARED_LANES, SPEED = 320, 960, 0.01
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -57,10 +60,12 @@ def half_wave_lanes(
     p: ArrayLike = RATES,
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
+    *,
+    rotations: bool = True,
 ) -> SpectrumLanes:
     """Compute the lanes of an overturning spectrum under half-waves, with :func:`piece_lanes`."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
-    return piece_lanes(times, ground, p, between, threads)
+    return piece_lanes(times, ground, p, between, threads, rotations=rotations)
 
 
 def checked_half_waves(
@@ -244,7 +249,16 @@ def _spectra(
     largest = np.max(np.abs(impulse))
     times, ground = triangles(start, centroid, end, impulse / largest)
     uncertainty = Uncertainty()
+    capacity, rest = np.zeros((2, slender.shape[0])), np.ones(slender.shape[0], dtype=bool)
+    inside = np.flatnonzero(covered(slender, uncertainty))
+    rates = shared_rates(np.asarray(slender.p)[inside], FIRST + SECOND, FIRST + SHARED_LANES)
+    if rates is not None:
+        shared = piece_lanes(times, ground, rates, threads=threads, rotations=False, second=SHARED_LANES)
+        factors = OverturningSpectrum(shared, uncertainty).factors(slender.take(inside))
+        capacity[:, inside], rest[inside] = (factors.factor_mean, factors.factor_10), False
     reach = REACH * math.hypot(uncertainty.factor, uncertainty.geometry)
-    lanes = body_piece_lanes(times, ground, slender, uncertainty, threads, second=SECOND)
-    capacity = np.array([lane_capacity(one, uncertainty, reach) for one in lanes]).T
+    others = np.flatnonzero(rest)
+    lanes = body_piece_lanes(times, ground, slender.take(others), uncertainty, threads, second=SECOND)
+    if others.size:
+        capacity[:, others] = np.array([lane_capacity(one, uncertainty, reach) for one in lanes]).T
     return largest * SPEED / capacity

@@ -11,7 +11,6 @@
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -23,7 +22,7 @@ from rocking.spectrum.probability import (
     NO_LANE,
     Uncertainty,
     factor_at,
-    lane_bells,
+    lane_moments,
     lane_probability,
     lane_sums,
     mean_capacity,
@@ -45,6 +44,10 @@ INTERPOLATION = 0.02
 LEAST_SHARE = 0.09
 #: Smallest slenderness of a block for which the spectrum is valid (docs/decisions/018).
 LEAST_SLENDERNESS = 3.5
+#: A spectrum that many bodies share (docs/decisions/018): its frequency parameters [1/s], smallest number of bodies,
+#: and the model error as a standard deviation of ln f [-].
+SHARED_RATES = np.geomspace(RATES[0], RATES[-1], 94)
+FEWEST_SHARING, SHARED_INTERPOLATION = 128, 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +122,17 @@ def covered(
     return alone & slender_within(block.weaker, p) & covered_range(block.restitution, uncertainty, between)
 
 
+def shared_rates(p: np.ndarray, own: int, shared: int) -> np.ndarray | None:
+    """Return the frequency parameters of a spectrum that bodies of p (m,) [1/s] share; None if own lanes are fewer.
+
+    A body has `own` lanes, and the spectrum `shared` lanes at each frequency parameter.
+    """
+    above = np.clip(np.searchsorted(SHARED_RATES, p), 1, SHARED_RATES.size - 1)
+    places = np.union1d(above - 1, above)
+    fewer = p.size >= FEWEST_SHARING and places.size * shared < p.size * own
+    return SHARED_RATES[places] if fewer else None
+
+
 def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
     """Return a mask (m,) of blocks with slenderness of at least 3.5 and p in the range of ascending `p` (a,) [1/s]."""
     slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
@@ -148,6 +162,8 @@ class OverturningSpectrum:
     ----------
     lanes, uncertainty : SpectrumLanes, Uncertainty
         Lanes of the record (:func:`rocking.spectrum_lanes`); each block has its own range of restitution.
+    interpolation : float
+        Model error that intervals include, as a standard deviation of ln f [-].
 
     Attributes
     ----------
@@ -161,8 +177,11 @@ class OverturningSpectrum:
     array([1.3])
     """
 
-    def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:
+    def __init__(
+        self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None, interpolation: float = INTERPOLATION
+    ) -> None:
         self.lanes = lanes
+        self.interpolation = interpolation
         self.uncertainty: Uncertainty = uncertainty or Uncertainty()
         self.p: np.ndarray = lanes.p
         reach = REACH * self.uncertainty.spread
@@ -173,21 +192,28 @@ class OverturningSpectrum:
         apart = self._logs[:, np.newaxis] - self._logs
         # Errors of P at two levels are correlated as far as they come from the same lanes.
         self._alike = np.exp(-((0.5 * apart / self.uncertainty.spread) ** 2))
-        self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
-    def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
-        """Return the probability that abs(theta)/alpha exceeds `rotation`, shape (a, c, k) for p, C and x.
+    def probability(self, restitution: ArrayLike, rotation: ArrayLike = np.inf) -> np.ndarray:
+        """Return the probability that abs(theta)/alpha exceeds `rotation`, shape (..., a, c, k) for p, C and x.
 
-        `restitution` (c,) are nominal C, and the uncertainty gives their ranges; `rotation` inf means overturning.
-        Raises ValueError for a C whose range is not covered, or a rotation that is not positive.
+        `restitution` (c,) are nominal C, and the uncertainty gives their ranges; `rotation` (...) is ascending, and inf
+        means overturning.
+        Raises ValueError for a C whose range is not covered, for rotations that are not positive and ascending, and for
+        a finite rotation if the lanes hold only verdicts.
         """
-        if not rotation > 0.0:
+        states = np.asarray(rotation, dtype=float)
+        if not np.all(np.diff(np.atleast_1d(states), prepend=0.0) > 0.0):
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
-        parts = self._parts(restitution)
-        return np.stack([sum(part * one.reaching(rotation, *ends) for part, *ends in parts) for one in self._at])
+        if np.any(np.isfinite(states)) and np.any(np.isnan(self.lanes.peak)):
+            raise ValueError(f"rotation: expected inf, as the lanes were computed without rotations, got {rotation!r}")
+        found = np.zeros((states.size, self.p.size, np.size(restitution), self.level.size))
+        for part, least, most in self._parts(restitution):
+            for place in range(self.p.size):
+                found[:, place] += part * self._at(place, least, most, states.ravel())[0]
+        return found.reshape(*states.shape, *found.shape[1:])
 
-    def spectrum(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
-        """Return S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a `rotation` (:meth:`probability`)."""
+    def spectrum(self, restitution: ArrayLike, rotation: ArrayLike = np.inf) -> np.ndarray:
+        """Return S(p, C) = 1/exp(E ln x_c) [m/s], (..., a, c), for nominal C (c,) and `rotation` (...), ascending."""
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
     def covers(self, block: Block) -> np.ndarray:
@@ -195,46 +221,18 @@ class OverturningSpectrum:
         return covered(block, self.uncertainty, self.p, self.lanes.between, self.lanes.side)
 
     def factors(self, block: Block, factor_max: float = np.inf) -> OverturningFactors:
-        """Compute the probability of overturning of blocks under the record, and scale factors at given probabilities.
-
-        Parameters
-        ----------
-        block : Block
-            (m,) blocks that the spectrum covers (:meth:`covers`).
-        factor_max : float
-            Largest factor that is searched [-].
-        """
-        probability, error, speed = self._of_blocks(block)
-        # A higher probability means a lower factor; an interval ends at the outermost intersection of its band.
-        upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
-        lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
-        at_one = -np.log(speed)[:, np.newaxis]
-        middle, high, low = (
-            (_read(self._first, own, at_one).ravel(), *(factor_at(at, self.level, rows) * speed for at in (0.1, 0.5)))
-            for own, rows in ((probability, rising(probability)), (upper, upper), (lower, lower))
-        )
-        found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
-        capacity = mean_capacity(self.level, probability) * speed
-        # Summed in sequence, as in mean_capacity.
-        of_mean = np.sqrt(np.cumsum(lane_sums(error, self._alike) * error, axis=1)[:, -1]) * LEVEL_STEP
-        widths = [np.abs(np.log(end / value)) for end, value in zip(high[1:] + low[1:], middle[1:] * 2, strict=True)]
-        for name, value, below, above in (
-            ("factor_10", middle[1], widths[0], widths[2]),
-            ("factor_50", middle[2], widths[1], widths[3]),
-            ("factor_mean", capacity, TWO_SIDED * of_mean, TWO_SIDED * of_mean),
-        ):
-            found[name] = value
-            found[f"{name}_low"] = value * np.exp(-np.hypot(below, TWO_SIDED * INTERPOLATION))
-            found[f"{name}_high"] = value * np.exp(np.hypot(above, TWO_SIDED * INTERPOLATION))
-        return OverturningFactors(**found).up_to(factor_max)
+        """Compute P of (m,) covered blocks under the record, and scale factors up to `factor_max` (:meth:`read`)."""
+        return self.read(block).factors(factor_max)
 
     def overturning(self, block: Block, factor: ArrayLike) -> np.ndarray:
-        """Return the probability that blocks overturn under the record times factors (m, d) [-], as :meth:`factors`."""
-        probability, _, speed = self._of_blocks(block)
-        return _read(self._first, probability, np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
+        """Compute P of (m,) covered blocks under the record times factors (m, d) [-], as :meth:`read`."""
+        return self.read(block).overturning(factor)
 
-    def _of_blocks(self, block: Block) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return P (m, k) of blocks, its standard error, and g tan(alpha)/p (m,); ValueError for other blocks."""
+    def read(self, block: Block) -> "SpectrumReading":
+        """Read the probability of overturning of (m,) blocks from the spectrum.
+
+        Raises ValueError for a block that the spectrum does not cover (:meth:`covers`).
+        """
         outside = np.flatnonzero(~self.covers(block))
         block = block.weaker  # the corner about which a block beside a wall turns
         if outside.size:
@@ -245,7 +243,8 @@ class OverturningSpectrum:
                 f"index {int(outside[0])}"
             )
         speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
-        return *self._between(np.asarray(block.p), np.asarray(block.restitution, dtype=float)), speed
+        own = self._between(np.asarray(block.p), np.asarray(block.restitution, dtype=float))
+        return SpectrumReading(self._first, self.level, *own, speed, self._alike, self.interpolation)
 
     def _parts(self, restitution: ArrayLike) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Return (r, 1) shares of the random C, and the range of C (r,) of the lanes that represent each of them.
@@ -274,59 +273,100 @@ class OverturningSpectrum:
         share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
         probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
         for part, least, most in self._parts(restitution):
-            for places, weights in ((below, 1.0 - share), (above, share)):
-                for place in np.unique(places):
-                    here = np.flatnonzero(places == place)
-                    own, spread = self._at[place].overturning(least[here], most[here])
-                    weight = weights[here, np.newaxis] * part[here]
-                    probability[here] += weight * own
-                    variance[here] += weight**2 * spread
+            for place in np.union1d(above, below):
+                weight = np.where(below == place, 1.0 - share, 0.0) + np.where(above == place, share, 0.0)
+                here = np.flatnonzero(weight)
+                if here.size:
+                    own, spread = (one[0] for one in self._at(place, least[here], most[here], np.array([np.inf])))
+                    weights = weight[here, np.newaxis] * part[here]
+                    probability[here] += weights * own
+                    variance[here] += weights**2 * spread
         return probability, np.sqrt(variance)
 
+    def _at(
+        self, place: int, least: np.ndarray, most: np.ndarray, rotation: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return P (h, r, k) of reaching rotations (h,) at one p, for r ranges of restitution, and its variance."""
+        lanes, reach = self.lanes, REACH * self.uncertainty.spread
+        bottom, top, restitution = lanes.bottom[place], lanes.top[place], lanes.restitution[place]
+        span = slice(*np.searchsorted(self._logs, [bottom - reach, top + reach]))
+        own = self._logs[span]
+        sides = np.searchsorted(restitution, least, "left"), np.searchsorted(restitution, most, "right")
+        ends, places = np.unique(np.concatenate(sides), return_inverse=True)
+        reached = np.sum(lanes.peak[place] >= rotation[:, np.newaxis], axis=0)
+        lanes_here = lanes.log_x[place], lanes.weight[place], reached
+        sums = lane_moments(*lanes_here, rotation.size, ends, own, self.uncertainty)
+        inside = np.moveaxis(sums[places[least.size :]] - sums[places[: least.size]], 0, 2)
+        (weight, square), hit, hit_square = inside[0], inside[1:, 0], inside[1:, 1]
+        below, above = tail_masses(bottom, top, own, self.uncertainty)
+        probability, variance = np.zeros((2, rotation.size, least.size, self._logs.size))
+        probability[..., span], probability[..., span.stop :] = lane_probability(hit, weight, below, above), 1.0
+        between = 1.0 - below - above
+        part = np.divide(probability[..., span] - above, between, out=np.zeros(hit.shape), where=between > 0.0)
+        spread = np.maximum(hit_square * (1.0 - 2.0 * part) + part**2 * square, 0.0)
+        spread = np.divide(spread, weight**2, out=np.zeros(hit.shape), where=weight > NO_LANE)
+        variance[..., span] = between**2 * spread
+        return probability, variance
 
-class _AtOneRate:
-    """The lanes of one frequency parameter, and the probabilities from them at all levels."""
 
-    def __init__(self, lanes: SpectrumLanes, place: int, logs: np.ndarray, uncertainty: Uncertainty) -> None:
-        bottom, top, reach = lanes.bottom[place], lanes.top[place], REACH * uncertainty.spread
-        self.levels = logs.size
-        self.span = slice(*np.searchsorted(logs, [bottom - reach, top + reach]))
-        self.restitution, self.peak = lanes.restitution[place], lanes.peak[place]
-        own = logs[self.span]
-        self.tails = tail_masses(bottom, top, own, uncertainty)
-        self.bells = lane_bells(lanes.log_x[place], lanes.weight[place], own, uncertainty)
+@dataclass(frozen=True, eq=False)
+class SpectrumReading:
+    """The probability of overturning of (m,) blocks as a function of x (:meth:`OverturningSpectrum.read`).
 
-    @cached_property
-    def sums(self) -> np.ndarray:
-        """Cumulative sums over lanes of ascending C: weights, overturning weights, and the squares of both."""
-        hit = self.bells * np.isinf(self.peak)[:, np.newaxis]
-        sums = np.zeros((self.bells.shape[0] + 1, 4, self.bells.shape[1]))
-        np.cumsum(np.stack([self.bells, hit, self.bells**2, hit**2], axis=1), axis=0, out=sums[1:])
-        return sums
+    Attributes
+    ----------
+    first, level : int, (k,) ndarray
+        x = exp(LEVEL_STEP (first + i)) [s/m].
+    probability, error : (m, k) ndarray
+        P, and its standard error [-].
+    speed : (m,) ndarray
+        g tan(alpha)/p of the blocks [m/s]; the factor on the record is x times this.
+    alike : (k, k) ndarray
+        Correlation of the errors of P at two levels [-].
+    interpolation : float
+        Model error as a standard deviation of ln f [-].
+    """
 
-    def overturning(self, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the probability of overturning (r, k) for r ranges of restitution, and its variance."""
-        first = np.searchsorted(self.restitution, least, side="left")
-        last = np.searchsorted(self.restitution, most, side="right")
-        weight, hit, square, hit_square = np.moveaxis(self.sums[last] - self.sums[first], 1, 0)
-        found = lane_probability(hit, weight, *self.tails)
-        below, above = self.tails
-        inside = 1.0 - below - above
-        share = np.divide(found - above, inside, out=np.zeros(hit.shape), where=inside > 0.0)
-        spread = np.maximum(hit_square * (1.0 - 2.0 * share) + share**2 * square, 0.0)
-        variance = inside**2 * np.divide(spread, weight**2, out=np.zeros(hit.shape), where=weight > NO_LANE)
-        return self._at_all(found, 1.0), self._at_all(variance, 0.0)
+    __repr__ = short_repr
 
-    def reaching(self, rotation: float, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """Return the probability (r, k) of reaching a rotation, for r ranges of restitution."""
-        within = (self.restitution >= least[:, np.newaxis]) & (self.restitution <= most[:, np.newaxis])
-        hit, whole = (lane_sums(counted, self.bells) for counted in (within & (self.peak >= rotation), within))
-        return self._at_all(lane_probability(hit, whole, *self.tails), 1.0)
+    first: int
+    level: np.ndarray
+    probability: np.ndarray
+    error: np.ndarray
+    speed: np.ndarray
+    alike: np.ndarray
+    interpolation: float
 
-    def _at_all(self, values: np.ndarray, above: float) -> np.ndarray:
-        found = np.zeros((values.shape[0], self.levels))
-        found[:, self.span], found[:, self.span.stop :] = values, above
-        return found
+    def factors(self, factor_max: float = np.inf) -> OverturningFactors:
+        """Return P under the record, and scale factors at given probabilities; `factor_max` is the largest one."""
+        probability, error, speed = self.probability, self.error, self.speed
+        # A higher probability means a lower factor; an interval ends at the outermost intersection of its band.
+        upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
+        lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
+        at_one = -np.log(speed)[:, np.newaxis]
+        middle, high, low = (
+            (_read(self.first, own, at_one).ravel(), *(factor_at(at, self.level, rows) * speed for at in (0.1, 0.5)))
+            for own, rows in ((probability, rising(probability)), (upper, upper), (lower, lower))
+        )
+        found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
+        capacity = mean_capacity(self.level, probability) * speed
+        # Summed in sequence, as in mean_capacity.
+        of_mean = np.sqrt(np.cumsum(lane_sums(error, self.alike) * error, axis=1)[:, -1]) * LEVEL_STEP
+        widths = [np.abs(np.log(end / value)) for end, value in zip(high[1:] + low[1:], middle[1:] * 2, strict=True)]
+        for name, value, below, above in (
+            ("factor_10", middle[1], widths[0], widths[2]),
+            ("factor_50", middle[2], widths[1], widths[3]),
+            ("factor_mean", capacity, TWO_SIDED * of_mean, TWO_SIDED * of_mean),
+        ):
+            found[name] = value
+            found[f"{name}_low"] = value * np.exp(-np.hypot(below, TWO_SIDED * self.interpolation))
+            found[f"{name}_high"] = value * np.exp(np.hypot(above, TWO_SIDED * self.interpolation))
+        return OverturningFactors(**found).up_to(factor_max)
+
+    def overturning(self, factor: ArrayLike) -> np.ndarray:
+        """Return the probability that the blocks overturn under the record times factors (m, d) [-]."""
+        at = np.log(np.asarray(factor, dtype=float) / self.speed[:, np.newaxis])
+        return _read(self.first, self.probability, at)
 
 
 def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:

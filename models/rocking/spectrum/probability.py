@@ -94,13 +94,8 @@ class Uncertainty:
 
     def density(self, shift: ArrayLike) -> np.ndarray:
         """Return the probability density of the shift Z of ln f due to factor and geometry together [-]."""
-        scale = math.hypot(self.factor, self.geometry)
-        at = np.asarray(shift, dtype=float) / scale
-        near = np.abs(at) < FARTHEST
-        inside, found = at[near], np.zeros(at.shape)
-        bell = np.exp(-0.5 * inside * inside) * (2.0 / (scale * math.sqrt(2.0 * math.pi)))
-        found[near] = bell * ndtr(self.geometry / self.factor * inside)
-        return found
+        given = np.asarray(shift, dtype=float)
+        return lane_bells(given.ravel(), np.ones(given.size), np.zeros(1), self).reshape(given.shape)
 
     def below(self, shift: ArrayLike) -> np.ndarray:
         """Return the probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
@@ -180,7 +175,82 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
     """Return the weight w_i h(t_i - ln f) of each lane at each level (n, k), with its width w_i in ln f."""
-    return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
+    bells = np.zeros((log_factor.size, log_level.size))
+    _bells(log_factor, weight, log_level, *_skew(shift), bells)
+    return bells
+
+
+def _skew(shift: Uncertainty) -> tuple[float, float]:
+    """Return the scale and the shape of the skew-normal shift of ln f."""
+    return math.hypot(shift.factor, shift.geometry), shift.geometry / shift.factor
+
+
+@njit(_nrt=False)
+def _bell(at, scale, shape):
+    # Skew-normal: twice the normal density times the normal distribution function at shape times the argument.
+    return math.exp(-0.5 * at * at) * math.erfc(-math.sqrt(0.5) * shape * at) / (scale * math.sqrt(2.0 * math.pi))
+
+
+@njit(_nrt=False)
+def _bells(log_factor, weight, log_level, scale, shape, bells):
+    for lane in range(log_factor.size):
+        for level in range(log_level.size):
+            at = (log_factor[lane] - log_level[level]) / scale
+            if abs(at) < FARTHEST:
+                bells[lane, level] = _bell(at, scale, shape) * weight[lane]
+
+
+def lane_moments(
+    log_factor: np.ndarray,
+    weight: np.ndarray,
+    reached: np.ndarray,
+    states: int,
+    ends: np.ndarray,
+    log_level: np.ndarray,
+    shift: Uncertainty,
+) -> np.ndarray:
+    """Return sums of the bells of :func:`lane_bells` and of their squares, over the lanes before each of `ends`.
+
+    Parameters
+    ----------
+    log_factor, weight : (n,) ndarray
+        Lanes as in :func:`lane_bells`.
+    reached : (n,) ndarray of int
+        Number of limit states that each lane reaches, 0 to h.
+    states : int
+        Number of limit states h.
+    ends : (b,) ndarray of int
+        Ascending numbers of lanes.
+    log_level, shift
+        As in :func:`lane_bells`.
+
+    Returns
+    -------
+    (b, 1 + h, 2, k) ndarray
+        Sums over all lanes and over those that reach each limit state; of the bells and of their squares.
+    """
+    sums = np.zeros((ends.size, 1 + states, 2, log_level.size))
+    _add_moments(log_factor, weight, reached, ends, log_level, *_skew(shift), np.zeros(sums.shape[1:]), sums)
+    return sums
+
+
+@njit(_nrt=False)
+def _add_moments(log_factor, weight, reached, ends, log_level, scale, shape, running, sums):
+    lane = 0
+    for end in range(ends.size):
+        while lane < ends[end]:
+            for level in range(log_level.size):
+                at = (log_factor[lane] - log_level[level]) / scale
+                if abs(at) < FARTHEST:
+                    bell = _bell(at, scale, shape) * weight[lane]
+                    for row in range(1 + reached[lane]):
+                        running[row, 0, level] += bell
+                        running[row, 1, level] += bell * bell
+            lane += 1
+        for row in range(running.shape[0]):
+            for moment in range(2):
+                for level in range(log_level.size):
+                    sums[end, row, moment, level] = running[row, moment, level]
 
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:

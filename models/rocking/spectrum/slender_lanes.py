@@ -68,7 +68,8 @@ class SpectrumLanes:
         ln of x = f p/(g tan alpha) [s/m]; restitution C; the width in ln x times the share of restitutions that
         a lane represents [-].
     peak : (a, n) ndarray
-        Largest abs(theta)/alpha [-]; inf if the lane overturns or is UNRESOLVED.
+        Largest abs(theta)/alpha [-]; inf if the lane overturns or is UNRESOLVED; NaN for other lanes if only verdicts
+        were computed.
     bottom, top : (a,) ndarray
         ln x below which no block lifts, and above which every block counts as overturned.
     between : (float, float)
@@ -98,7 +99,14 @@ class SpectrumLanes:
 
 
 def spectrum_lanes(
-    acceleration: ArrayLike, dt: float, p: ArrayLike = RATES, threads: int | None = None, *, side: int = 0
+    acceleration: ArrayLike,
+    dt: float,
+    p: ArrayLike = RATES,
+    threads: int | None = None,
+    *,
+    side: int = 0,
+    rotations: bool = True,
+    second: int = SECOND,
 ) -> SpectrumLanes:
     """Compute the lanes of a record's overturning spectrum.
 
@@ -113,6 +121,10 @@ def spectrum_lanes(
         Number of threads; None for all available cores. The results do not depend on it.
     side : int
         1 or -1 for blocks beside a wall, which turn only towards theta > 0 or theta < 0; 0 for free blocks.
+    rotations : bool
+        False to compute only which lanes overturn, in about half the time.
+    second : int
+        Number of lanes in the second stage at each p, 144 lanes being in the first.
 
     Raises
     ------
@@ -129,7 +141,8 @@ def spectrum_lanes(
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
     between = REBOUNDS if side else (LEAST_RESTITUTION, MOST_RESTITUTION)
-    return piece_lanes(interval * np.arange(ground.size), ground, p, between, threads, side=side)
+    times = interval * np.arange(ground.size)
+    return piece_lanes(times, ground, p, between, threads, side=side, rotations=rotations, second=second)
 
 
 def piece_lanes(
@@ -140,6 +153,8 @@ def piece_lanes(
     threads: int | None = None,
     *,
     side: int = 0,
+    rotations: bool = True,
+    second: int = SECOND,
 ) -> SpectrumLanes:
     """March lanes at ascending p [1/s] under a ground acceleration [m/s2] linear between ascending `times` (k,) [s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
@@ -150,8 +165,11 @@ def piece_lanes(
     def restitutions(rank: np.ndarray) -> np.ndarray:
         return least + (most - least) * rank
 
-    rows = list(_march_lanes(times, ground, rates, [restitutions] * rates.size, SECOND, threads, side, rotations=True))
+    of_rates = [restitutions] * rates.size
+    rows = list(_march_lanes(times, ground, rates, of_rates, second, threads, side, rotations=rotations))
     found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    if not rotations:
+        found["peak"][np.isfinite(found["peak"])] = np.nan
     # A restitution close to 1 represents 1.
     covered = (least, 1.0 if most == MOST_RESTITUTION else most)
     return SpectrumLanes(rates, **found, between=covered, side=side)

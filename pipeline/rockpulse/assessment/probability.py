@@ -4,12 +4,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rocking.body.block import Block
 from rocking.body.restraint import Restraints
 from rocking.march.recorded import recorded_response, sliding_demand
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
-from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, REBOUNDS, spectrum_lanes
+from rocking.spectrum.overturning import (
+    SHARED_INTERPOLATION,
+    OverturningFactors,
+    OverturningSpectrum,
+    covered,
+    shared_rates,
+)
+from rocking.spectrum.slender_lanes import (
+    FIRST,
+    LEAST_RESTITUTION,
+    REBOUNDS,
+    SECOND_OF_BODY,
+    spectrum_lanes,
+)
 from rockpulse.assessment.scene import senses
 from rockpulse.assessment.site_demands import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies
@@ -24,6 +37,8 @@ ENDS = ("", "_low", "_high")
 NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share", *OF_TIES)
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
+#: Lanes in the second stage of a spectrum that many bodies share, at each frequency parameter.
+SHARED_LANES = 3200
 
 
 def record_probability(
@@ -124,18 +139,17 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
     # A spectrum does not apply with a vertical acceleration, and a record of zeros has no spectrum.
     has_spectrum = scene.vertical is None and bool(np.any(record.acceleration))
-    if has_spectrum and config.uncertainty.spectrum == "all":
-        for side, between in SERVED.items():
-            inside = np.flatnonzero(covered(found.block, uncertainty, side=side, between=between))
-            if side == 0 or inside.size:
-                lanes = spectrum_lanes(record.acceleration, record.dt, side=side)
-                spectrum = OverturningSpectrum(lanes, uncertainty)
-                stored = spectrum if side == 0 else stored
-            if inside.size:
-                read = found.block.take(inside)
-                source = np.full(inside.shape, SOURCES.index("spectrum"))
-                put(inside, spectrum.factors(read, limit), spectrum.overturning(read, asked[inside]), source)
-                rest[inside] = False
+    for side, between in SERVED.items() if has_spectrum else ():
+        inside = np.flatnonzero(covered(found.block, uncertainty, side=side, between=between))
+        bodies_inside = found.block.take(inside)
+        spectrum = _spectrum(record, bodies_inside, side, config)
+        if spectrum is not None and config.uncertainty.spectrum == "all" and side == 0:
+            stored = spectrum
+        if spectrum is not None and inside.size:
+            read = spectrum.read(bodies_inside)
+            source = np.full(inside.shape, SOURCES.index("spectrum" if stored else "shared_spectrum"))
+            put(inside, read.factors(limit), read.overturning(asked[inside]), source)
+            rest[inside] = False
     others = np.flatnonzero(rest)
     if others.size:
         own = overturning_probability(
@@ -153,3 +167,19 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     worse = found.higher_probability(rows["overturning_probability"], rows["factor_10"])
     values.update({name: own[worse] for name, own in rows.items() if name not in NOMINAL})
     return stored
+
+
+def _spectrum(record: Record, block: Block, side: int, config: Config) -> OverturningSpectrum | None:
+    """Return the spectrum from which (m,) slender bodies read P; None if each has its own lanes."""
+    motion, uncertainty = (record.acceleration, record.dt), config.uncertainty.of_draws()
+    if config.uncertainty.spectrum == "all":
+        return (
+            OverturningSpectrum(spectrum_lanes(*motion, side=side), uncertainty)
+            if side == 0 or block.shape[0]
+            else None
+        )
+    rates = shared_rates(np.asarray(block.weaker.p), FIRST + SECOND_OF_BODY, FIRST + SHARED_LANES)
+    if config.uncertainty.spectrum == "none" or rates is None:
+        return None
+    lanes = spectrum_lanes(*motion, rates, side=side, rotations=False, second=SHARED_LANES)
+    return OverturningSpectrum(lanes, uncertainty, SHARED_INTERPOLATION)

@@ -11,7 +11,7 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES
 from rocking.march.recorded import recorded_response
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
-from rocking.spectrum.probability import Uncertainty, factor_at, rising
+from rocking.spectrum.probability import Uncertainty, factor_at, mean_capacity, rising
 from rocking.spectrum.slender_lanes import SpectrumLanes, spectrum_lanes
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import STANDARD_GRAVITY, Record
@@ -27,11 +27,11 @@ ALPHA = 0.1
 
 #: Function that marches the lanes of a record, for each `method`; the rule can use known half-waves.
 LANES: dict[str, Callable[..., SpectrumLanes]] = {
-    "nonlinear": lambda record, rates=RATES, threads=None, waves=None: spectrum_lanes(
-        record.acceleration, record.dt, rates, threads
+    "nonlinear": lambda record, rates=RATES, threads=None, waves=None, rotations=True: spectrum_lanes(
+        record.acceleration, record.dt, rates, threads, rotations=rotations
     ),
-    "rule": lambda record, rates=RATES, threads=None, waves=None: load_rule().spectrum_lanes(
-        waves or half_waves(record), rates, threads
+    "rule": lambda record, rates=RATES, threads=None, waves=None, rotations=True: load_rule().spectrum_lanes(
+        waves or half_waves(record), rates, threads, rotations=rotations
     ),
 }
 
@@ -119,13 +119,14 @@ def stored_spectrum_values(
     speed = blocks.gravity * np.tan(ALPHA) / rates
     read = spectrum.factors(blocks)
     capacity = (speed / read.factor_mean).reshape(shape)
-    levels = zip(capacity.ravel(), spectrum.probability(restitution).reshape(-1, spectrum.level.size), strict=True)
+    states = spectrum.probability(restitution, [*ROTATIONS, np.inf])
+    levels = zip(capacity.ravel(), states[-1].reshape(-1, spectrum.level.size), strict=True)
     logs, relative = np.log(spectrum.level), np.log(LEVELS)
     return {
         "spectrum": capacity,
         "spectrum_low": (speed / read.factor_mean_high).reshape(shape),
         "spectrum_high": (speed / read.factor_mean_low).reshape(shape),
-        "rotation_spectrum": np.stack([spectrum.spectrum(restitution, one) for one in ROTATIONS]),
+        "rotation_spectrum": 1.0 / mean_capacity(spectrum.level, states[:-1]),
         "probability": np.reshape(
             [np.interp(relative - np.log(value), logs, row) for value, row in levels], (*shape, LEVELS.size)
         ),

@@ -119,7 +119,7 @@ class UncertaintySettings(Section):
     restitution: tuple[float, ...] = key((0.95, 1.05), _RANGE)
     geometry: float = number(0.05, low=0.0, high=1.0)
     azimuth: bool = boolean(False)
-    spectrum: str = choice("none", ("none", "all"))
+    spectrum: str = choice("auto", ("auto", "none", "all"))
 
     def of_draws(self) -> Uncertainty:
         """Return the uncertainties as an object of :mod:`rocking`."""

@@ -119,14 +119,17 @@ class Rule:
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
-    def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
+    def spectrum_lanes(
+        self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None, *, rotations: bool = True
+    ) -> SpectrumLanes:
         """Return the lanes of the overturning spectrum at ascending p (a,) [1/s], with all demands times `factor`.
 
         No block overturns below x = p/PGA (:class:`rockpulse.models.SpectrumLanes`), at which the PGA lifts it. The
         random critical angles are on average 4 % smaller than the nominal angle, so that the spectrum is at most
         1.04 PGA/p, while :meth:`demand` is based on PGA/p.
         """
-        lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
+        of_waves = waves.start, waves.centroid, waves.end, waves.impulse
+        lanes = half_wave_lanes(*of_waves, p, threads=threads, rotations=rotations)
         shift = math.log(self.factor)
         log_x = lanes.log_x - shift
         bottom = np.maximum(lanes.bottom - shift, np.log(lanes.p / np.max(np.abs(waves.peak))))

@@ -307,3 +307,18 @@ def test_lobes_above_half_the_largest_one_are_main_ones():
     assert [column.shape for column in found] == [(2,)] * 3
     assert [column[1] for column in found] == pytest.approx([2, 0.2, 3.0], rel=1e-4)
     assert lobe_shapes(*waves, 20.0)[0].tolist() == [2]
+
+
+def test_many_blocks_share_the_lanes_of_a_spectrum():
+    waves = [0.0, 0.6, 1.1], [0.3, 0.8, 1.5], [0.6, 1.1, 1.8], [0.4, -0.5, 0.2]
+    random = np.random.default_rng(3)
+    rates, restitution = random.uniform(2.0, 2.3, 140), random.uniform(0.8, 1.0, 140)
+    blocks = Block.from_parameters(p=rates, alpha=0.1, restitution=restitution, log=False)
+    shared = demand_of_half_waves(blocks, *waves)
+    some = np.arange(0, 140, 20)
+    own = demand_of_half_waves(blocks.take(some), *waves)
+    for name in ("march", "march_10"):
+        ratio = getattr(shared, name)[some] / getattr(own, name)
+        assert 0.0 < np.max(np.abs(np.log(ratio))) < 0.05
+    fewer = demand_of_half_waves(blocks.take(np.arange(130)), *waves)
+    assert np.array_equal(fewer.march, shared.march[:130])  # a block does not depend on the others

@@ -43,6 +43,13 @@ def spectrum():
     return spectrum_of(MOTION)
 
 
+def test_verdicts_alone_give_the_same_spectrum_and_no_rotations(spectrum):
+    verdicts = OverturningSpectrum(spectrum_lanes(MOTION, DT, P, rotations=False))
+    assert np.array_equal(verdicts.spectrum([0.8, 0.95]), spectrum.spectrum([0.8, 0.95]))
+    with pytest.raises(ValueError, match=r"rotation: expected inf, .*, got 0.5"):
+        verdicts.spectrum([0.8], rotation=0.5)
+
+
 def test_a_short_pulse_gives_its_impulse():
     """A slender block falls at I = g tan(alpha)/p, whatever its p: S = I."""
     motion = pulse(0.02, peak=50.0)

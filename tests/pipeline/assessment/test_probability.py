@@ -24,7 +24,7 @@ NONLINEAR = rp.ModelSettings(use=("nonlinear",))
 NAMES = [name + end for name in READ for end in ("", "_low", "_high")]
 PIER = rp.BlockSettings(name="pier", width=0.9, height=5.0)
 CHEST = rp.BlockSettings(name="chest", width=0.4, height=0.9)
-NONE, SPECTRUM, LIMIT, NONLINEAR_EQUATION = range(4)
+NONE, SPECTRUM, LIMIT, NONLINEAR_EQUATION, SHARED = range(5)
 #: The spectrum of each record is computed, and slender bodies are read from it.
 ALL = rp.UncertaintySettings(spectrum="all")
 
@@ -238,3 +238,19 @@ def test_the_spectrum_is_stored_at_all_of_its_parameters_if_it_is_asked_for():
             for name, values in stored_spectrum_values(one.spectrum).items():
                 assert_array_equal(one.spectra[name], values)
                 assert np.isfinite(values).all(), name
+
+
+@pytest.mark.sweep
+def test_many_bodies_share_marches_and_none_depends_on_the_others():
+    heights = np.random.default_rng(5).uniform(4.0, 5.0, 140)
+    many = [rp.BlockSettings(name=f"wall {k}", width=0.8, height=height) for k, height in enumerate(heights)]
+    shared, fewer = (told(record("one"), configured(*some, CHEST)) for some in (many, many[:130]))
+    assert shared["probability_source"].tolist() == [SHARED] * 140 + [NONLINEAR_EQUATION]
+    for name in NAMES:
+        assert_array_equal(fewer[name][:130], shared[name][:130])
+    none = rp.UncertaintySettings(spectrum="none")
+    own = told(record("one"), configured(*many[:12], uncertainty=none))
+    assert set(own["probability_source"]) == {LIMIT}
+    assert 0.0 < np.max(np.abs(shared["overturning_probability"][:12] - own["overturning_probability"])) < 0.05
+    for name in ("factor_10", "factor_50", "factor_mean"):  # a factor on a plateau of P may be far off
+        assert np.median(np.abs(np.log(shared[name][:12] / own[name]))) < 0.03

@@ -46,9 +46,10 @@ BLOCK = along(
         lambda b, config: b.azimuth,
     ),
     friction=real("coefficient of friction at the base; NaN if not given", take=lambda b, config: b.friction),
-    hinge=real(
+    hinge_depth=real(
         "distance of the corners of rotation from the faces of the body; 0 without compressive_strength",
         "m",
+        _of_body("hinge"),
         explanation="half the depth of the compressed edge; `alpha_c`, `p` and `radius` are about these corners",
     ),
     mass=real("mass of the body and of the loads that move with it; NaN if not known", "kg"),

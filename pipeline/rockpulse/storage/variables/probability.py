@@ -15,7 +15,7 @@ from rockpulse.storage.variables import Declared, StoredVariable, along, flag, r
 #: Name of the mean over directions of the probability of overturning, for a body whose direction is unknown.
 MEAN = "overturning_probability_mean"
 #: Words of the flag `probability_source`, in the order of its values.
-SOURCES = ("none", "spectrum", "slender_limit", "full_equation")
+SOURCES = ("none", "spectrum", "slender_limit", "full_equation", "shared_spectrum")
 
 #: The field of :class:`rocking.OverturningFactors` that each variable contains.
 READ = {
@@ -94,7 +94,8 @@ PROBABILITY: Declared = {
         explanation="slender_limit: random realisations of the body in the limit of slender blocks; full_equation: "
         "random realisations by the nonlinear equation (slenderness below 3.5, ties, loads or "
         "vertical acceleration); spectrum: the overturning "
-        'spectrum of the record, with `[uncertainty] spectrum = "all"`',
+        'spectrum of the record, with `[uncertainty] spectrum = "all"`; shared_spectrum: an overturning spectrum at '
+        "frequency parameters 3 % apart, for 128 slender bodies or more",
     ),
 }
 

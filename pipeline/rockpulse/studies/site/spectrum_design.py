@@ -52,7 +52,7 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
         if record.pga == 0.0:
             raise RecordRefused(f"{record.id}: all samples are zero, so that there is no overturning spectrum")
         scene = extract(record, config)
-        lanes = LANES[config.calibration.spectrum](record, waves=scene.waves)
+        lanes = LANES[config.calibration.spectrum](record, waves=scene.waves, rotations=False)
         own = scene.sequence
         shape = [math.nan] * 3 if own is None else [own.secondary / own.main, own.interval, own.main_count]
         found = {

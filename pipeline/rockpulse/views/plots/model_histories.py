@@ -49,6 +49,7 @@ class ModelHistory(NamedTuple):
     overturning: float = math.nan  # time at which overturning is certain [s]; NaN without overturning
     peak: float = math.nan  # theta_max/alpha_c [-]; inf if the block overturns, NaN without a result
     warning: str = ""  # doubts about the motion
+    one_sided: bool = False  # whether the body turns only away from its wall, towards theta > 0
 
     def __repr__(self) -> str:
         return short_repr(self)
@@ -131,13 +132,14 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
         time, rotation = kept
         hits = _impacts(time, rotation, body)
     else:
-        _, time, rotation, hits, *_, found, _ = recomputed(tree, record, block, body, model, [1.0])[0]
+        again = recomputed(tree, record, block, body, model, [1.0])[0]
+        time, rotation, hits, found = again.time, again.rotation, again.impacts, again.peak
         if not (found == peak or abs(found - peak) <= _SAME):
-            again, before = (
+            now, before = (
                 say("limit_state.overturning") if np.isinf(one) else three_digits(one) for one in (found, peak)
             )
-            warnings.append(say("plot.motion.again", again=again, stored=before))
-    return ModelHistory(model, time, rotation, hits, count, overturning, peak, "; ".join(warnings))
+            warnings.append(say("plot.motion.again", again=now, stored=before))
+    return ModelHistory(model, time, rotation, hits, count, overturning, peak, "; ".join(warnings), bool(body.side))
 
 
 def stored_history(
@@ -156,7 +158,7 @@ def stored_history(
     first, last = np.cumsum([0, *kept["history_row_size"].values])[rows[0] : rows[0] + 2]
     rotation = np.asarray(kept["rotation"].values[first:last])
     dt = float(summary["dt"].sel(record=record))
-    return dt * np.arange(rotation.size), selection.block_of(summary, block, case).ratio(rotation)
+    return dt * np.arange(rotation.size), _ratio(selection.block_of(summary, block, case), rotation)
 
 
 def _of_sequence(
@@ -252,7 +254,14 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHist
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
     time, histories = np.asarray(found[0].time), []
     for lane, worse in enumerate(np.argmax(rank, axis=0)):
-        rotation = body.ratio(np.asarray(found[worse].rotation)[lane])
+        rotation = _ratio(body, np.asarray(found[worse].rotation)[lane])
         values = (getattr(found[worse], name)[lane].item() for name in names)
-        histories.append(ModelHistory(model, time, rotation, _impacts(time, rotation, body), *values))
+        hits = _impacts(time, rotation, body)
+        histories.append(ModelHistory(model, time, rotation, hits, *values)._replace(one_sided=bool(body.side)))
     return histories
+
+
+def _ratio(body: Block, rotation: np.ndarray) -> np.ndarray:
+    """Return theta/alpha_c, for a body with a wall positive away from it, whichever sense of the record is worse."""
+    ratio = body.ratio(rotation)
+    return np.abs(ratio) if body.side else ratio

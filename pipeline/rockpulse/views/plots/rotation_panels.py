@@ -41,7 +41,7 @@ def rotation_history(histories: Sequence[ModelHistory], axes: Panels | None = No
     ratios = [2.9, rows]
     moving, below = panels = style.several_axes(axes, 2, height=3.4 + rows, sharex=True, height_ratios=ratios).ravel()
     moving.axhline(0.0, color=BLACK, lw=0.5)
-    for level in (-1.0, 1.0):
+    for level in (1.0,) if _away(histories) else (-1.0, 1.0):
         moving.axhline(level, color=BLACK, lw=0.8, ls=DASHED)
     first, last = moving_stretch([(history.time, history.rotation) for history in histories])
     names = []
@@ -91,15 +91,21 @@ def _answer(history: ModelHistory) -> str:
     return say("plot.motion.overturns", time=fixed(history.overturning, 1)) if known else say("answer.overturns")
 
 
+def _away(histories: Sequence[ModelHistory]) -> bool:
+    """Return whether the body turns only away from its wall."""
+    known = [history.one_sided for history in histories if history.time.size]
+    return bool(known) and all(known)
+
+
 def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
-    """Return symmetric limits of the rotation axis; they are narrow for rotations far below alpha_c."""
+    """Return limits of the rotation axis, symmetric without a wall; narrow for rotations far below alpha_c."""
     finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
     largest = max(finite, default=0.0)
     if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
         reach = min(max(1.15, 1.08 * largest), 1.08 * _TOP)
     else:
         reach = 1.3 * largest or 0.01
-    return -reach, reach
+    return (-0.06 if _away(histories) else -1.0) * reach, reach
 
 
 def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
@@ -117,7 +123,8 @@ def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[fl
 
 def _warnings(histories: Sequence[ModelHistory]) -> list[str]:
     words = style.notes(
-        dashed_alpha=_limits(histories)[1] > 1.0,
+        dashed_alpha=_limits(histories)[1] > 1.0 and not _away(histories),
+        dashed_away=_limits(histories)[1] > 1.0 and _away(histories),
         impacts=True,
         cross=any(np.isfinite(history.overturning) for history in histories),
         own_time=0 < sum(history.model in SEQUENCE_MODELS for history in histories) < len(histories),

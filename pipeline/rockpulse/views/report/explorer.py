@@ -132,9 +132,6 @@ class _Scenes:
             motions |= dict(zip(others, again, strict=True))
         except ResultsError as reason:
             why_not = str(reason)
-        if block.side:
-            # The sense of the record is chosen such that the body turns away from its wall.
-            motions = {at: one._replace(rotation=np.abs(one.rotation)) for at, one in motions.items()}
         try:
             ground = stored_record(self._tree, record)
             time, acceleration, curve = ground.time, ground.acceleration, self._curve(row, lane, block, ground)
@@ -165,7 +162,7 @@ class _Scenes:
 
     def _curve(self, row: int, lane: int, block: Block, ground: Record) -> tuple[np.ndarray, np.ndarray] | None:
         """Return scale factors and probabilities of overturning of a free slender body; None for other bodies."""
-        slender = self._answers.source[row, lane] in ("slender_limit", "spectrum")
+        slender = self._answers.source[row, lane] in ("slender_limit", "spectrum", "shared_spectrum")
         if not slender or self._answers.bodies[lane].block not in self._plain:
             return None
         uncertainty = settings_of(self._tree, UncertaintySettings).of_draws()

@@ -87,7 +87,21 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers
     else:
         fewest = _fewest(found, answers.motions)
         lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=_most(fewest)))
-    return [*lines, say("limits.not_covered")]
+    return [*lines, say("limits.not_covered", what=listed(_not_covered(answers.summary)))]
+
+
+def _not_covered(summary: xr.Dataset) -> list[str]:
+    """Return the effects that the results leave out, with the number of bodies whose data do not state them."""
+    count = summary.sizes["block"]
+
+    def without(*names: str) -> int:
+        given = [summary[name].values for name in names if name in summary]
+        stated = [own > 0 if own.dtype.kind in "if" else own != "" for own in given]
+        return count - int(np.count_nonzero(np.any(stated, axis=0))) if stated else count
+
+    lacking = {"sliding": without("friction"), "walls": without("one_sided", "restraints"), "floors": without("floors")}
+    found = [say(f"limits.{name}", bodies=counted_words(own, "body")) for name, own in lacking.items() if own]
+    return [*found, say("limits.others")]
 
 
 def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: object) -> Limit:
@@ -166,7 +180,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of bodies that may slide, and of bodies with a worse verdict on their pedestal than without it."""
+    """Warn of bodies that may slide, whose ties never break, or with a worse verdict on their pedestal."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.share.value)
@@ -174,6 +188,9 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
     slid = [one.body.name for one in found if one.deciding.slides_first or one.deciding.sliding > 0.0]
     if slid:
         said.append(_limit("decides", "slides", names=listed([body_name(name) for name in slid])))
+    codes = zip(answers.blocks, answers.summary["block_warning_codes"].values, strict=True)
+    if endless := [body_name(name) for name, own in codes if has_warning(str(own), "tie_unlimited")]:
+        said.append(_limit("decides", "ties", names=listed(endless)))
     return said
 
 

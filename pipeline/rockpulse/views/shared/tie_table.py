@@ -57,7 +57,11 @@ def _count(count: int | None, motions: int) -> Cell:
 
 
 def _anchor(one: TieFinding) -> str:
-    """State the force and the elongation that an anchor must take."""
+    """State the force and the elongation that an anchor must take, and whether the tie never breaks."""
+    return _taken(one) + (say("tie.unlimited") if math.isinf(one.tie.ultimate) else "")
+
+
+def _taken(one: TieFinding) -> str:
     limit = one.tie.yield_force
     fields = {
         "name": _name(one),

@@ -1,12 +1,14 @@
 """Rotation histories show every model's motion, its impacts and its overturning; what cannot be shown says why."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from drawn import named_rows
 
 import rockpulse as rp
+from rockpulse import ModelSettings, SearchSettings
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots.drawing import draw
 from rockpulse.views.plots.ground_motion import stored_record
@@ -92,6 +94,25 @@ def test_stored_histories_are_those_computed_again(assessed, with_histories, fir
     again = histories(assessed, first, COLUMN, ["nonlinear", "linear"])
     for stored, computed in zip(histories(with_histories, first, COLUMN), again, strict=True):
         assert np.array_equal(stored.rotation, computed.rotation)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_body_beside_a_wall_is_drawn_away_from_it(clc, config, sign):
+    """Whichever sense of the record is worse, from the stored history and from the computed one."""
+    turned = [replace(clc[0], acceleration=sign * clc[0].acceleration)]
+    body = {"parapet": rp.models.Block(0.3, 2.2, one_sided=True)}
+    motions = []
+    for stored in (True, False):
+        models = ModelSettings(use=("nonlinear",), histories=stored)
+        tree = rp.assess(turned, replace(config, models=models, search=SearchSettings(models=())), bodies=body)
+        (found,) = histories(tree)
+        moving, _ = rotation_history([found])
+        assert np.nanmin(found.rotation) == 0.0 < np.nanmax(found.rotation) <= found.peak
+        low, high = moving.get_ylim()
+        assert -0.1 * high < low < 0.0
+        assert -1.0 not in {line.get_ydata()[0] for line in moving.lines}
+        motions.append(found.rotation)
+    assert motions[0].tolist() == motions[1].tolist()
 
 
 def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_reported(changed, assessed, first):
