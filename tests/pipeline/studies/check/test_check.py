@@ -19,7 +19,7 @@ def config(**more):
 def test_a_dataset_holds_all_codes_with_their_units():
     found = check(config=config())
     assert found["code"].values.tolist() == ["circolare_2009", "circolare_2019", "en_1998"]
-    assert found["activation"].attrs["units"] == "m s-2"
+    assert found["activation"].attrs["units"] == "m s^-2"
     assert found["activation_ratio"].sel(block="wall", code="circolare_2009").item() == pytest.approx(
         0.1 / 1.35 / 0.14375
     )
