@@ -15,7 +15,7 @@ from rockpulse.config.configuration import SECTIONS, Config, config_from_text
 from rockpulse.errors import ConfigError, ResultsError, some
 from rockpulse.record.record import BETWEEN
 from rockpulse.run.analysis import Analysis, Part
-from rockpulse.run.tasks import IDLE, OF_TASKS, Task, configuration_fingerprint
+from rockpulse.run.tasks import IDLE, OF_TASKS, PackedTask, configuration_fingerprint
 from rockpulse.storage.hdf5.netcdf4 import slab
 from rockpulse.storage.hdf5.results_file import ResultsFile, open_results_file
 from rockpulse.storage.hdf5.verification import verify
@@ -80,7 +80,7 @@ def run_to_append(path: str | os.PathLike[str], analysis: Analysis, overwrite: b
 
 
 def earlier_results(
-    path: str | os.PathLike[str], analysis: Analysis, tasks: Sequence[Task], read: Iterable[str]
+    path: str | os.PathLike[str], analysis: Analysis, tasks: Sequence[PackedTask], read: Iterable[str]
 ) -> EarlierResults:
     """Return the tasks whose results in a file can be kept; :func:`check_appends` compares the options before.
 
