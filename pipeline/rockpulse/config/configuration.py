@@ -1,9 +1,12 @@
 """The configuration of an assessment: a strictly checked TOML file, or the same sections built in Python."""
 
 import dataclasses
+import hashlib
 import os
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from glob import escape, has_magic
 from pathlib import Path
 from typing import Any, cast
@@ -129,6 +132,11 @@ class Config:
         """Return the paths of the records; relative paths are joined to the folder of the configuration."""
         return [located(path, self.folder) for path in self.records.paths]
 
+    @cached_property
+    def bodies_digest(self) -> str:
+        """SHA-256 of all bodies; it is computed once, and does not include whether a size is confirmed."""
+        return hashlib.sha256(repr([_facts_of(body) for body in self.bodies]).encode()).hexdigest()
+
     def as_text(self) -> str:
         """Return the complete configuration as TOML, from which an equal Config can be loaded."""
         document: dict[str, Any] = {name: section_values(getattr(self, name)) for name in SECTIONS}
@@ -142,6 +150,17 @@ SECTIONS: dict[str, type[Section]] = {
     for item in dataclasses.fields(Config)
     if isinstance(item.default_factory, type)
 }
+
+
+def _facts_of(entry: Section) -> list[Any]:
+    """Return the values of an entry and of the entries in it, except whether its size is confirmed."""
+    facts: list[Any] = []
+    for name, value in vars(entry).items():
+        if isinstance(value, tuple) and value and isinstance(value[0], Section):
+            value = [_facts_of(one) for one in value]
+        if name != "confirm_size":
+            facts.append(value)
+    return facts
 
 
 def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
@@ -165,9 +184,9 @@ def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
 
 
 def _require_different(heading: str, names: list[str]) -> None:
-    for name in names:
-        if names.count(name) > 1:
-            raise ConfigError(f'{heading} name: "{name}" is given {names.count(name)} times; names must differ')
+    for name, times in Counter(names).items():
+        if times > 1:
+            raise ConfigError(f'{heading} name: "{name}" is given {times} times; names must differ')
 
 
 def located(path: str, folder: Path) -> Path:
