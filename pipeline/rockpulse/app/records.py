@@ -104,7 +104,7 @@ class RecordPart:
         record = self.records[int(event.args)]
         with self.table, ui.dialog(value=True) as dialog, ui.card().classes("picture"):
             ui.label(f"{record.id}").classes("name")
-            drawn = ui.html(say("app.records.drawing"), sanitize=False)
+            drawn = ui.html(say("app.records.drawing"), sanitize=False).classes("wide")
             ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
         drawn.content = await run.io_bound(_drawn, record)
 
