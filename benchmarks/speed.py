@@ -8,6 +8,7 @@ sets the number of calls. ``make accuracy`` measures the error of the same kerne
 import argparse
 import logging
 import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -213,12 +214,38 @@ def memory() -> None:
     )
 
 
+#: Programs whose start is compared: the packages that an assessment needs, its modules, an empty program, the help.
+STARTS = {
+    "packages": ["-c", "import numpy, scipy.special, pandas, xarray, numba, h5py"],
+    "assess": ["-c", "import rockpulse.run.batch, rockpulse.views.text.overview"],
+    "python": ["-c", "pass"],
+    "help": ["-m", "rockpulse", "--help"],
+}
+
+
+def start(runs: int) -> None:
+    """Row 8: processor time until an assessment begins to read, and of the first screen of help, in new processes."""
+    spent: dict[str, list[float]] = {name: [] for name in STARTS}
+    for _ in range(runs + 1):  # in turn; the first of each loads the files into memory
+        for name, arguments in STARTS.items():
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([sys.executable, *arguments], capture_output=True, check=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            spent[name].append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    cost = {name: statistics.median(values[1:]) for name, values in spent.items()}
+    print(
+        f"start of an assessment: {cost['assess']:.2f} s of processor time, {cost['assess'] / cost['packages']:.2f} "
+        f"times that of the packages it needs; help: {cost['help']:.2f} s, an empty program {cost['python']:.2f} s"
+    )
+
+
 SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
     "solve_ivp": lambda args: against_solve_ivp(args.runs, args.lanes),
     "recurrence": lambda args: against_recurrence(args.runs, 2000),
     "lanes": lambda args: many_lanes(args.runs),
     "compile": lambda args: compile_time(),
     "memory": lambda args: memory(),
+    "start": lambda args: start(max(3, args.runs // 4)),
 }
 
 

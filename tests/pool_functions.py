@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from rockpulse.run.processes import serve
@@ -12,6 +13,40 @@ from rockpulse.run.processes import serve
 
 def square(number):
     return number * number
+
+
+class Counted:
+    """A function that counts how often it is pickled."""
+
+    pickled = 0
+
+    def __call__(self, number):
+        return number * number
+
+    def __reduce__(self):
+        Counted.pickled += 1
+        return Counted, ()
+
+
+class Died(Exception):
+    """In place of the error of dask for a group of items whose workers died."""
+
+
+class Cluster(ThreadPoolExecutor):
+    """An executor whose workers die of the item 3; it notes the groups of items that it is given."""
+
+    def __init__(self):
+        super().__init__(1)
+        self.groups = []
+
+    def submit(self, fn, once, items):
+        self.groups.append(list(items))
+        return super().submit(self._work, fn, once, items)
+
+    def _work(self, fn, once, items):
+        if 3 in items:
+            raise Died
+        return fn(once, items)
 
 
 def slow_square(number):

@@ -39,7 +39,7 @@ HEADINGS = "name,width [m],height [m]"
 
 
 class BodyRow:
-    """The inputs of one body; its values are a section of the document."""
+    """The inputs of one body; its values are those of its [[block]] in the configuration."""
 
     def __init__(self, page: Window, values: dict[str, Any]) -> None:
         self.page, self.values = page, values
@@ -110,7 +110,7 @@ class BodyRow:
         self.page.changed()
 
     def refresh(self) -> None:
-        """Draw the body and show its numbers or, at the input that it names, the error of its values."""
+        """Draw the body and show its numbers, or show the error of its values at the input that the error names."""
         error = body_error(self.values)
         heading = error.partition("]")[0].strip("[").rpartition(".")[2]
         name = str(self.values.get("name", ""))

@@ -32,7 +32,7 @@ def follow_parent() -> None:
 
 
 class Command:
-    """One command at a time, such as ``assess --config site.toml -o results.h5``, with its progress and its end."""
+    """Runs one command at a time, such as ``assess --config site.toml``, and keeps its progress and exit code."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

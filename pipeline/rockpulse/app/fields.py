@@ -29,13 +29,13 @@ def file_input(label: str, address: str, handle: Callable[..., Any]) -> None:
 
 
 def refused(faults: list[str]) -> None:
-    """Show why files were not taken."""
+    """Show why files were not accepted."""
     for fault in faults:
         ui.notify(fault, type="negative", multi_line=True, close_button=True, timeout=0)
 
 
 def value_of(text: str | None) -> Any:
-    """Return the value that was typed: a number, with point or comma, a text, or None for nothing."""
+    """Return the value that was typed: a number, with point or comma, a text, or None for an empty input."""
     typed = (text or "").strip()
     try:
         return float(typed.replace(",", ".")) if typed else None
@@ -57,7 +57,7 @@ class Fields:
         self.inputs: dict[str, Any] = {}
 
     def add(self, *names: str, texts: tuple[str, ...] = ("name",)) -> None:
-        """Add an input for each key: a choice, a check box, or text; of `texts` a number is kept as text."""
+        """Add an input for each key: a choice, a check box or text; numbers typed for `texts` remain text."""
         for name in names:
             item = self.items[name]
             allowed = item.metadata["values"]

@@ -30,7 +30,7 @@ _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\.|$)")
 
 
 def safe_name(name: str) -> str:
-    """Return the last part of a file name without characters that have a meaning in paths, or an invented name."""
+    """Return the last part of a file name without characters that have a meaning in paths, or else "file"."""
     last = _ODD.sub("_", re.split(r"[/\\]", name)[-1]).strip(" .")
     end = Path(last).suffix[:20]
     last = last if len(last) <= LONGEST else last[: LONGEST - len(end)] + end
@@ -136,7 +136,7 @@ class Project:
         return path
 
     def keep_if_new(self, path: Path) -> None:
-        """Remove a file of records that equals another one there."""
+        """Remove a file of records if the folder contains another file with the same content."""
         if any(cmp(path, other, shallow=False) for other in self.record_files() if other != path):
             path.unlink()
 

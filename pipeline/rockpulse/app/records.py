@@ -48,7 +48,7 @@ class RecordPart:
         ui.timer(0.05, page.handler(self.read), once=True)
 
     def show_error(self, error: str) -> None:
-        """Show nothing: errors of records stand beside their files."""
+        """Do nothing, as errors of records are shown beside their files."""
 
     async def _taken(self, event: events.GenericEventArguments) -> None:
         if event.args["sending"]:

@@ -41,7 +41,7 @@ class ResultPart:
         ui.timer(0.5, handler(self._look))
 
     async def assess(self) -> None:
-        """Assess the records, keeping the finished records of a run that was cut, and write the report."""
+        """Assess the records, keeping the finished records of an interrupted run, and write the report."""
         if self.command.running or self.project.save():
             return
         code = await self.command.run((*ASSESS, "--resume", "--overwrite"))
@@ -91,7 +91,7 @@ class ResultPart:
         self._show_found()
 
     def _show_found(self) -> None:
-        """Show the results, if there are any: the files, the commands and the report."""
+        """Show the files, the commands and the report of the results, if there are any."""
         self.found.clear()
         results = self.project.folder / RESULTS
         if not results.is_file():

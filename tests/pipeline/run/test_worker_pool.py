@@ -286,3 +286,21 @@ def test_a_worker_that_is_killed_half_way_through_its_answer_holds_up_nobody(pai
     answers = dict(pair.run(toys.killed_while_answering, range(8)))
     assert isinstance(answers.pop(3), WorkerLost)
     assert answers == {number: bytes(20_000) for number in range(8) if number != 3}
+
+
+def test_a_group_that_is_given_up_costs_each_of_its_items_a_second_try_and_no_neighbour():
+    with toys.Cluster() as cluster, WorkerPool(cluster, lambda: 1, (toys.Died,), ahead=1, group_seconds=60.0) as pool:
+        answers = dict(pool.run(toys.square, [0, 1, 2, *range(4, 40), 3, *range(40, 60)]))
+    lost = answers.pop(3)
+    assert isinstance(lost, WorkerLost)
+    assert answers == {number: number**2 for number in range(60) if number != 3}
+    assert cluster.groups[0] == [0]  # alone, as its time is not known yet
+    assert max(map(len, cluster.groups)) > 10
+    given = [number for group in cluster.groups for number in group]
+    assert {number for number in given if given.count(number) == 2} == {*max(cluster.groups, key=lambda g: 3 in g)}
+
+
+def test_a_function_is_pickled_once_for_all_items_and_workers(pair):
+    before = toys.Counted.pickled
+    assert dict(pair.run(toys.Counted(), range(12))) == {number: number**2 for number in range(12)}
+    assert toys.Counted.pickled == before + 1
