@@ -55,6 +55,8 @@ class Project:
         Sections and keys of the configuration as in TOML; without those that have their default.
     error : str
         Why the document is no valid configuration and was not written; empty if it was.
+    written : str
+        Text of the configuration as it was read or written last.
     command : Command
         The command that is running, or the last one.
     """
@@ -63,7 +65,7 @@ class Project:
         self.folder = folder.resolve()
         self.command = Command(self.folder)
         self.document: dict[str, Any] = {}
-        self.error, self._written = "", ""
+        self.error, self.written = "", ""
         self.load()
 
     @property
@@ -73,9 +75,9 @@ class Project:
 
     def load(self) -> None:
         """Read the configuration, or begin a new one; raise ConfigError if it is not valid."""
-        self._written = read_text(self.path, TOML_LIMIT, "a TOML file") if self.path.exists() else ""
+        self.written = read_text(self.path, TOML_LIMIT, "a TOML file") if self.path.exists() else ""
         try:
-            document = parse_toml(self._written, str(self.path))
+            document = parse_toml(self.written, str(self.path))
             config_of(document, self.folder)
         except ConfigError as error:
             raise ConfigError(f"{self.path}: {error}".replace(f"{self.path}: {self.path}", str(self.path))) from None
@@ -84,7 +86,7 @@ class Project:
     @property
     def changed_outside(self) -> bool:
         """Whether another program has changed the configuration since it was read or written."""
-        return self._written != (read_text(self.path, TOML_LIMIT) if self.path.exists() else "")
+        return self.written != (read_text(self.path, TOML_LIMIT) if self.path.exists() else "")
 
     def section(self, name: str) -> dict[str, Any]:
         """Return the keys of a section, which may be changed."""
@@ -105,16 +107,16 @@ class Project:
             self.error = str(error)
             return self.error
         self.error, text = "", f"{HEAD}\n\n{document_as_text(kept)}"
-        if text != self._written:
-            if self._written and not self._written.startswith(HEAD):
+        if text != self.written:
+            if self.written and not self.written.startswith(HEAD):
                 shutil.copy(self.path, self.path.with_name(f"{CONFIG}.bak"))
             write_files({self.path: text.encode()})
-            self._written = text
+            self.written = text
         return ""
 
     def config(self) -> Config:
         """Return the configuration as it is written."""
-        return config_of(parse_toml(self._written, CONFIG), self.folder)
+        return config_of(parse_toml(self.written, CONFIG), self.folder)
 
     # Records
 

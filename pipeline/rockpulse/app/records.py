@@ -51,7 +51,8 @@ class RecordPart:
         """Do nothing, as errors of records are shown beside their files."""
 
     async def _taken(self, event: events.GenericEventArguments) -> None:
-        if event.args["sending"]:
+        self.page.sending = bool(event.args["sending"])
+        if self.page.sending:
             self.state.text = say("app.records.copying", name=event.args["sending"])
         else:
             await self.read()

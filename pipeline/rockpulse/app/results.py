@@ -39,7 +39,7 @@ class ResultPart:
         self.note = ui.label(say("app.results.outdated")).classes("note").props('role="status"')
         self.found = ui.element("div").classes("wide")
         self._show_found()
-        ui.timer(0.5, handler(self._look))
+        ui.timer(0.5, self._look)
 
     async def assess(self) -> None:
         """Assess the records, keeping the finished records of an interrupted run, and write the report."""
@@ -72,11 +72,15 @@ class ResultPart:
         return save
 
     def _look(self) -> None:
-        """Show the progress of the command if it has changed."""
+        """Show the progress of the command if it has changed, and what another window has changed."""
+        self.page.follow()
+        if self.command.version != self._seen:
+            self._seen = self.command.version
+            with self.page.words():
+                self._show_command()
+
+    def _show_command(self) -> None:
         command = self.command
-        if command.version == self._seen:
-            return
-        self._seen = command.version
         self.start.visible, self.stop.visible = not command.running, command.running and command.verb == "assess"
         self.bar.visible = command.running
         if command.running:

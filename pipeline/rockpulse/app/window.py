@@ -10,6 +10,9 @@ from nicegui import ui
 from rockpulse.app.project import Project
 from rockpulse.views.shared.words import writing
 
+#: Number of calls of :meth:`Window.follow` during which the other window pauses.
+PAUSE = 4
+
 
 class Window:
     """One open window of the page.
@@ -27,6 +30,16 @@ class Window:
     def __init__(self, project: Project, language: str) -> None:
         self.project, self.language = project, language
         self.parts: list[Any] = []
+        self.sending, self._working = False, 0  # whether files are sent, and the number of handlers at work
+        self._seen, self._differs = project.written, 0
+
+    def follow(self) -> None:
+        """Load the page again if another window has changed the project, and has paused; called twice a second."""
+        if self.sending or self._working:
+            self._seen = self.project.written
+        self._differs = self._differs + 1 if self.project.written != self._seen else 0
+        if self._differs > PAUSE:
+            ui.navigate.reload()
 
     def changed(self) -> None:
         """Write the configuration after a change on the page, and show whether it is valid."""
@@ -35,6 +48,7 @@ class Window:
             ui.navigate.reload()
             return
         self.project.save()
+        self._seen = self.project.written
         self.shown_error()
 
     def shown_error(self) -> None:
@@ -48,6 +62,7 @@ class Window:
 
         @wraps(work)  # NiceGUI passes an event to a function that takes one
         async def handle(*given: Any) -> None:
+            self._working += 1
             with writing(self.language):
                 try:
                     found = work(*given)
@@ -55,6 +70,9 @@ class Window:
                         await found
                 except (ValueError, OSError) as error:
                     ui.notify(str(error), type="negative", multi_line=True, close_button=True, timeout=0)
+                finally:
+                    self._working -= 1
+                    self._seen = self.project.written
 
         return handle
 

@@ -113,6 +113,27 @@ def test_a_run_is_cancelled_and_ends_with_the_server(browser, samples, tmp_path)
         assert ends(child)
 
 
+def test_a_second_window_follows_the_first(browser, tmp_path):
+    (tmp_path / "site.toml").write_text('[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n')
+    with served(tmp_path) as page:
+        first = Window(browser, page).open()
+        one = browser.current_window_handle
+        browser.switch_to.new_window("tab")
+        second = Window(browser, page).open()
+        second.says("bodies", "uplift PGA 0.125 g")
+        two = browser.current_window_handle
+        browser.switch_to.window(one)
+        first.type("bodies", "width [m]", "0.6")
+        first.says("bodies", "uplift PGA 0.25 g")
+        browser.switch_to.window(two)
+        second.says("bodies", "uplift PGA 0.25 g")
+        browser.close()
+        browser.switch_to.window(one)
+        assert first.field("bodies", "width [m]").get_attribute("value") == "0.6"
+    assert "width = 0.6" in (tmp_path / "site.toml").read_text()
+    assert "wall" in (tmp_path / "site.toml.bak").read_text()
+
+
 def test_the_page_ends_after_its_window_was_closed(browser, tmp_path):
     with served(tmp_path, "--close-after", "0.03") as page:
         Window(browser, page).open()

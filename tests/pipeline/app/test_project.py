@@ -4,7 +4,15 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.app.project import HEAD, LONGEST, Project, body_error, safe_name
+from rockpulse.cli import main
 from rockpulse.errors import ConfigError
+
+
+def test_without_the_extra_the_verb_says_what_to_install(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr("rockpulse.commands.app.find_spec", lambda name: None)
+    assert main(["app", str(tmp_path / "new")]) == 2
+    assert "pip install 'rockpulse[app]'" in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.parametrize(
