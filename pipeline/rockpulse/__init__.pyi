@@ -9,14 +9,14 @@ from .assessment.spectra import overturning_factors as overturning_factors
 from .assessment.spectra import overturning_spectrum as overturning_spectrum
 from .assessment.spectra import rocking_spectrum as rocking_spectrum
 from .config.block_settings import BlockSettings as BlockSettings
-from .config.block_settings import LoadSettings as LoadSettings
 from .config.block_settings import PedestalSettings as PedestalSettings
-from .config.block_settings import ThrustSettings as ThrustSettings
-from .config.block_settings import TieSettings as TieSettings
 from .config.body_table import load_bodies as load_bodies
 from .config.configuration import Config as Config
 from .config.configuration import load_config as load_config
 from .config.floor_settings import FloorSettings as FloorSettings
+from .config.restraint_settings import LoadSettings as LoadSettings
+from .config.restraint_settings import ThrustSettings as ThrustSettings
+from .config.restraint_settings import TieSettings as TieSettings
 from .config.settings import CalibrationSettings as CalibrationSettings
 from .config.settings import ConditioningSettings as ConditioningSettings
 from .config.settings import DemandSettings as DemandSettings

@@ -12,13 +12,11 @@ from rockpulse.app.project import body_error
 from rockpulse.app.window import Window
 from rockpulse.config.block_settings import (
     BlockSettings,
-    LoadSettings,
     PedestalSettings,
-    ThrustSettings,
-    TieSettings,
 )
 from rockpulse.config.configuration import section_of
 from rockpulse.config.floor_settings import FloorSettings
+from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
 from rockpulse.option import Section
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.body_drawings import Support, body_drawing

@@ -52,9 +52,10 @@ def pairs(folder):
     return [folder / f"g{number}.V1A" for number in range(4)]
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize(("components", "rows"), [("horizontal", 8), ("sweep", 8)])
-def test_a_file_with_appended_records_is_that_of_one_run_over_all(tmp_path, components, rows):
+@pytest.mark.parametrize(
+    "components", [pytest.param("horizontal", marks=pytest.mark.slow), pytest.param("sweep", marks=pytest.mark.sweep)]
+)
+def test_a_file_with_appended_records_is_that_of_one_run_over_all(tmp_path, components):
     """New rows come before, between and after the old ones; one file cannot be read in either run."""
     config = replace(FULL, records=replace(FULL.records, components=components, azimuth_step=90.0))
     files = pairs(tmp_path)
@@ -63,8 +64,8 @@ def test_a_file_with_appended_records_is_that_of_one_run_over_all(tmp_path, comp
     assess_files([files[1], files[3], tmp_path / "cut.V1A"], config, output, BatchOptions(workers=1))
     every = [*files, tmp_path / "cut.V1A"]
     report = assess_files(every, config, output, appending(told))
-    tasks = rows if components == "horizontal" else 4
-    assert (report.records, report.resumed) == (rows, tasks // 2)
+    tasks = 8 if components == "horizontal" else 4
+    assert (report.records, report.resumed) == (8, tasks // 2)
     assert told == [f"{tasks // 2} of {tasks} records are in {output} already"]
     assess_files(every, config, tmp_path / "all.h5", BatchOptions(workers=1))
     assert_contents(output, contents(tmp_path / "all.h5"))
@@ -166,10 +167,13 @@ def test_a_damaged_file_is_not_extended(folder, tmp_path):
         assess_files(folder, CONFIG, output, appending())
 
 
-POINTS = [("record", 1), pytest.param("assembly", 40, marks=pytest.mark.slow), ("rename", 1), ("renamed", 1)]
+POINTS = [
+    pytest.param("rename", 1, marks=pytest.mark.sweep),
+    *(pytest.param(point, number, marks=pytest.mark.slow) for point, number in (("record", 1), ("assembly", 40))),
+    pytest.param("renamed", 1, marks=pytest.mark.slow),
+]
 
 
-@pytest.mark.sweep
 @pytest.mark.parametrize(("point", "number"), POINTS)
 def test_a_killed_run_leaves_the_old_file_and_goes_on_by_resuming(folder, tmp_path, point, number):
     output = tmp_path / "out" / "results.h5"
