@@ -34,7 +34,7 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_t
     coords = {"record": [f"r{k}" for k in range(factors.size)], "block": ["b"], "model": ["nonlinear"]}
     if demand is not None:
         coords["demand"] = ["ULS"]
-        told = {"demand_value": demand, "demand_measure": "pga", "demand_units": "m s-2"}
+        told = {"demand_value": demand, "demand_measure": "pga", "demand_units": "m s^-2"}
         variables |= {name: (("demand",), [value]) for name, value in told.items()}
         variables["capacity_ratio"] = ((*OF, "demand"), (factors * pga / demand)[:, None, None, None])
         scale = np.broadcast_to(np.asarray(demand) / pga if to_demand is None else to_demand, factors.shape)

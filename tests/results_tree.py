@@ -31,6 +31,7 @@ def completed(summary):
         "one_sided": 0,
         "event": "unknown",
         "npts": 0,
+        "hinge_depth": 0.0,
     }
     for name in ("alpha", "p", "radius", "restitution"):
         one = "alpha_c" if name == "alpha" else name
@@ -53,7 +54,7 @@ def demanding(summary, demands, **variables):
     value = np.array([*demands.values()], dtype=float)
     name = SUMMARY["demand"].variable([*demands])
     own = {"demand_acceleration": value, "demand_value": value, "demand_measure": ["pga"] * value.size}
-    own |= {"demand_units": ["m s-2"] * value.size}
+    own |= {"demand_units": ["m s^-2"] * value.size}
     own = {name: SUMMARY[name].variable(values) for name, values in own.items()}
     summary = summary.assign_coords(demand=name).assign(own | variables)
     lanes = [dim for dim in summary["outcome"].dims if dim != "model"]

@@ -83,6 +83,16 @@ def test_every_variable_is_taken_from_a_record_or_from_the_bodies():
             assert variable.take is not None or f"{group}/{name}" == EVENT, name
 
 
+#: Units that pint does not define, or that another variable states.
+OTHER_UNITS = {"degrees_north", "degrees_east", "see measure_units"}
+
+
+def test_units_are_written_so_that_cf_units_and_pint_read_them():
+    found = {one.units for groups in KINDS.values() for declared in groups.values() for one in declared.values()}
+    word = r"[A-Za-z]+(\^-?[1-9])?"
+    assert {unit for unit in found if unit != "1" and not re.fullmatch(f"{word}( {word})*", unit)} == OTHER_UNITS
+
+
 @pytest.mark.sweep
 def test_every_attribute_of_the_root_is_named(golden):
     text = SCHEMA.split("## /half_cycles")[0] + SCHEMA.split("## Versions, checksums")[1]
@@ -108,7 +118,7 @@ def test_the_examples_run(tmp_path, monkeypatch):
     assert set(of_rockpulse["cycles"]["model"]) == {"sequence"}
     assert len(of_rockpulse["fallen"]) == overturned
     assert of_xarray["overturned"].sum().item() == overturned
-    assert of_xarray["units"]["pga"] == "m s-2"
+    assert of_xarray["units"]["pga"] == "m s^-2"
     assert np.array_equal(of_h5py["factor"], summary["safety_factor"].sel(model="nonlinear"))
     assert of_h5py["words"][2] == "overturns"
     assert np.abs(of_h5py["second"]).max() == pytest.approx(summary["pga"].values[1])

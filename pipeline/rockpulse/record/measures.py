@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 #: Units in which levels of a measure may be given (the displayed unit first) with factors to SI, by SI unit.
 UNITS = {
-    "m s-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
-    "m s-1": {"m/s": 1.0, "cm/s": 0.01},
+    "m s^-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
+    "m s^-1": {"m/s": 1.0, "cm/s": 0.01},
     "1": {"": 1.0},
 }
 #: Measures that the code uses by name: the PGA alone determines whether a body on the ground lifts, a drifting baseline
@@ -120,7 +120,7 @@ def _ratio(name: str, title: str, value: Callable[[RecordOnBodies], Any], **more
 _TABLE = (
     Measure(
         PGA,
-        "m s-2",
+        "m s^-2",
         "PGA",
         lambda on: on.record.pga,
         meaning="peak ground acceleration",
@@ -130,7 +130,7 @@ _TABLE = (
     ),
     Measure(
         PGV,
-        "m s-1",
+        "m s^-1",
         "PGV",
         lambda on: intensity.pgv(on.record),
         meaning="peak ground velocity",
@@ -141,7 +141,7 @@ _TABLE = (
     ),
     Measure(
         "arias_intensity",
-        "m s-1",
+        "m s^-1",
         "Arias intensity",
         lambda on: intensity.arias_intensity(on.record),
         heading="Arias",
@@ -151,7 +151,7 @@ _TABLE = (
     ),
     Measure(
         "si",
-        "m s-1",
+        "m s^-1",
         "SI",
         lambda on: intensity.spectrum_intensity(on.record),
         detail=" (mean pseudo-velocity, 0.1 to 2.5 s)",
@@ -161,7 +161,7 @@ _TABLE = (
     Measure("fajfar", "m s-3/4", "PGV t_D^(1/4), t_D = D5-95", lambda on: intensity.fajfar_index(on.record)),
     Measure(
         "sa",
-        "m s-2",
+        "m s^-2",
         "Sa",
         lambda on, period: intensity.spectral_acceleration(on.record, period),
         detail=", 5 %",
@@ -189,7 +189,7 @@ _TABLE = (
         "si_ratio", "p SI/(g tan alpha_c)", lambda on: on.block.p * intensity.spectrum_intensity(on.record) / on.lifting
     ),
     _ratio("change_ratio", "p times the largest change of velocity within 2/p, over g tan alpha_c", _change_ratio),
-    Measure(IMPULSE, "m s-1", "largest half-wave impulse I", lambda on: on.waves().largest, uses="scaling"),
+    Measure(IMPULSE, "m s^-1", "largest half-wave impulse I", lambda on: on.waves().largest, uses="scaling"),
     _ratio("impulse_ratio", "I/I_1c", lambda on: on.waves().largest / on.block.critical_impulse),
     _ratio("demand_largest", "largest p abs(E)/(g tan alpha_c)", lambda on: on.demand.largest),
     _ratio("demand_rms", "root mean square of the six largest lobes of p abs(E)/(g tan alpha_c)", _rms_of_lobes),

@@ -70,7 +70,7 @@ def test_the_demands_of_a_file_are_told_with_their_measure_and_unit():
         "demand_value": [3.0, 0.41239, 5.0, 0.6],
         "demand_measure": ["pga", "pgv", "sa", "velocity_ratio"],
         "demand_period": [np.nan, np.nan, 0.7, np.nan],
-        "demand_units": ["m s-2", "m s-1", "m s-2", "1"],
+        "demand_units": ["m s^-2", "m s^-1", "m s^-2", "1"],
         "limit_state": ["SLV", "", "SLC", ""],
     }
     summary = xr.Dataset(
@@ -159,7 +159,7 @@ def test_beyond_a_factor_of_four_there_is_no_probability_and_a_lone_channel_says
     assert np.all(summary["demand_factor"] > 4.0)
     assert np.isnan(summary["demand_probability"]).all()
     assert "scaled to the demand by its own intensity, not by that of a pair" in str(summary["warnings"].values[0])
-    assert str(summary["demand_units"].values[0]) == "m s-2"
+    assert str(summary["demand_units"].values[0]) == "m s^-2"
     (one, _) = verdicts(answers_of(tree))
     assert (one.grade.word, one.demands[0].left_out, one.demands[0].earthquakes) == ("", 1, 0)
     assert np.isnan(summary["demand_rotation_ratio"]).all()

@@ -34,8 +34,8 @@ def test_the_variables_tell_their_units_and_axes(spectrum):
     assert spectrum["spectrum"].dims == ("p", "restitution")
     assert spectrum["probability"].dims == ("p", "restitution", "level")
     assert spectrum["rotation_spectrum"].dims == ("rotation", "p", "restitution")
-    assert spectrum["spectrum"].attrs["units"] == "m s-1"
-    assert spectrum["p"].attrs["units"] == "s-1"
+    assert spectrum["spectrum"].attrs["units"] == "m s^-1"
+    assert spectrum["p"].attrs["units"] == "s^-1"
     assert spectrum["level"].values.tolist() == LEVELS.tolist()
     assert spectrum["rotation"].values.tolist() == ROTATIONS.tolist()
     assert spectrum.attrs == {"record": "synthetic", "method": "nonlinear"}

@@ -46,7 +46,7 @@ def test_what_is_drawn_is_what_the_file_holds(results):
     lines = dict(zip(*reversed(impulses.get_legend_handles_labels()), strict=True))
     assert np.nanmax(np.abs(lines["impulses"].get_ydata())) == np.max(np.abs(impulse))
     assert next(line for words, line in lines.items() if "pm I$" in words).get_ydata()[0] == stored["main_impulse"][0]
-    assert (impulses.get_ylabel()[-5:], units) == ("[m/s]", "m s-1")
+    assert (impulses.get_ylabel()[-5:], units) == ("[m/s]", "m s^-1")
     (ax,) = rp.plots.draw(tree, "overturning-map").axes
     (dot,) = (line for line in ax.lines if line.get_label() == "smallest scale factor")
     assert dot.get_xdata() == stored["safety_factor"][0, 0, 1] == lower[0]

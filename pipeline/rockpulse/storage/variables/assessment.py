@@ -81,11 +81,11 @@ DIRECTIONS: Declared = {
     "record_index": whole("index of the record in /summary; -1 if not assessed", dims=("pair", "direction")),
     **along(
         ("pair",),
-        pga_median=real("median over directions of the peak ground acceleration", "m s-2"),
-        pga_largest=real("largest value over directions of the peak ground acceleration", "m s-2"),
+        pga_median=real("median over directions of the peak ground acceleration", "m s^-2"),
+        pga_largest=real("largest value over directions of the peak ground acceleration", "m s^-2"),
         pga_azimuth=real("azimuth of the largest peak ground acceleration", "degree"),
-        main_impulse_median=real("median over directions of the main impulse I", "m s-1"),
-        main_impulse_largest=real("largest value over directions of the main impulse I", "m s-1"),
+        main_impulse_median=real("median over directions of the main impulse I", "m s^-1"),
+        main_impulse_largest=real("largest value over directions of the main impulse I", "m s^-1"),
         main_impulse_azimuth=real("azimuth of the largest main impulse I", "degree"),
     ),
     **along(
@@ -119,11 +119,11 @@ DIRECTIONS: Declared = {
 WAVES = along(
     ("wave",),
     lambda name: lambda one: getattr(one.scene.waves, name),
-    impulse=real("signed impulse of the half-wave", "m s-1"),
+    impulse=real("signed impulse of the half-wave", "m s^-1"),
     centroid=real("time of the centroid of the half-wave from the first sample", "s"),
     start=real("start of the half-wave", "s"),
     end=real("end of the half-wave", "s"),
-    peak=real("signed peak acceleration of the half-wave", "m s-2"),
+    peak=real("signed peak acceleration of the half-wave", "m s^-2"),
 )
 
 _SAMPLES = {
@@ -131,7 +131,7 @@ _SAMPLES = {
         "number of samples of each record", lambda one: one.record.npts, dims=("record",), sample_dimension="sample"
     ),
     "acceleration": real(
-        "conditioned ground acceleration", "m s-2", lambda one: one.record.acceleration, dims=("sample",)
+        "conditioned ground acceleration", "m s^-2", lambda one: one.record.acceleration, dims=("sample",)
     ),
 }
 
@@ -152,7 +152,7 @@ _HISTORIES = along(
     ("instant",),
     lambda name: _column("histories", lambda rows: getattr(rows.source, name).ravel()),
     rotation=real("rotation at the record's samples", "rad"),
-    velocity=real("angular velocity at the record's samples", "rad s-1"),
+    velocity=real("angular velocity at the record's samples", "rad s^-1"),
 )
 
 #: Ragged arrays: the values of all records one after the other, with the number of values of each record.

@@ -34,9 +34,9 @@ BLOCK = along(
         "m",
     ),
     alpha_c=real("critical angle", "rad", explanation="about the right-hand corner"),
-    p=real("frequency parameter", "s-1", explanation="about the right-hand corner"),
+    p=real("frequency parameter", "s^-1", explanation="about the right-hand corner"),
     alpha_2=real("critical angle about the left-hand corner", "rad"),
-    p_2=real("frequency parameter about the left-hand corner", "s-1"),
+    p_2=real("frequency parameter about the left-hand corner", "s^-1"),
     radius_2=real("distance from the left-hand corner to the centre of mass", "m"),
     one_sided=flag(NO_YES, "whether the body is in contact with a wall and falls to one side only", _of_body("side")),
     facing=real("azimuth towards which a one-sided body falls; NaN if not known", "degree", lambda b, config: b.facing),
@@ -46,9 +46,10 @@ BLOCK = along(
         lambda b, config: b.azimuth,
     ),
     friction=real("coefficient of friction at the base; NaN if not given", take=lambda b, config: b.friction),
-    hinge=real(
+    hinge_depth=real(
         "distance of the corners of rotation from the faces of the body; 0 without compressive_strength",
         "m",
+        _of_body("hinge"),
         explanation="half the depth of the compressed edge; `alpha_c`, `p` and `radius` are about these corners",
     ),
     mass=real("mass of the body and of the loads that move with it; NaN if not known", "kg"),
@@ -74,16 +75,16 @@ BLOCK = along(
     ),
     uplift_acceleration=real(
         "smallest horizontal acceleration that lifts the body",
-        "m s-2",
+        "m s^-2",
         lambda bodies, config: _lifting(bodies.lanes)[:: bodies.cases],
     ),
     gravity=real(
         "acceleration of gravity at the block",
-        "m s-2",
+        "m s^-2",
         lambda bodies, config: np.full(len(bodies.names), bodies.lanes.gravity),
     ),
     slenderness=real("height divided by width"),
-    critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s-1"),
+    critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s^-1"),
     block_warnings=text("warnings on the block", lambda bodies, config: bodies.warnings, explanation="one per line"),
     block_warning_codes=text(
         "codes of the warnings on the block",

@@ -101,7 +101,7 @@ CURVES: Declared = {
     **along(("block",), alpha_c=BLOCK["alpha_c"], p=BLOCK["p"], restitution=CASE["restitution"]),
     "uplift_acceleration": real(
         "smallest horizontal acceleration of the ground that lifts the body",
-        "m s-2",
+        "m s^-2",
         dims=("block",),
         explanation="NaN on a floor of a building, and where a vertical channel acts",
     ),

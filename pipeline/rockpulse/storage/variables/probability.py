@@ -178,7 +178,7 @@ ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 
 #: Variables of a spectrum along its axes, which are the same for all records, so that all spectra form one array.
 SPECTRUM_AXES: Declared = {
-    "p": real("frequency parameter of the blocks", "s-1", _fixed(RATES), dims=("p",)),
+    "p": real("frequency parameter of the blocks", "s^-1", _fixed(RATES), dims=("p",)),
     "restitution": real(
         "nominal restitution C of the blocks",
         take=_fixed(RESTITUTIONS),
@@ -196,16 +196,16 @@ SPECTRUM: Declared = {
         ("p", "restitution"),
         spectrum=real(
             "overturning spectrum S = (g tan(alpha_c)/p)/factor_mean",
-            "m s-1",
+            "m s^-1",
             explanation="effective impulse of the record for a slender block with these p and C; the mean capacity of "
             "the block is (g tan(alpha_c)/p)/S",
         ),
-        spectrum_low=real("lower end of the 90 % interval of the spectrum", "m s-1"),
-        spectrum_high=real("upper end of the 90 % interval of the spectrum", "m s-1"),
+        spectrum_low=real("lower end of the 90 % interval of the spectrum", "m s^-1"),
+        spectrum_high=real("upper end of the 90 % interval of the spectrum", "m s^-1"),
     ),
     "rotation_spectrum": real(
         "spectrum for reaching a rotation: (g tan(alpha_c)/p) divided by the mean scale factor that reaches it",
-        "m s-1",
+        "m s^-1",
         dims=("rotation", "p", "restitution"),
     ),
     "probability": real(

@@ -14,9 +14,9 @@ OWN = "unit of the measure in SI"
 RISK: Declared = {
     **along(
         ("block",),
-        frequency=real("annual frequency of the limit state", "year-1"),
-        frequency_low=real("lower limit of the frequency, by the records of the fragility", "year-1"),
-        frequency_high=real("upper limit of the frequency", "year-1"),
+        frequency=real("annual frequency of the limit state", "year^-1"),
+        frequency_low=real("lower limit of the frequency, by the records of the fragility", "year^-1"),
+        frequency_high=real("upper limit of the frequency", "year^-1"),
         probability=real("probability of the limit state in the given number of years"),
         probability_low=real("lower limit of that probability"),
         probability_high=real("upper limit of that probability"),
@@ -41,9 +41,9 @@ RISK: Declared = {
 #: Variables along the bodies of an inventory.
 INVENTORY: Declared = along(
     ("body",),
-    frequency=real("annual frequency of overturning", "year-1"),
-    frequency_low=real("lower limit of the frequency, over earthquakes", "year-1"),
-    frequency_high=real("upper limit of the frequency", "year-1"),
+    frequency=real("annual frequency of overturning", "year^-1"),
+    frequency_low=real("lower limit of the frequency, over earthquakes", "year^-1"),
+    frequency_high=real("upper limit of the frequency", "year^-1"),
     probability=real("probability of overturning in the given number of years"),
     survival=real("probability that the body survives the given number of years"),
     median=real("level at which the body overturns with probability 1/2", OWN),
@@ -74,7 +74,7 @@ STANDING: Declared = {
     "chance": real("probability that the body has stood for its age, exp(-frequency age)"),
     "chance_low": real("the same at the upper limit of the frequency"),
     "chance_high": real("the same at the lower limit of the frequency"),
-    "largest": real("largest annual frequency that is compatible with its age at the confidence", "year-1"),
+    "largest": real("largest annual frequency that is compatible with its age at the confidence", "year^-1"),
     "factor": real("multiplier of the rates of the hazard at which the frequency would equal the largest one"),
     "contradicted": flag(("not_known", "no", "yes"), "whether the frequency is above the largest one", first=NOT_KNOWN),
 }
@@ -93,8 +93,8 @@ CHECK: Declared = {
     ),
     **along(
         ("block", "code"),
-        activation=real("acceleration that opens the mechanism", "m s-2"),
-        activation_demand=real("acceleration demand of the code", "m s-2"),
+        activation=real("acceleration that opens the mechanism", "m s^-2"),
+        activation_demand=real("acceleration demand of the code", "m s^-2"),
         activation_ratio=real("acceleration that opens the mechanism, divided by the demand"),
         displacement=real("spectral displacement that the code allows", "m"),
         period=real("period at which the displacement demand is taken", "s"),

@@ -10,12 +10,12 @@ SELECTION: Declared = {
     ),
     **along(
         ("record", "period"),
-        spectrum=real("5 % damped pseudo-acceleration of the scaled record", "m s-2"),
+        spectrum=real("5 % damped pseudo-acceleration of the scaled record", "m s^-2"),
     ),
     **along(
         ("period",),
         period=real("period of the oscillator", "s"),
-        mean=real("mean of the spectra of the scaled records", "m s-2"),
-        target=real("target spectrum", "m s-2"),
+        mean=real("mean of the spectra of the scaled records", "m s^-2"),
+        target=real("target spectrum", "m s^-2"),
     ),
 }

@@ -19,7 +19,7 @@ OF_RECORDS: Declared = along(
     weight=real("weight of the record, of mean one"),
     scale_factor=real("scale factor on the conditioned record"),
     **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
-    largest_impulse=real("largest half-wave impulse of the scaled record", "m s-1"),
+    largest_impulse=real("largest half-wave impulse of the scaled record", "m s^-1"),
     warnings=text("warnings on the record"),
     processing=text("conditioning steps in their order, and the scaling"),
     **FACTS,
@@ -61,13 +61,13 @@ SITE: Declared = {
     **along(
         ("block",),
         alpha_c=real("critical angle", "rad"),
-        p=real("frequency parameter", "s-1"),
+        p=real("frequency parameter", "s^-1"),
         restitution=real("velocity ratio C of an impact"),
-        critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s-1"),
-        critical_impulse_2=real("I_2c, the size of two impulses at resonance that overturn the block (Eq. 9)", "m s-1"),
+        critical_impulse=real("critical impulse I_1c, which overturns the block at rest", "m s^-1"),
+        critical_impulse_2=real("I_2c, size of two impulses at resonance that overturn the block (Eq. 9)", "m s^-1"),
         **_with_interval(
             "effective_impulse",
-            "m s-1",
+            "m s^-1",
             "I_eff, the design spectrum at the p and C of the block",
             "the block overturns if I_eff is g tan(alpha_c)/p or more; NaN for a block outside the spectrum",
         ),
@@ -76,7 +76,7 @@ SITE: Declared = {
         ),
         **_with_interval(
             "main",
-            "m s-1",
+            "m s^-1",
             "main impulse I with which the sequence model, with the ratio, interval and main_count of the site, "
             "overturns the block at the design_factor",
             "ends: these three kept",
@@ -101,13 +101,13 @@ SITE_AXES: Declared = {
 SPECTRA: Declared = {
     **along(
         ("p", "restitution"),
-        **_with_interval("spectrum_50", "m s-1", "median of the overturning spectra over earthquakes"),
-        **_with_interval("spectrum_84", "m s-1", "predictive 84 % quantile of the spectra over earthquakes"),
-        **_with_interval("spectrum_design", "m s-1", "design spectrum: the predictive quantile of `quantile` in /site"),
+        **_with_interval("spectrum_50", "m s^-1", "median of the overturning spectra over earthquakes"),
+        **_with_interval("spectrum_84", "m s^-1", "predictive 84 % quantile of the spectra over earthquakes"),
+        **_with_interval("spectrum_design", "m s^-1", "design spectrum: predictive quantile of `quantile` in /site"),
     ),
     "spectrum": real(
         "overturning spectrum of the scaled record: its effective impulse for a slender block",
-        "m s-1",
+        "m s^-1",
         dims=("record", "p", "restitution"),
     ),
 }

@@ -41,7 +41,7 @@ FACTS: Declared = along(
     epicentral_distance=real("distance of the station from the epicentre, as stated in the file", "m"),
     station_latitude=real("latitude of the station", "degrees_north"),
     station_longitude=real("longitude of the station", "degrees_east"),
-    vs30=real("time-averaged velocity of shear waves in the upper 30 m", "m s-1"),
+    vs30=real("time-averaged velocity of shear waves in the upper 30 m", "m s^-1"),
     site_class=text("class of the ground as stated in the file"),
     sensor_depth=real("depth of the sensor below the ground, as stated in the file", "m"),
 )
@@ -148,8 +148,8 @@ RECORD = along(
     **_measured(STORED, lambda measure: lambda one: measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))),
     intense_start=real("start of the intense phase from the first sample", "s", of_ground=True),
     intense_end=real("end of the intense phase from the first sample", "s", of_ground=True),
-    main_impulse=real("main impulse I of the calibrated sequence", "m s-1"),
-    secondary_impulse=real("secondary impulse I_s of the calibrated sequence", "m s-1"),
+    main_impulse=real("main impulse I of the calibrated sequence", "m s^-1"),
+    secondary_impulse=real("secondary impulse I_s of the calibrated sequence", "m s^-1"),
     secondary_interval=real("interval dT of the secondary impulses", "s"),
     sequence_duration=real("duration within which main impulses act", "s"),
     main_count=whole("number of main impulses; -1 if only the duration limits it"),
@@ -222,7 +222,7 @@ ANSWER = along(
         explanation="1 also for a closed form, and if no scale factor up to the end of the search lifts the block or "
         "can overturn it",
     ),
-    capacity_pga=real("safety factor times PGA; NaN if not computed", "m s-2", of_ground=True),
+    capacity_pga=real("safety factor times PGA; NaN if not computed", "m s^-2", of_ground=True),
     applicable=flag(("outside_range", "applicable"), "whether the block is within the range of the model"),
 )
 
@@ -255,7 +255,7 @@ SITE_DEMAND = along(
     _demanded,
     demand_acceleration=real(
         "ground acceleration of the demand, a_g S; NaN for another measure",
-        "m s-2",
+        "m s^-2",
         _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
     ),
     demand_measure=text("intensity measure of the demand", _of_demands(lambda demand: demand.measure)),

@@ -27,7 +27,7 @@ from rockpulse.views.shared.words import say
 STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
 #: Stored variables whose name differs from that of the field of a record.
 _FIELDS = {"event_title": "event"}
-_ACCELERATION = real("ground acceleration", "m s-2", dims=("sample",))
+_ACCELERATION = real("ground acceleration", "m s^-2", dims=("sample",))
 _TIME = real("time from the first sample", "s", dims=("sample",))
 
 
@@ -43,7 +43,7 @@ def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
     --------
     >>> impulse = rp.plots.stored_motion(results, "burst.2")["impulse"]
     >>> round(float(impulse.max()), 2), impulse.attrs["units"]
-    (1.19, 'm s-1')
+    (1.19, 'm s^-1')
     """
     summary = tree["summary"].to_dataset()
     own = summary.sel(record=record)
@@ -82,7 +82,7 @@ def motion_of_record(
     --------
     >>> motion = motion_of_record(rp.Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three triangles"))
     >>> motion["impulse"].values.round(3).tolist(), motion["impulse"].attrs["units"]
-    ([0.225, -0.225, 0.1], 'm s-1')
+    ([0.225, -0.225, 0.1], 'm s^-1')
     """
     waves = half_waves(record) if waves is None else waves
     phase = intense_phase(record) if phase is None else phase

@@ -73,13 +73,14 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
     <Block width 1 m, height 4 m, p 1.889 1/s, alpha_c 0.245 rad, C 0.9118>
     """
     own = summary.sel(block=block).isel(chosen_case(summary, case))
-    names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass", "hinge")
+    names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
     return Block.restored(
         float(own["gravity"]),
         Restraints.from_text(str(own["restraints"].values)),
         half_width=0.5 * float(own["width"]),
         half_height=0.5 * float(own["height"]),
         side=int(own["one_sided"]),
+        hinge=float(own["hinge_depth"]),
         **{name: float(own[name]) for name in names},
     )
 

@@ -204,7 +204,7 @@ def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
 
 
 #: Printed form of each CF unit in results.
-_UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
+_UNITS = {"m s^-2": "m/s²", "m s^-1": "m/s", "s^-1": "1/s", "rad s^-1": "rad/s", "degree": "°", "1": "-"}
 #: Formulas for the symbols in long names; of two symbols with the same start, the longer one comes first.
 _SYMBOLS = {
     "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
@@ -223,7 +223,7 @@ _MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 
 
 def unit(units: str) -> str:
-    """Return the printed form of a unit: "m/s²" for "m s-2"."""
+    """Return the printed form of a unit: "m/s²" for "m s^-2"."""
     return _UNITS.get(units, units)
 
 

@@ -17,6 +17,7 @@ from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.body_drawings import strip
 from rockpulse.views.report.site_and_fragility import MatchedFile
+from rockpulse.views.report.verdict import by_severity
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import body_name, say
 
@@ -122,7 +123,7 @@ class Pictures:
             caption = say("picture.spectra", c=three_digits(nearest))
             found.append(self._drawn(partial(_spectra, self._tree, c), "spectra", caption))
         if others := [one for one in self._found if one.body.block not in plain]:
-            worst = max(others, key=lambda one: (one.grade, one.share.value))
+            worst = min(others, key=by_severity)
             found.append(self.body(worst.body.place, "front"))
         return found
 

@@ -87,7 +87,21 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers
     else:
         fewest = _fewest(found, answers.motions)
         lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=_most(fewest)))
-    return [*lines, say("limits.not_covered")]
+    return [*lines, say("limits.not_covered", what=listed(_not_covered(answers.summary)))]
+
+
+def _not_covered(summary: xr.Dataset) -> list[str]:
+    """Return the effects that the results leave out, with the number of bodies whose data do not state them."""
+    count = summary.sizes["block"]
+
+    def without(*names: str) -> int:
+        given = [summary[name].values for name in names if name in summary]
+        stated = [own > 0 if own.dtype.kind in "if" else own != "" for own in given]
+        return count - int(np.count_nonzero(np.any(stated, axis=0))) if stated else count
+
+    lacking = {"sliding": without("friction"), "walls": without("one_sided", "restraints"), "floors": without("floors")}
+    found = [say(f"limits.{name}", bodies=counted_words(own, "body")) for name, own in lacking.items() if own]
+    return [*found, say("limits.others")]
 
 
 def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: object) -> Limit:

@@ -72,10 +72,14 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
 
 
 def by_severity(one: BodyVerdict) -> tuple[float, float, float]:
-    """Return the sort key: worst verdict first, then largest probability, then smallest scale factor."""
+    """Return the sort key: worst verdict first, then largest probability, then smallest scale factor.
+
+    A body that slides first follows those that may overturn, as anchors against overturning do not hold it.
+    """
     factor, value = one.deciding.margin.smallest, one.share.value
     likely = 0.0 if math.isnan(value) else value
-    return -float(one.grade), -likely, math.inf if math.isnan(factor) else factor
+    grade = Grade.ROCKS + 0.5 if one.grade == Grade.SLIDES_FIRST else float(one.grade)
+    return -grade, -likely, math.inf if math.isnan(factor) else factor
 
 
 def body_drawings(tree: xr.DataTree) -> list[Drawing]:
@@ -193,9 +197,16 @@ def acceleration_in_words(value: float) -> str:
     return f"{three_digits(value, 'm/s²')} ({three_digits(value / STANDARD_GRAVITY, 'g')})"
 
 
-def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """Return the table of the bodies, the worst verdict first, with a row for each demand."""
-    rows = [(one, row) for one in sorted(found, key=by_severity) for row in one.findings]
+def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = False) -> Table:
+    """Return the table of the bodies, the worst verdict first.
+
+    Each body has one row, for its governing demand and restitution, or with `every` a row for each of them.
+    """
+    ordered = sorted(found, key=by_severity)
+    worst = {one.body.place: one for one in reversed(ordered)}
+    rows = [(one, row) for one in ordered for row in one.findings]
+    if governing := not every and len(rows) > len(worst):
+        rows = [(one, one.deciding) for one in ordered if worst[one.body.place] is one]
     findings = [row for _, row in rows]
     several = any(one.body.several for one in found)
     selected = (*columns(*(["restitution"] if several else [])), *verdict_columns(answers, findings))
@@ -206,7 +217,8 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     headings = (Heading(say("head.body")), *(heading._replace(note="") for heading in headed(selected)))
     judged = any(row.grade != Grade.NO_VERDICT for row in findings)
     caption = say(f"caption.{'bodies' if judged else 'no_verdict'}", motions=motions_words(answers.motions))
-    return Table("verdict-bodies", caption, headings, cells, searched=FEW)
+    notes = (say("caption.governing_case"),) if governing else ()
+    return Table("verdict-cases" if every else "verdict-bodies", caption, headings, cells, notes, searched=FEW)
 
 
 def ties(answers: Answers, found: Sequence[BodyVerdict]) -> Table | None:

@@ -149,7 +149,7 @@ class Known(RecordFacts):
     @property
     def crushing(self) -> dict[str, str]:
         """Return depth of the corners, critical angle, that about the edge and the difference; empty without it."""
-        hinge = self.real("hinge")
+        hinge = self.real("hinge_depth")
         if not hinge > 0.0:
             return {}
         alpha, radius = self.real("alpha_c"), self.real("radius")

@@ -17,7 +17,7 @@ NOT_COMPARED = {"sha256", "attributes_sha256"}  # what rockpulse adds
 def tree():
     summary = xr.Dataset(
         {
-            "pga": ("record", [1.0, np.nan], {"units": "m s-2", "long_name": "peak"}),
+            "pga": ("record", [1.0, np.nan], {"units": "m s^-2", "long_name": "peak"}),
             "outcome": (
                 ("record", "block"),
                 np.array([[0, 1, 2], [2, 1, 0]], np.int8),

@@ -19,7 +19,7 @@ def config(**more):
 def test_a_dataset_holds_all_codes_with_their_units():
     found = check(config=config())
     assert found["code"].values.tolist() == ["circolare_2009", "circolare_2019", "en_1998"]
-    assert found["activation"].attrs["units"] == "m s-2"
+    assert found["activation"].attrs["units"] == "m s^-2"
     assert found["activation_ratio"].sel(block="wall", code="circolare_2009").item() == pytest.approx(
         0.1 / 1.35 / 0.14375
     )
@@ -139,3 +139,36 @@ def test_the_period_of_a_cantilever_is_that_of_the_beam():
 def test_an_element_that_is_not_free_to_vibrate_has_no_period(wrong, told):
     with pytest.raises(ConfigError, match=told):
         parapet(**wrong)
+
+
+def test_a_tie_without_ultimate_is_stated_and_gives_no_displacement():
+    """d_0 is that of the free wall, so that the allowed displacement does not grow with the force of the tie."""
+    common = {"width": 0.4, "height": 4.0, "mass": 2000.0}
+    tie = {"height": 3.5, "stiffness": 1e6, "yield_force": 1e4, "side": "both"}
+    bodies = [
+        rp.BlockSettings(name="free", **common),
+        rp.BlockSettings(name="endless", **common, ties=(rp.TieSettings(**tie),)),
+        rp.BlockSettings(name="limited", **common, ties=(rp.TieSettings(**tie, ultimate=0.4),)),
+    ]
+    settings = rp.CheckSettings(spectrum="en_1998_1", ag=0.15)
+    found = rp.check(config=rp.Config(bodies=tuple(bodies), check=settings), code=["circolare_2009", "en_1998"])
+    allowed = found["displacement"].sel(code="circolare_2009").values
+    assert allowed == pytest.approx([0.08, 0.08, 0.08])
+    assert (found["activation"][1] > found["activation"][0]).all()
+    said = found["statement"].values
+    assert "a tie without ultimate" in said[1, 0]
+    assert [said[0, 0], said[2, 0], said[1, 1]] == ["", "", ""]
+
+
+def test_the_strength_is_divided_by_the_confidence_factor():
+    wall = {"name": "wall", "width": 0.6, "height": 4.0, "density": 1800.0, "length": 1.0}
+    multipliers = [
+        float(rp.check(config=rp.Config(
+            bodies=(rp.BlockSettings(**wall, compressive_strength=strength),),
+            check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=factor),
+        ))["multiplier"].squeeze())
+        for strength, factor in ((1.35e6, 1.35), (1e6, 1.0), (1.35e6, 1.0))
+    ]  # fmt: skip
+    inside = 0.6 * 4.0 * 1800.0 * 9.80665 / 1.7e6
+    assert multipliers[:2] == pytest.approx([(0.3 - inside) / 2.0] * 2)
+    assert multipliers[2] > multipliers[0]

@@ -51,7 +51,7 @@ def test_the_facts_of_each_record_are_stored():
     found = site([RECORDS[0], known])
     np.testing.assert_array_equal(found["magnitude"].values, [np.nan, 6.3])
     assert found["magnitude_type"].values.tolist() == ["", "Mw"]
-    assert (found["vs30"].values[1].item(), found["vs30"].attrs["units"]) == (717.0, "m s-1")
+    assert (found["vs30"].values[1].item(), found["vs30"].attrs["units"]) == (717.0, "m s^-1")
 
 
 def test_every_record_has_its_sequence_and_the_site_their_medians(done):

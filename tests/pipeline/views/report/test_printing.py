@@ -3,11 +3,13 @@
 import re
 import shutil
 import stat
+from importlib.resources import files
 
 import pytest
 from results_tree import results_tree
 
 from rockpulse.errors import ResultsError
+from rockpulse.views.plots import style
 from rockpulse.views.report import writing as printing
 from rockpulse.views.report.writing import PDF_MARK, report
 
@@ -51,6 +53,15 @@ def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkey
     scripted(monkeypatch, tmp_path / "hangs", "exec sleep 30")
     with pytest.raises(ResultsError, match="did not print the report within"):
         printing.printed("<p>")
+
+
+def test_the_smallest_printed_text_has_seven_points():
+    """In the style sheet, and in the pictures at the width at which they are printed."""
+    sheet = files("rockpulse.views.report").joinpath("templates", "report.css").read_text(encoding="utf-8")
+    printed = sheet.partition("@media print")[2]
+    assert min(float(size) for size in re.findall(r"font-size: ([\d.]+)pt", printed)) >= 7.0
+    (width,) = re.findall(r"figure svg:not\(.strip, .drawing\) { width: (\d+)mm", printed)
+    assert style.SMALL * float(width) / (25.4 * style.WIDTH) > 7.0
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from rockpulse.views.report.verdict import (
     basis,
     body_drawings,
     body_table,
+    by_severity,
     cards,
     counted_by,
     motions_words,
@@ -55,6 +56,25 @@ def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):
     told = sentence(answers(summary), found)
     assert told.startswith(f"Probability of overturning {value}, upper 90 % ")
     assert told.endswith("at the demand “ULS”, from 5 earthquakes. 0 of 5 records overturn it.")
+
+
+def test_each_body_has_one_row_for_its_governing_demand_and_the_annex_has_all():
+    summary = probable([0.0] * 5, at_demand=[0.9, 0.2, 0.9, 0.5, 0.25], demand=1.0)
+    found = verdict(summary)
+    milder = replace(found.deciding, demand="SLE", grade=Grade.ROCKS)
+    both = replace(found, demands=(milder, found.deciding))
+    shown, cases = body_table(answers(summary), [both]), body_table(answers(summary), [both], every=True)
+    assert [len(shown.rows), len(cases.rows)] == [1, 2]
+    assert "overturns" in [cell.text for cell in shown.rows[0]]
+    assert shown.footnotes == ("One row a body: its governing demand and restitution; the annex has every case.",)
+    assert (body_table(answers(summary), [found]).footnotes, cases.footnotes) == ((), ())
+
+
+def test_a_body_that_slides_first_follows_those_that_may_overturn():
+    found = verdict(probable([0.0] * 5, at_demand=[0.9, 0.2, 0.9, 0.5, 0.25], demand=1.0))
+    grades = (Grade.ROCKS, Grade.SLIDES_FIRST, Grade.OVERTURNS, Grade.MAY_OVERTURN)
+    every = [replace(found, demands=(replace(found.deciding, grade=grade),)) for grade in grades]
+    assert [one.grade for one in sorted(every, key=by_severity)] == [grades[2], grades[3], grades[1], grades[0]]
 
 
 def test_without_a_demand_the_records_that_overturn_are_counted():

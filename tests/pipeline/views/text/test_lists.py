@@ -22,7 +22,7 @@ def tree():
     summary = tree["summary"].to_dataset()
     summary["safety_factor"][:, :, 2] = [[0.42, 1.3, np.nan], [2.1, 3.0, 0.84], [np.inf, np.inf, np.inf]]
     summary["capacity_pga"] = summary["safety_factor"] * summary["pga"]
-    summary["capacity_pga"].attrs.update(units="m s-2", long_name="capacity")
+    summary["capacity_pga"].attrs.update(units="m s^-2", long_name="capacity")
     tree["summary"] = xr.DataTree(summary)
     return tree
 
