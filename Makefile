@@ -117,6 +117,7 @@ docs-test: docs  ## build the manual without a warning, and run every command an
 
 docs-pictures:  ## draw the pictures of the manual again, by the commands on its pages
 	$(PYTHON) tests/docs_page.py
+	$(PYTHON) tests/app_pictures.py
 
 clean:  ## remove what builds and tests leave behind
 	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

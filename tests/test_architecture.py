@@ -53,6 +53,7 @@ rockpulse.views.text
 rockpulse.views.plots
 rockpulse.views.diff
 rockpulse.views.report
+rockpulse.app
 rockpulse.commands
 rockpulse.cli
 rockpulse.__main__

@@ -12,7 +12,7 @@ Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """Return finite numbers as an array; raise ValueError for any other value, or for several without `lanes`."""
+    """Return finite numbers as an array; raise ValueError for other values, and for an array unless `lanes` is True."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)
@@ -26,7 +26,7 @@ def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> n
 
 
 def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
-    """Return the value as :func:`numbers` does; raise ValueError, which states the `unit`, unless all are positive."""
+    """Return the value as :func:`numbers` does, [`unit`]; raise ValueError unless all numbers are positive."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
@@ -67,7 +67,7 @@ def record_samples(name: str, values: ArrayLike) -> np.ndarray:
         raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
     if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # without a copy; NaN is kept
         first = int(np.flatnonzero(~np.isfinite(array))[0])
-        raise ValueError(f"{name}: sample {first} is {array[first]}; NaN and infinite samples must be mended first")
+        raise ValueError(f"{name}: sample {first} is {array[first]}; replace NaN and infinite samples first")
     return read_only(array)
 
 

@@ -10,6 +10,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 
+from rockpulse.app import CHILD
 from rockpulse.commands import VERBS
 from rockpulse.commands.parser import Parser
 from rockpulse.commands.terminal import (
@@ -65,6 +66,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         gc.set_threshold(NEW_OBJECTS)
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, interrupt)
+        if CHILD in os.environ:
+            from rockpulse.app.child import follow_parent
+
+            follow_parent()
     try:
         return _run(argv)
     except KeyboardInterrupt as error:

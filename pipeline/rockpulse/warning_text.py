@@ -87,17 +87,17 @@ STATEMENTS = {
     # parts of a warning
     "record": "{count:d} record",
     "records": "{count:d} records",
-    "event": "{count:d} event",
-    "events": "{count:d} events",
+    "event": "{count:d} earthquake",
+    "events": "{count:d} earthquakes",
     "interval": "{low:.3g} to {high:.3g}",
     # the calibration of a site
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
     "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another strength",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
     "outside_spectrum": "outside the spectrum, and without a design: {names}",
-    "vertical_left_out": ("the vertical acceleration is left out: no spectrum is common to all bodies under it"),
+    "vertical_left_out": "the vertical acceleration is left out: no single spectrum with it applies to all bodies",
     # a fragility curve
-    "band_one_event": "no band: without the event {event} there would be no curve",
+    "band_one_event": "no band: without the earthquake {event} there would be no curve",
     "band_few_events": "no band: the records come from {events}; at least {needed:d} are needed",
     "median_above": "extrapolated: the median, {median:.3g}, lies above all levels that were analysed, up to "
     "{level:.3g}; {reached} of {records:d} reached the limit state",

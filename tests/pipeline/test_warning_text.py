@@ -44,7 +44,7 @@ def test_warnings_within_warnings_and_other_texts_are_stored_too():
     assert found.values["names"][1].code == "of_channel/dead_channel"
     assert (text.code, str(text)) == ("plain", "another")
     assert restored("") == []
-    assert [str(counted(count, "event")) for count in (1, 2)] == ["1 event", "2 events"]
+    assert [str(counted(count, "event")) for count in (1, 2)] == ["1 earthquake", "2 earthquakes"]
 
 
 def test_a_warning_on_another_record_has_both_codes():

@@ -137,7 +137,7 @@ class Block(BlockLanes):
         if compressive_strength is not None:
             strength = float(positive("compressive_strength", compressive_strength, "Pa", lanes=False))
             if density is None or length is None:
-                raise ValueError("compressive_strength: expected with it density in kg/m3 and length in m")
+                raise ValueError("compressive_strength: needs density in kg/m3 and length in m as well")
             pressed = np.asarray(mass) * gravity + sum(one.weight for one in loads)
             hinge = 0.5 * pressed / (limits.STRESS_BLOCK * strength * np.asarray(length, dtype=float))
         if plain and compressive_strength is None:
@@ -151,7 +151,7 @@ class Block(BlockLanes):
             shape = "rectangle" if plain else "general"
         acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts), float(np.max(hinge, initial=0.0)))
         if acting and np.any(hinge != acting.hinge):
-            raise ValueError("compressive_strength: expected bodies of one size with ties, loads or thrusts")
+            raise ValueError("compressive_strength: bodies with ties, loads or thrusts must be of equal size")
         held, wall = (acting, mass), (one_sided, rebound)
         self._finish((base, rise), first, second, restitution, gravity, shape, wall, held, log, hinge)
 

@@ -133,7 +133,7 @@ class BlockLanes(LaneValues, Shown):
 
     @property
     def weaker(self) -> Self:
-        """Return a copy whose right-hand corner has the properties of the weaker corner, with the smaller angle."""
+        """Return a copy whose right-hand corner is the weaker corner of the body, that with the smaller angle."""
         second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
         if not np.any(second):
             return self

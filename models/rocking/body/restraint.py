@@ -159,7 +159,7 @@ TIE, FRICTION = 0.0, 1.0
 
 
 class TieState(IntEnum):
-    """What a motion does to a tie, from least to most."""
+    """The effect of a motion on a tie, from the mildest to the most severe."""
 
     SLACK = 0  #: the displacement of its attachment never exceeds its gap
     ELASTIC = 1  #: it acts and does not yield
@@ -168,12 +168,12 @@ class TieState(IntEnum):
 
 
 class TieDemand(NamedTuple):
-    """What a motion demands of t ties, from the largest rotations of the body.
+    """The demand of a motion on t ties, from the largest rotations of the body.
 
     Attributes
     ----------
     elongation : (t, ...) ndarray
-        Largest elongation [m], after a break that of the gap between its ends; inf if the body overturns against it.
+        Largest elongation [m], also after a break; inf if the body overturns in the direction that the tie resists.
     force : (t, ...) ndarray
         Largest force [N]: stiffness times elongation, at most the yield force or the force at which it breaks.
     state : (t, ...) ndarray of int
@@ -236,7 +236,7 @@ class Restraints:
         return 0.5 * base + self.hinge if load.distance is None else load.distance
 
     def tie_demand(self, rotation: np.ndarray) -> TieDemand:
-        """Return what rotations demand of the ties, in their order.
+        """Return the demand on the ties, in their order, from the largest rotations of the body.
 
         Parameters
         ----------

@@ -57,7 +57,7 @@ class History(NamedTuple):
 
 @njit(_nrt=False)
 def _cannot_come_back(growing, time, first, train, gain, p):
-    """Return whether y(t) exceeds the sum of abs(dy) exp(-p (t_i - t)) of later impulses: the block overturns."""
+    """Return whether the block must overturn: y(t) exceeds the sum of abs(dy) exp(-p (t_i - t)) of later impulses."""
     total = 0.0
     for i in range(first, train.times.size):
         weight = gain * math.exp(-p * (train.times[i] - time))

@@ -108,7 +108,7 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Return the outcomes (q, n) of `chosen` blocks (n,) under `factors` (q, n) on one sequence, or on that of each."""
+    """Return the outcomes (q, n) of `chosen` blocks (n,) under a sequence, or one for each, times `factors` (q, n)."""
     paired = sequence.shape != ()
     if (paired and sequence.shape != block.shape) or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(

@@ -307,7 +307,7 @@ def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] 
         expected = f"one for each of {pairs[0]} blocks" if pairs else "one sequence"
         raise ValueError(f"sequence: expected {expected}, got shape {sequence.shape}")
     if pairs and sequence.main_count is None:
-        raise ValueError("sequence: expected a main_count for pairs")
+        raise ValueError("sequence: main_count is needed if paired is True")
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
 

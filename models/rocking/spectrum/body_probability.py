@@ -48,7 +48,7 @@ class LaneFactors:
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Compute the scale factors of one body from its samples (`lanes`), or from None if the body never lifts."""
+    """Compute the scale factors of one body from its lanes; `lanes` is None for a body that never lifts."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)

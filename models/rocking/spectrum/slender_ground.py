@@ -33,7 +33,7 @@ GROWTH, HIGHEST, REACH, STRONGEST, AHEAD = range(5)
 
 
 class Tables(NamedTuple):
-    """Ground motion and response at n nodes in b blocks of `BLOCK`; those after the last piece are empty."""
+    """Ground motion and response at n nodes, in b blocks of `BLOCK` nodes; nodes after the last piece are empty."""
 
     pieces: int  #: their number
     points: np.ndarray  #: (n, 8)

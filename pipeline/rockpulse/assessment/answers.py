@@ -56,7 +56,7 @@ class Motions:
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return whether `so` (records, ...) is True in any direction of a motion; if not assessed it is `missing`."""
+        """Return a mask (motions, ...): `so` (records, ...) is True in any direction, or `missing` if not assessed."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
@@ -338,7 +338,7 @@ def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
 
 
 def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
-    """Return the margin of every column of the tables, which have one row for each motion."""
+    """Return the margin of every column of the given tables, which have one row for each motion."""
     known = ~np.isnan(least)
     # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)

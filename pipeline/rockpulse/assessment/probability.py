@@ -64,7 +64,7 @@ def record_probability(
 
 
 def _no_ties(shape: tuple[int, ...]) -> dict[str, np.ndarray]:
-    """Return the variables of ties (m, d, t) without values."""
+    """Return the variables of ties (m, d, t), filled with missing values."""
     return {name: np.full(shape, one.absent, dtype=one.kind) for name, one in OF_TIES.items()}
 
 
@@ -107,7 +107,7 @@ def _of_ties(restraints: Restraints | None, rotation: np.ndarray) -> dict[str, n
 
 
 def sliding_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndarray:
-    """Return for each block the share of the motion that requires more than its friction, under the record times (m,).
+    """Return the share of each block's motion that requires more than its friction, under the record times `factors`.
 
     NaN without friction or a factor, and for blocks beside a wall or with ties, loads or thrusts.
     """

@@ -139,7 +139,7 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return for each block the worse response of its two senses: overturning, no result, or larger rotation."""
+        """Return the response of each block in its worse sense: overturning, else no result, else larger rotation."""
         return response if self.both.size == 0 else response.take(self.worse_places(response))
 
     def worse_places(self, response: Response) -> np.ndarray:

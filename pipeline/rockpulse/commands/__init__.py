@@ -6,6 +6,6 @@ from rockpulse.commands.parser import Verb
 
 #: Modules of the verbs in the order of the help.
 _MODULES = """assess inspect plot report export diff verify calibrate select fragility risk check init_config formats
-convert selftest completion"""
+convert selftest app completion"""
 
 VERBS: tuple[Verb, ...] = tuple(import_module(f"{__name__}.{name}").VERB for name in _MODULES.split())

@@ -143,7 +143,7 @@ def bodies_of_table(path: str) -> tuple[BlockSettings, ...]:
 
 
 def configured(args: argparse.Namespace) -> Config:
-    """Return the configuration of --config, with the bodies of --block added and absolute paths of its tables."""
+    """Return the configuration of --config with the bodies of --block added; paths of its tables become absolute."""
     from rockpulse.config.block_settings import parse_block_option
     from rockpulse.config.configuration import Config, load_config, located
     from rockpulse.config.settings import WEIGHTS

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
+from rockpulse.app import CHILD
 from rockpulse.errors import RockpulseError
 from rockpulse.foreign_text import escaped
 
@@ -39,12 +40,16 @@ def interrupt(number: int, frame: object) -> NoReturn:
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """Return ``tqdm.tqdm`` on standard error, disabled if `quiet` or if standard error is not a terminal."""
+    """Return ``tqdm.tqdm`` on standard error, disabled if `quiet`, or without a terminal or page that shows it."""
     from tqdm import tqdm
 
     # On a terminal without a size tqdm would show nothing.
     sized = quiet or not sys.stderr.isatty() or os.get_terminal_size(sys.stderr.fileno()).columns > 0
-    return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": 80, "nrows": 24}))
+    return partial(
+        tqdm,
+        disable=True if quiet else False if CHILD in os.environ else None,
+        **({} if sized else {"ncols": 80, "nrows": 24}),
+    )
 
 
 class _KernelLines(logging.Handler):
@@ -54,7 +59,7 @@ class _KernelLines(logging.Handler):
         """Print the message of a log record."""
         from tqdm import tqdm
 
-        if record.levelno >= logging.WARNING or sys.stderr.isatty():
+        if record.levelno >= logging.WARNING or sys.stderr.isatty() or CHILD in os.environ:
             with tqdm.external_write_mode(file=sys.stderr):
                 tell(f"rockpulse: {record.getMessage()}", sys.stderr)
 

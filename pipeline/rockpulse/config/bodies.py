@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from numbers import Real
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from rocking.body.block import Block
+from rocking.body.limits import most_restitution, size_problem
 from rocking.body.restraint import Restraints, Tie
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.floor_settings import FloorSettings
@@ -105,11 +106,17 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
     bodies = list(given_bodies(blocks))
     if records is not None:
         require_pairs([one for _, one in bodies if isinstance(one, BlockSettings)], records)
-    named: dict[str, Block] = {}
+    plain = [one for _, one in bodies if isinstance(one, BlockSettings) and _is_plain(one)]
+    whole = _rectangles(plain)
+    alike = {one.name for one in plain} if whole is not None else set()
+    named: dict[str, Block | None] = {}  # None for the bodies in `whole`
     given: dict[str, BlockSettings] = {}
     alone: dict[str, str] = {}
     for body, one in bodies:
-        own = {body: one} if isinstance(one, Block) else {body: one.block()} | one.with_pedestals()
+        if isinstance(one, Block):
+            own: dict[str, Block | None] = {body: one}
+        else:
+            own = {body: None if body in alike else one.block(), **one.with_pedestals()}
         if twice := own.keys() & named.keys():
             raise ConfigError(f'[[block]]: two bodies have the name "{min(twice)}"; rename one')
         named |= own
@@ -119,14 +126,15 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
         alone |= {name: one.name for name in own if name != one.name}
     if not named:
         raise ConfigError("no body to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT")
-    lengths = {name: block.shape[0] for name, block in named.items() if block.shape}
+    single = {name: block for name, block in named.items() if block is not None}
+    lengths = {name: block.shape[0] for name, block in single.items() if block.shape}
     if len(set(lengths.values())) > 1:
         raise ConfigError(f"restitution: expected lists of equal length in all blocks, found {lengths}")
-    gravities = {block.gravity for block in named.values()}
+    gravities = {block.gravity for block in (*single.values(), whole) if block is not None}
     if len(gravities) > 1:
         raise ConfigError(f"gravity: expected one value for all blocks of an assessment, found {sorted(gravities)}")
     cases = next(iter(lengths.values()), 1)
-    for name, block in named.items():
+    for name, block in single.items():
         if any(np.ptp(values) > 0.0 for values in (block.p, block.alpha_c, block.radius)):
             raise ConfigError(
                 f'block "{name}": the cases of a body may differ in restitution only; '
@@ -134,26 +142,64 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
             )
 
     facing, azimuth = _values_of_key(given, named, "facing"), _values_of_key(given, named, "azimuth")
-    ties = {name: ties_of(block.lanes().lane(0)) for name, block in named.items()}
-    warned = [
-        with_codes([*block.warnings, *(_heavy(given[name], block) if name in given else []), *_unlimited(ties[name])])
-        for name, block in named.items()
-    ]
+    ties = {name: ties_of(block.lanes().lane(0)) for name, block in single.items()}
+    warned = {
+        name: with_codes(
+            [*block.warnings, *(_heavy(given[name], block) if name in given else []), *_unlimited(ties[name])]
+        )
+        for name, block in single.items()
+    }
+    warned = {name: warned.get(name, ("", "")) for name in named}
+    parts = [block.lanes(cases) for block in single.values()]
+    if whole is not None:
+        parts.append(whole.take(np.repeat(np.arange(len(alike)), cases)))
+    kept = np.array([block is not None for block in named.values()])
+    place = np.where(kept, np.cumsum(kept) - 1, len(single) + np.cumsum(~kept) - 1)  # of each body in `parts`
+    lanes = (place[:, np.newaxis] * cases + np.arange(cases)).reshape(-1)
+    stacked = Block.stack(parts)
+    blocks_in_order = stacked if whole is None else stacked.take(lanes)
     return Bodies(
         names=tuple(named),
-        lanes=Block.stack([block.lanes(cases) for block in named.values()]),
+        lanes=blocks_in_order,
         cases=cases,
-        width=np.array([np.max(block.width) for block in named.values()]),
-        height=np.array([np.max(block.height) for block in named.values()]),
+        width=np.max(np.reshape(blocks_in_order.width, (-1, cases)), axis=1),
+        height=np.max(np.reshape(blocks_in_order.height, (-1, cases)), axis=1),
         facing=facing,
         azimuth=np.where(np.isnan(azimuth), facing, azimuth),
         friction=_values_of_key(given, named, "friction"),
         floors=tuple(given[name].floors if name in given else () for name in named),
         pedestal_of=tuple(alone.get(name, "") for name in named),
-        warnings=tuple(words for words, _ in warned),
-        warning_codes=tuple(codes for _, codes in warned),
-        tie_count=max(map(len, ties.values())),
+        warnings=tuple(words for words, _ in warned.values()),
+        warning_codes=tuple(codes for _, codes in warned.values()),
+        tie_count=max(map(len, ties.values()), default=0),
     )
+
+
+#: Keys that a rectangle made together with others may have, and its least slenderness: below 3 a body has a warning.
+PLAIN = ("name", "width", "height", "gravity", "confirm_size", "azimuth", "friction")
+LEAST_PLAIN = 3.001
+_DEFAULTS = {one.name: one.default for one in fields(BlockSettings) if one.name not in PLAIN}
+
+
+def _is_plain(body: BlockSettings) -> bool:
+    """Return whether a body is a free rectangle of usual size with Housner's restitution, which has no warning."""
+    width, height = body.width, body.height
+    if width is None or height is None or height < LEAST_PLAIN * width or size_problem(width, height):
+        return False
+    return all(getattr(body, name) == value for name, value in _DEFAULTS.items())
+
+
+def _rectangles(bodies: Sequence[BlockSettings]) -> Block | None:
+    """Return plain bodies of one gravity as an array; None if there are none, or if their gravities differ."""
+    gravities = {body.gravity for body in bodies}
+    if len(gravities) != 1:
+        return None
+    width, height = ([getattr(body, name) for body in bodies] for name in ("width", "height"))
+    block = Block(width=width, height=height, gravity=gravities.pop(), log=False)
+    # numpy squares one number and an array differently in the last digit: each body has the C that it has alone.
+    pairs = zip(np.asarray(block.p), np.asarray(block.alpha_c), strict=True)
+    most = np.array([most_restitution(p, alpha, None, block.gravity) for p, alpha in pairs])
+    return block.changed(restitution=most, restitution_2=most)
 
 
 def ties_of(block: Block) -> tuple[Tie, ...]:
@@ -177,9 +223,9 @@ def refuse_floors(bodies: Bodies, why: str) -> None:
         raise ConfigError(f"[[block.floor]] of {', '.join(names)}: {why}; leave such bodies out, or their floors")
 
 
-def _values_of_key(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
+def _values_of_key(given: Mapping[str, BlockSettings], names: Iterable[str], key: str) -> np.ndarray:
     """Return the value of a key for each body; NaN if no value was given or the body is a Block."""
-    values = [given[name][key] if name in given else None for name in named]
+    values = [given[name][key] if name in given else None for name in names]
     return np.array([np.nan if value is None else value for value in values], dtype=float)
 
 

@@ -1,9 +1,12 @@
 """The configuration of an assessment: a strictly checked TOML file, or the same sections built in Python."""
 
 import dataclasses
+import hashlib
 import os
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from glob import escape, has_magic
 from pathlib import Path
 from typing import Any, cast
@@ -129,11 +132,16 @@ class Config:
         """Return the paths of the records; relative paths are joined to the folder of the configuration."""
         return [located(path, self.folder) for path in self.records.paths]
 
+    @cached_property
+    def bodies_digest(self) -> str:
+        """SHA-256 of all bodies; it is computed once, and does not include whether a size is confirmed."""
+        return hashlib.sha256(repr([_facts_of(body) for body in self.bodies]).encode()).hexdigest()
+
     def as_text(self) -> str:
         """Return the complete configuration as TOML, from which an equal Config can be loaded."""
-        parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
-        parts += [_as_toml(entry.heading, entry) for entry in (*self.bodies, *self.demands)]
-        return "\n".join(parts)
+        document: dict[str, Any] = {name: section_values(getattr(self, name)) for name in SECTIONS}
+        several = zip(SEVERAL, (self.bodies, self.demands), strict=True)
+        return document_as_text(document | {name: [*map(section_values, entries)] for name, entries in several})
 
 
 #: Sections by their name in the file, in the order of the template.
@@ -142,6 +150,17 @@ SECTIONS: dict[str, type[Section]] = {
     for item in dataclasses.fields(Config)
     if isinstance(item.default_factory, type)
 }
+
+
+def _facts_of(entry: Section) -> list[Any]:
+    """Return the values of an entry and of the entries in it, except whether its size is confirmed."""
+    facts: list[Any] = []
+    for name, value in vars(entry).items():
+        if isinstance(value, tuple) and value and isinstance(value[0], Section):
+            value = [_facts_of(one) for one in value]
+        if name != "confirm_size":
+            facts.append(value)
+    return facts
 
 
 def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
@@ -165,9 +184,9 @@ def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
 
 
 def _require_different(heading: str, names: list[str]) -> None:
-    for name in names:
-        if names.count(name) > 1:
-            raise ConfigError(f'{heading} name: "{name}" is given {names.count(name)} times; names must differ')
+    for name, times in Counter(names).items():
+        if times > 1:
+            raise ConfigError(f'{heading} name: "{name}" is given {times} times; names must differ')
 
 
 def located(path: str, folder: Path) -> Path:
@@ -179,7 +198,7 @@ def located(path: str, folder: Path) -> Path:
 def config_from_text(text: str) -> Config:
     """Read a stored configuration written by :meth:`Config.as_text`; raise ResultsError for other text."""
     try:
-        return _build(stored_sections(text), Path())
+        return config_of(stored_sections(text), Path())
     except ConfigError as error:
         raise ResultsError(f"{STORED}: {error}") from None
 
@@ -238,14 +257,15 @@ def load_config(path: str | Path) -> Config:
     path = Path(path)
     document = parse_toml(read_text(path, TOML_LIMIT, "a TOML file"), str(path))
     try:
-        config = _build(document, path.parent)
+        config = config_of(document, path.parent)
         logo_bytes(config.report, config.folder)  # reports an unusable logo before any work
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
     return config
 
 
-def _build(document: Mapping[str, Any], folder: Path) -> Config:
+def config_of(document: Mapping[str, Any], folder: Path) -> Config:
+    """Return the configuration of a TOML document in a folder; raise ConfigError for a wrong section or key."""
     known = [*SECTIONS, *SEVERAL]
     for name in document:
         if name not in known:
@@ -303,14 +323,33 @@ def _given(item: dataclasses.Field[Any], key: str, value: Any) -> Any:
     return value if cls is None else _sections(cls, {key: value}, key, key)
 
 
-def _as_toml(heading: str, section: Section) -> str:
-    lines, inner = [heading], []
+def section_values(section: Section) -> dict[str, Any]:
+    """Return the values of a section by their TOML keys, without keys that have no value."""
+    found: dict[str, Any] = {}
     for item in dataclasses.fields(section):
         value = section[item.name]
-        if "entries" in item.metadata:
-            inner += [_as_toml(entry.heading, entry) for entry in value]
-        elif value is not None:
-            lines.append(f"{item.name} = {_value(value)}")
+        value = [*map(section_values, value)] or None if "entries" in item.metadata else value
+        if value is not None:
+            found[toml_key(item)] = value
+    return found
+
+
+def document_as_text(document: Mapping[str, Any]) -> str:
+    """Return sections, and lists of sections, as TOML text."""
+    parts = []
+    for name, values in document.items():
+        several = isinstance(values, list)
+        parts += [_as_toml(f"[[{name}]]", one) for one in values] if several else [_as_toml(f"[{name}]", values)]
+    return "\n".join(parts)
+
+
+def _as_toml(heading: str, values: Mapping[str, Any]) -> str:
+    lines, inner = [heading], []
+    for name, value in values.items():
+        if isinstance(value, list) and value and isinstance(value[0], Mapping):
+            inner += [_as_toml(f"[[{heading.strip('[]')}.{name}]]", one) for one in value]
+        else:
+            lines.append(f"{name} = {_value(value)}")
     return "\n".join([*lines, "", *inner])
 
 
@@ -319,8 +358,10 @@ def _value(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, str):
         return '"' + "".join(map(_character, value)) + '"'
-    if isinstance(value, tuple):
-        return "[" + ", ".join(_value(item) for item in value) + "]"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{name} = {_value(one)}" for name, one in value.items()) + "}"
     return repr(value)
 
 

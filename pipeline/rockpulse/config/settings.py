@@ -300,9 +300,9 @@ def parse_demand_option(option: str) -> DemandSettings:
 
 @dataclass(frozen=True)
 class CalibrationSettings(Section):
-    """Options of the calibration of a site on its records (:func:`rockpulse.calibrate`).
+    """Options of :func:`rockpulse.calibrate`, which derives the impulse sequence of a site from records.
 
-    The keys secondary, interval, main_count and spacing of ``[sequence]`` apply, too.
+    The keys secondary, interval, main_count and spacing of ``[sequence]`` are used as well.
 
     >>> rp.CalibrationSettings().weights
     'event'

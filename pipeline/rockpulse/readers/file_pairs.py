@@ -110,9 +110,10 @@ def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
             where = f'[[records.pair]] {side} = "{pair[side]}"'
             if not found:
                 advice = "correct the name, or give the folder of the file with the records"
-                raise ConfigError(f"{where}: it is none of the files to read ({len(names)} in all); {advice}")
+                raise ConfigError(f"{where}: no such file among the files to read ({len(names)} in all); {advice}")
             if len(found) > 1:
-                raise ConfigError(f"{where}: {len(found)} files have this name: {some(found, 2)}; give more of it")
+                several = f"{len(found)} files have this name: {some(found, 2)}"
+                raise ConfigError(f"{where}: {several}; give a longer part of the path")
             if found[0] in taken:
                 raise ConfigError(f"{where}: the file is already in {taken[found[0]]}; it can be in one pair only")
             taken[found[0]] = pair.where

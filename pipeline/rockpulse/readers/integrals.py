@@ -17,14 +17,14 @@ _ALIKE = 0.98  # correlation of slopes and values of two files above which one i
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ColumnRecord(Record):
-    """A record of plain columns, with a few of its samples and slopes for comparison."""
+    """A record of plain columns, with a few samples and slopes to find out whether another record is its integral."""
 
     values: tuple[float, ...] = ()  # [m/s2]
     slopes: tuple[float, ...] = ()  # [m/s3]
 
 
 def with_slopes(record: Record) -> Record:
-    """Return the record with a few of its samples and slopes for comparison; unchanged if it is too short."""
+    """Return the record as a `ColumnRecord`, or unchanged if it is too short."""
     if record.npts < _FEWEST:
         return record
     at = np.linspace(1, record.npts - 2, _POINTS).astype(int)

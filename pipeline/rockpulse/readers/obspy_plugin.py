@@ -133,7 +133,7 @@ def from_trace(
         raise RecordRefused(f"{where}: {np.ma.count_masked(trace.data)} samples are masked (a gap); {advice}")
     if stats.calib != 1.0 and factor is None:
         raise RecordRefused(
-            f"{where}: stats.calib is {stats.calib:g}, and obspy does not say per what; multiply the data yourself and "
+            f"{where}: stats.calib is {stats.calib:g}, and obspy states no unit for it; multiply the data yourself and "
             "set it to 1, or give units='counts' and the factor in m/s2 per count"
         )
     # A line of stats.processing is such as "ObsPy 1.5.1: integrate(...)".

@@ -167,7 +167,7 @@ def _check(
 
 
 def _watched(record: Record) -> Record:
-    """Return the record with a warning only if its ground velocity does not return to zero."""
+    """Return the record with a warning on baseline drift if its ground velocity drifts, else without such a warning."""
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")

@@ -175,7 +175,7 @@ def _lobes(record: Record) -> HalfWaves:
 
 
 def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last: int | None) -> tuple[np.ndarray, ...]:
-    """Return the arrays `COLUMNS` of the lobes between two crossings, given by index; None is an end of the record."""
+    """Return the arrays `COLUMNS` of the lobes between two crossings, given by index, or the record's ends (None)."""
     dt, begin = record.dt, 0 if first is None else int(crossing[first])
     acceleration = record.acceleration[begin : None if last is None else crossing[last] + 2]
     crossing = crossing[first : None if last is None else last + 1] - begin

@@ -161,8 +161,8 @@ class Record(Shown):
         strongest = int(np.argmax(np.abs(acceleration)))
         if abs(acceleration[strongest]) > STRONGEST:
             raise RecordFormatError(
-                f"{where}: sample {strongest} is {acceleration[strongest]:.3g} m/s2, no ground motion; is the file "
-                "damaged, or the unit wrong?"
+                f"{where}: sample {strongest} is {acceleration[strongest]:.3g} m/s2, too large for ground "
+                "motion; is the file damaged, or the unit wrong?"
             )
         if not (np.isfinite(self.dt) and self.dt > 0.0):
             raise RecordFormatError(f"{where}: expected a positive sampling interval dt in s, found {self.dt!r}")

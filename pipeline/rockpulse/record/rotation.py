@@ -274,7 +274,7 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
 def _check_overlap(channel: Record, other: Record, samples: int) -> None:
     if samples < 2:
         raise RecordRefused(
-            f"{channel.id}, {other.id}: expected two samples or more in the time that both have, found "
+            f"{channel.id}, {other.id}: expected two samples or more in their common time, found "
             f"{max(samples, 0)}; they are not a pair"
         )
 

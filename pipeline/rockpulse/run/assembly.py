@@ -123,7 +123,7 @@ def assemble(
     then kept) or cannot be written.
     """
     if iter(parts) is parts:
-        raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
+        raise TypeError("parts: expected a list or JournalParts, which can be read twice, found an iterator")
     records, lengths, size = _sizes(parts)
     known = set(records)
     pairs = {pair: ids for pair, ids in (swept or {}).items() if not known.isdisjoint(ids)}

@@ -22,7 +22,7 @@ from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
-from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
+from rockpulse.run.tasks import PackedTask, carry_out, digest_of, packed_tasks, read_options, warm_up
 from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
@@ -111,7 +111,7 @@ class _Batch:
     """One batch run, with its journal and its tasks."""
 
     journal: Journal
-    tasks: Sequence[Task] = ()
+    tasks: Sequence[PackedTask] = ()
     earlier: EarlierResults | None = None  # of the file to which the run appends
 
     def __init__(self, analysis: Analysis, output: PathLike, options: BatchOptions) -> None:
@@ -177,11 +177,14 @@ class _Batch:
         pool = self.pool_for(len(found), resources)
         every, rows, unread = self.surveyed(pool, found, rows)
         plan = analysis.plan([one.record for one in every], rows)
-        self.tasks = tasks_of(plan.planned, every, analysis.config, analysis.name)
+        read = [one.record.source for one in every] + [row.file for row in rows if row.kind != "failed"]
+        # An assessment needs what was planned only for a sweep: else the plan is emptied, and frees its memory.
+        swept = not isinstance(analysis, Assessment) or analysis.config.records.components == "sweep"
+        planned = [*plan.planned] if swept else plan.planned
+        self.tasks = packed_tasks(planned, every, analysis.config, analysis.name)
         if appending:
-            sources = [one.record.source for one in every] + [row.file for row in rows if row.kind != "failed"]
-            self.earlier = earlier_results(output, analysis, self.tasks, sources)
-        del every  # frees memory: the tasks contain all of these
+            self.earlier = earlier_results(output, analysis, self.tasks, read)
+        del read
         for row in plan.failures:
             if row.kind == "failed":
                 logger.error("%s", row.reason)
@@ -246,7 +249,7 @@ class _Batch:
                 bar.update(1)
         return *gather_survey(found, surveys, rows), unread
 
-    def missing(self) -> list[Task]:
+    def missing(self) -> list[PackedTask]:
         """Return the tasks without results; with `strict` raise StoppedAtFailure for a failure of an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
         own, seen = set(self.finished()), journal.failures()
@@ -281,7 +284,7 @@ class _Batch:
             self.stop_at(rows.get(key, ()))
         return missing
 
-    def work(self, pool: WorkerPool, missing: Sequence[Task]) -> None:
+    def work(self, pool: WorkerPool, missing: Sequence[PackedTask]) -> None:
         """Execute the missing tasks and store their results; a task whose worker dies becomes a row of failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)

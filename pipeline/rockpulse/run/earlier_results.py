@@ -15,7 +15,7 @@ from rockpulse.config.configuration import SECTIONS, Config, config_from_text
 from rockpulse.errors import ConfigError, ResultsError, some
 from rockpulse.record.record import BETWEEN
 from rockpulse.run.analysis import Analysis, Part
-from rockpulse.run.tasks import IDLE, OF_TASKS, Task, configuration_fingerprint
+from rockpulse.run.tasks import IDLE, OF_TASKS, PackedTask, configuration_fingerprint
 from rockpulse.storage.hdf5.netcdf4 import slab
 from rockpulse.storage.hdf5.results_file import ResultsFile, open_results_file
 from rockpulse.storage.hdf5.verification import verify
@@ -45,7 +45,7 @@ class EarlierResults:
     stale: int = 0  # number of other tasks that have rows in the file, but must be processed again
 
     def parts(self, keys: Sequence[str], events: Mapping[str, str]) -> Iterator[Part]:
-        """Yield the rows of the given tasks with their earthquakes, those of consecutive rows together."""
+        """Yield the rows of the given tasks with their earthquakes; consecutive rows are read together."""
         with open_results_file(self.path) as file, file.reading():
             offsets = _offsets_in(file)
             for begin, end, named in _blocks(keys, self.rows, events):
@@ -80,7 +80,7 @@ def run_to_append(path: str | os.PathLike[str], analysis: Analysis, overwrite: b
 
 
 def earlier_results(
-    path: str | os.PathLike[str], analysis: Analysis, tasks: Sequence[Task], read: Iterable[str]
+    path: str | os.PathLike[str], analysis: Analysis, tasks: Sequence[PackedTask], read: Iterable[str]
 ) -> EarlierResults:
     """Return the tasks whose results in a file can be kept; :func:`check_appends` compares the options before.
 
@@ -95,7 +95,7 @@ def earlier_results(
     if lost:
         raise ConfigError(
             f"{path}: {len(lost)} of its {len(names)} records are not in the given files, and would be lost: "
-            f"{some(lost, 3)}; give the paths of the earlier command too, as they were given there"
+            f"{some(lost, 3)}; give the paths of the earlier command too, spelled in the same way"
         )
     places: dict[str, list[int]] = {}
     for row, fingerprint in enumerate(fingerprints):
@@ -126,8 +126,8 @@ def check_appends(path: str | os.PathLike[str], config: Config, verb: str) -> No
         what = _differences(config_from_text(attrs["configuration"]), config, verb)
     what = what or ["the program, or the table of a [[demand]] selection, has changed"]
     raise ConfigError(
-        f"{path}: nothing can be appended, because its rows were computed differently: {some(what, 5)}; use what the "
-        "file was computed with, or assess all records again (--overwrite)"
+        f"{path}: nothing can be appended, because its rows were computed differently: {some(what, 5)}; use the "
+        "settings and the version of the file, or assess all records again (--overwrite)"
     )
 
 
@@ -178,7 +178,7 @@ def _changed_keys(where: str, old: object, new: object, free: set[str]) -> list[
 def _blocks(
     keys: Sequence[str], rows: Mapping[str, range], events: Mapping[str, str]
 ) -> Iterator[tuple[int, int, list[str]]]:
-    """Yield first row, end and earthquakes of up to ROWS consecutive rows of some tasks in their order."""
+    """Group consecutive rows of some tasks, about ROWS at most; yield first row, end and earthquakes of each group."""
     begin = end = 0
     named: list[str] = []
     for key in keys:
@@ -194,7 +194,7 @@ def _blocks(
 
 
 def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
-    """Return a function of group and dimension that gives the first place of each record, and the end of the last."""
+    """Return a function of group and dimension that gives the start of each record, and the end of the last one."""
     count = file.dataset("summary").sizes["record"]
 
     @cache
@@ -216,7 +216,7 @@ def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
 def _rows_of(
     file: ResultsFile, empty: Part, offsets: Callable[[str, str], np.ndarray], begin: int, end: int
 ) -> dict[str, np.ndarray]:
-    """Read some records of a file as a part, in which the indices of records count from the first of them."""
+    """Read the records `begin` to `end` - 1 of a file as a part, with record indices that count from 0."""
     part = {}
     for path, template in empty.items():
         group, _, name = path.rpartition("/")

@@ -3,12 +3,15 @@
 import multiprocessing
 import os
 import pickle
+import secrets
 import signal
 import sys
 import threading
+import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import cached_property
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from multiprocessing.resource_tracker import ensure_running
@@ -24,10 +27,53 @@ ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 MASKS = hasattr(signal, "pthread_sigmask")
 
 
-def call(function: Callable[[Any], Any], item: Any) -> Any:
-    """Return function(item), with kernels on one thread, as the other cores are used by other workers."""
+class Once:
+    """A function with its constant arguments that is pickled once, and that each process unpickles once."""
+
+    def __init__(self, function: Callable[[Any], Any], key: str = "") -> None:
+        self.function, self.key = function, key or secrets.token_hex(16)
+
+    @cached_property
+    def packed(self) -> bytes:
+        """The pickled function."""
+        return pickle.dumps(self.function, protocol=5)
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[str, bytes]]:
+        return kept, (self.key, self.packed)
+
+
+class Reference:
+    """Takes the place of the last function that was sent to a process."""
+
+    def __init__(self, key: str) -> None:
+        self.key = key
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[str]]:
+        return kept, (self.key,)
+
+
+#: The functions that this process has unpickled last, at most KEPT of them, by key.
+_functions: dict[str, Once] = {}
+KEPT = 4
+
+
+def kept(key: str, packed: bytes = b"") -> Once:
+    """Return the function with a key, unpickled if this process does not have it yet."""
+    found = _functions.get(key)
+    if found is None:
+        found = Once(pickle.loads(packed), key)
+        if len(_functions) >= KEPT:
+            _functions.pop(next(iter(_functions)), None)
+        _functions[key] = found
+    return found
+
+
+def call(once: Once, items: Sequence[Any]) -> tuple[float, list[Any]]:
+    """Return the time taken [s] and function(item) of each item; kernels use one thread, as other workers run too."""
+    began = time.perf_counter()
     with thread_limit(1):
-        return function(item)
+        results = [once.function(item) for item in items]
+    return time.perf_counter() - began, results
 
 
 def serve(pipe: Connection) -> None:
@@ -103,10 +149,12 @@ class WorkerProcesses(ThreadPoolExecutor):
             self._workers.pop().join()
 
     def _ask(self, function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
-        letter = pickle.dumps((function, args, kwargs), protocol=5)
         if not hasattr(self._own, "worker"):
-            self._own.worker = self._start()
+            self._own.worker, self._own.sent = self._start(), ""  # key of the function that it was sent last
         process, pipe = self._own.worker
+        sent = [Reference(one.key) if isinstance(one, Once) and one.key == self._own.sent else one for one in args]
+        letter = pickle.dumps((function, sent, kwargs), protocol=5)
+        self._own.sent = next((one.key for one in args if isinstance(one, Once)), self._own.sent)
         try:
             pipe.send_bytes(letter)
             answer = pipe.recv_bytes()

@@ -140,7 +140,10 @@ def gather_survey(
     records = [one.record for one in located.values()]
     whole, duplicates = settled(records, lambda record: located[id(record)].digest)
     joined = [
-        Located(record.without_samples(), tuple(part for piece in pieces for part in located[id(piece)].parts))
+        Located(
+            record if len(pieces) == 1 else record.without_samples(),
+            tuple(part for piece in pieces for part in located[id(piece)].parts),
+        )
         for record, pieces in whole
     ]
     return joined, sorted([*rows, *duplicates], key=in_order)

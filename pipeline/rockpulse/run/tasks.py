@@ -2,8 +2,10 @@
 
 import hashlib
 import logging
+import pickle
 import time
 import traceback
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, fields, replace
@@ -83,11 +85,50 @@ class Task:
         return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner, comparisons=comparisons)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class PackedTask:
+    """A task as compressed bytes, which need less than half of its memory."""
+
+    key: str
+    fingerprint: str
+    content: bytes
+
+    @property
+    def task(self) -> Task:
+        """The task itself, unpacked."""
+        found: Task = pickle.loads(zlib.decompress(self.content))
+        return found
+
+    @property
+    def source(self) -> str:
+        """Names of the files, as in the rows of failures."""
+        return self.task.source
+
+
+def packed_tasks(planned: list[PlannedMotion], channels: list[Located], config: Config, verb: str) -> list[PackedTask]:
+    """Return the packed tasks of :func:`tasks_of`; both lists are emptied, so that the memory of each is freed."""
+    places = {one.record.id: one.parts for one in channels}
+    channels.clear()
+    tasks = _tasks(_taken_from(planned), places, config, verb)
+    return [PackedTask(one.key, one.fingerprint, zlib.compress(pickle.dumps(one, 5), 1)) for one in tasks]
+
+
+def _taken_from(planned: list[PlannedMotion]) -> Iterator[PlannedMotion]:
+    """Yield the elements of a list in their order, and remove each."""
+    planned.reverse()
+    while planned:
+        yield planned.pop()
+
+
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
     """Return a task for each channel or pair that an analysis has planned."""
-    places = {one.record.id: one.parts for one in channels}
+    return list(_tasks(planned, {one.record.id: one.parts for one in channels}, config, verb))
+
+
+def _tasks(
+    planned: Iterable[PlannedMotion], places: Mapping[str, tuple[SamplesLocation, ...]], config: Config, verb: str
+) -> Iterator[Task]:
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
-    tasks = []
     for one in planned:
         compared = [record for comparison in one.comparisons for record in comparison.records]
         acting = [record for record in (*one.channels, one.vertical, one.partner, *compared) if record is not None]
@@ -95,8 +136,7 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
         fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *facts, *confirmed])
-        tasks.append(Task(one, {record.id: places[record.id] for record in acting}, fingerprint))
-    return tasks
+        yield Task(one, {record.id: places[record.id] for record in acting}, fingerprint)
 
 
 def read_options(config: Config) -> ReadOptions:
@@ -113,8 +153,10 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     included only if a probability of overturning is computed.
     """
     seeded = verb == "assess" and config.has_probability
+    bodies = config.bodies_digest
     config = replace(
         config,
+        bodies=(),
         records=_as_default(config.records, OF_TASKS),
         calibration=_as_default(config.calibration, LATE),
         fragility=_as_default(config.fragility, OF_FITS),
@@ -123,19 +165,21 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
         run=replace(config.run, workers=1, seed=config.run.seed if seeded else 0),
     )
     sections = [repr(asdict(getattr(config, name))) for name in SECTIONS if name not in IDLE[verb]]
-    blocks = [replace(block, confirm_size=True) for block in config.bodies]
-    bodies = [repr(asdict(entry)) for entry in (*blocks, *config.demands)]
+    demands = [repr(asdict(entry)) for entry in config.demands]
     chosen = repr(selection_of(config) if verb == "fragility" else demand_selections(config))
-    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies, chosen])
+    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, bodies, *demands, chosen])
 
 
-def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
+def digest_of(tasks: Iterable[Task | PackedTask], events: Mapping[str, str], config: Config, verb: str) -> str:
     """Return the SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
-    text = replace(config, run=replace(config.run, workers=1)).as_text()
+    text = replace(config, bodies=(), run=replace(config.run, workers=1)).as_text()
     table = located(config.calibration.weights, config.folder)  # the name of a rule refers to no file
     weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
     return _digest(
-        [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
+        [
+            *(verb, text, config.bodies_digest, weights),
+            *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks),
+        ]
     )
 
 
@@ -164,8 +208,9 @@ def _digest(texts: Iterable[str]) -> str:
     return hashlib.sha256(repr(list(texts)).encode()).hexdigest()
 
 
-def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
+def carry_out(task: Task | PackedTask, work: Work, stage: str, config: Config) -> Done:
     """Read the samples of a task and process its records; every error becomes a row of failures."""
+    task = task.task if isinstance(task, PackedTask) else task
     seconds = dict.fromkeys(("read", "condition", "solve", "pack"), 0.0)
 
     @contextmanager

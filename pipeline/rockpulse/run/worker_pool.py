@@ -1,9 +1,10 @@
 """The workers of a batch (this process, local processes or a cluster); no item is lost if a worker dies."""
 
 import logging
+import pickle
 import re
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ from typing import Any, Self, TypeVar
 from rocking.lanes import available_cores
 from rockpulse.errors import ConfigError
 from rockpulse.foreign_text import first_line
-from rockpulse.run.processes import WorkerDied, WorkerProcesses, call
+from rockpulse.run.processes import Once, WorkerDied, WorkerProcesses, call
 from rockpulse.version import __version__
 
 logger = logging.getLogger("rockpulse")
@@ -21,9 +22,12 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 #: Pattern of the address of a dask scheduler.
 ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
-#: Number of items submitted per worker, so that no worker is idle while the parent writes; more on a cluster, where the
-#: transfer may take longer than the work on a short record.
-AHEAD, AHEAD_ON_CLUSTER = 2, 8
+#: Number of groups of items submitted per worker, so that no worker is idle while the parent writes; more on a cluster,
+#: where the transfer takes longer.
+AHEAD, AHEAD_ON_CLUSTER = 2, 4
+#: Time that a group of items should take on a cluster, as its scheduler distributes fewer than 200 groups a second [s],
+#: and largest number of items of a group.
+GROUP_SECONDS, LARGEST_GROUP = 0.5, 128
 #: Interval between queries for the workers of a scheduler [s].
 ASK_EVERY = 1.0
 
@@ -45,6 +49,7 @@ class WorkerPool:
     tries: int = 1  # number of attempts for an item whose worker died
     owned: bool = True  # whether the executor is shut down at the end
     ahead: int = AHEAD
+    group_seconds: float = 0.0  # time that a group of items should take [s]; 0 for single items
     handed_out: set[Future[Any]] = field(default_factory=set)
 
     @classmethod
@@ -63,7 +68,8 @@ class WorkerPool:
     def scheduler(cls, address: str, timeout: float = 20.0) -> Self:
         """Use the workers of a running dask.distributed cluster, with one thread for the kernels of each item.
 
-        The scheduler repeats an item whose worker died (its option ``allowed-failures``). Raises ConfigError if the
+        Each task of the scheduler is a group of items. The scheduler repeats a group whose worker died (its option
+        ``allowed-failures``); if it gives up, each item of the group is tried again, alone. Raises ConfigError if the
         package ``distributed`` is missing, if no scheduler responds within the timeout [s] at the address, such as
         ``tcp://10.0.0.1:8786``, or if a worker has another version of rockpulse.
         """
@@ -73,7 +79,7 @@ class WorkerPool:
                 "as tcp://10.0.0.1:8786"
             )
         cluster = _Cluster(address, timeout)
-        return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER)
+        return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER, group_seconds=GROUP_SECONDS)
 
     @classmethod
     def through(cls, executor: Executor) -> Self:
@@ -100,49 +106,68 @@ class WorkerPool:
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
         """Yield each item with the result of a picklable function, in order of completion.
 
-        A few items per worker are submitted in advance. An item whose worker died is repeated once, alone and after all
-        others; if its worker dies again, the result is :class:`WorkerLost`. Raises the error of the function with the
-        worker's traceback in its notes, and ConnectionError if the cluster is lost.
+        A few items per worker, or on a cluster a few groups of items, are submitted in advance. An item whose worker
+        died is repeated once, alone and after all others; if its worker dies again, the result is :class:`WorkerLost`.
+        Raises the error of the function with the worker's traceback in its notes, and ConnectionError if the cluster is
+        lost.
         """
         if self.executor is None:
             yield from ((item, function(item)) for item in items)
             return
-        waiting, again = iter(items), list[Item]()
-        running: dict[Future[Result], Item] = {}
+        waiting, again, once = iter(items), list[Item](), Once(function)
+        unsent, size = (len(items) if isinstance(items, Sequence) else LARGEST_GROUP**2), 1
+        running: dict[Future[tuple[float, list[Result]]], list[Item]] = {}
         try:
             while True:
-                for item in islice(waiting, max(self.ahead * self.size - len(running), 0)):
-                    running[self._submit(function, item)] = item
+                for _ in range(self.ahead * self.size - len(running)):
+                    # The last groups are smaller, so that all workers end at the same time.
+                    group = list(islice(waiting, max(1, min(size, unsent // (2 * self.size)))))
+                    if not group:
+                        break
+                    running[self._submit(once, group)] = group
+                    unsent -= len(group)
                 if not running:
                     break
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    item, result = running.pop(future), self._result(future)
-                    if isinstance(result, WorkerLost) and self.tries > 1:
-                        again.append(item)
+                    group, results = running.pop(future), self._results(future)
+                    if not isinstance(results, WorkerLost):
+                        seconds, found = results
+                        size = max(1, min(int(self.group_seconds * len(group) / max(seconds, 1e-9)), LARGEST_GROUP))
+                        yield from zip(group, found, strict=True)
+                    elif self.tries > 1 or len(group) > 1:
+                        again += group
                     else:
-                        yield item, result
+                        yield group[0], results
             for item in again:
-                yield item, self._result(self._submit(function, item))
+                results = self._results(self._submit(once, [item]))
+                yield item, results if isinstance(results, WorkerLost) else results[1][0]
         finally:
             for future in running:
                 future.cancel()
 
-    def _submit(self, function: Callable[[Item], Result], item: Item) -> Future[Result]:
+    def _submit(self, once: Once, group: list[Item]) -> Future[tuple[float, list[Any]]]:
         assert self.executor is not None
-        future = self.executor.submit(call, function, item)
+        future = self.executor.submit(call, once, group)
         self.handed_out.add(future)
         future.add_done_callback(self.handed_out.discard)
         return future
 
-    def _result(self, future: Future[Result]) -> Result | WorkerLost:
+    def _results(self, future: Future[Any]) -> tuple[float, list[Any]] | WorkerLost:
         try:
-            return future.result()
+            found = future.result()
         except self.deaths as error:
             return WorkerLost(str(error))
         except CancelledError as error:
             raise ConnectionError(
                 "the work was cancelled from outside: the scheduler or the executor is gone"
             ) from error
+        results: tuple[float, list[Any]] = pickle.loads(found) if isinstance(found, bytes) else found
+        return results
+
+
+def _packed_call(packed: bytes) -> bytes:
+    """Return the packed result of :func:`call` for its packed arguments, which dask thus does not inspect."""
+    return pickle.dumps(call(*pickle.loads(packed)), protocol=5)
 
 
 def version() -> str:
@@ -196,7 +221,9 @@ class _Cluster(Executor):
         return self._threads
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Call ``fn(*args, **kwargs)`` on a worker."""
+        """Call ``fn(*args, **kwargs)`` on a worker; of :func:`call`, the future contains the packed results."""
+        if fn is call:
+            fn, args = _packed_call, (pickle.dumps(args, protocol=5),)
         future: Future[Any] = self._executor.submit(fn, *args, **kwargs)
         return future
 

@@ -232,7 +232,7 @@ def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
 
 
 def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) -> dict[int, Record]:
-    """Return pairs as `partners`, of channels without times that are no pair because their intervals differ."""
+    """Return, as `partners`, channels without times that are no pair only because their sampling intervals differ."""
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
         if id(record) not in partner and record.start_time is None and record.event:

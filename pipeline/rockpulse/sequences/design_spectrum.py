@@ -79,7 +79,7 @@ class DesignSpectrum:
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:
             raise ValueError(
-                f"block: the design spectrum covers slenderness {LEAST_SLENDERNESS:g} and more, p from "
+                f"block: the design spectrum covers slenderness {LEAST_SLENDERNESS:g} or more, p from "
                 f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.restitution[0]:g} to {self.restitution[-1]:g}, "
                 f"but not {outside.size} of {one.shape[0]} blocks, the first at index {int(outside[0])}"
             )

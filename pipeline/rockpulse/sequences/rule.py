@@ -72,7 +72,7 @@ class Rule:
 
     def __post_init__(self) -> None:
         if self.point not in POINTS:
-            raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {self.point!r}")
+            raise ConfigError(f"rule: expected one of {', '.join(POINTS)}, got {self.point!r}")
         if not (math.isfinite(self.factor) and self.factor > 0.0):
             raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
 
@@ -182,7 +182,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     'balanced'
     """
     if point not in POINTS:
-        raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {point!r}")
+        raise ConfigError(f"rule: expected one of {', '.join(POINTS)}, got {point!r}")
     source = files("rockpulse.sequences").joinpath(SHIPPED) if path is None else Path(path)
     text = source.read_text(encoding="utf-8") if path is None else read_text(Path(path), TOML_LIMIT, "a TOML file")
     table = parse_toml(text, str(source))

@@ -138,7 +138,7 @@ def test_a_body_outside_the_design_spectrum_is_refused_by_name():
     (name,) = list(SPECTRUM_BLOCKS)[2:]
     with pytest.raises(ConfigError, match=rf"^\[\[block\]\] {name}: outside the design spectrum; remove them"):
         rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)
-    with pytest.raises(ConfigError, match=r"slenderness 3.5 and more, .* not 1 of 3 blocks, the first at index 2"):
+    with pytest.raises(ConfigError, match=r"slenderness 3.5 or more, .* not 1 of 3 blocks, the first at index 2"):
         rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)
     with pytest.raises(ConfigError, match="resonance cannot be used with a design spectrum; use sequence"):
         rp.assess_sequence(design_of(usual_site()), Config(models=ModelSettings(use=["resonance"])), BLOCKS)

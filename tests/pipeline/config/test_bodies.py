@@ -78,3 +78,15 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
 def test_bodies_that_cannot_be_lined_up_are_refused(blocks, message):
     with pytest.raises(ConfigError, match=message):
         gather_bodies(blocks)
+
+
+def test_bodies_made_together_are_those_made_alone():
+    rng = np.random.default_rng(5)
+    sizes = zip(0.2 * 10.0 ** rng.uniform(size=300), rng.uniform(2.5, 8.0, 300), strict=True)
+    bodies = [BlockSettings(name=f"{k}", width=w, height=w * slenderness) for k, (w, slenderness) in enumerate(sizes)]
+    bodies[7] = BlockSettings(name="two", width=0.5, height=2.0, restitution=[0.8, 0.9])
+    together, alone = gather_bodies(bodies), gather_bodies({one.name: one.block() for one in bodies})
+    assert together.names == alone.names
+    assert together.warnings == alone.warnings
+    for name in Block.lane_fields():
+        assert np.array_equal(getattr(together.lanes, name), getattr(alone.lanes, name), equal_nan=name != "restraints")

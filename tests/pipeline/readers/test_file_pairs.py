@@ -106,12 +106,18 @@ def test_a_file_of_two_channels_is_no_component(folder):
 
 
 WRONG = [
-    (rp.PairSettings(north="c.txt", east="missing.txt"), r'\]\] east = "missing.txt": it is none of the files to read'),
+    (
+        rp.PairSettings(north="c.txt", east="missing.txt"),
+        r'\]\] east = "missing.txt": no such file among the files',
+    ),
     (
         rp.PairSettings(north="c.txt", east="./b.txt"),
         r'"./b.txt": the file is already in \[\[records.pair\]\] n',
     ),
-    (rp.PairSettings(north="c.txt", east="d.txt"), r'"d.txt": 2 files have this name: .*; give more of it'),
+    (
+        rp.PairSettings(north="c.txt", east="d.txt"),
+        r'"d.txt": 2 files have this name: .*; give a longer part',
+    ),
 ]
 
 

@@ -183,7 +183,7 @@ def test_one_shared_interval_is_no_overlap():
         return Pair(channel(noise(0), 90.0), channel(noise(1), 0.0, start_time=late))
 
     for samples, found in ((998.9, 1), (999, 1), (1000, 0), (1200, 0)):
-        with pytest.raises(RecordRefused, match=f"two samples or more in the time that both have, found {found}"):
+        with pytest.raises(RecordRefused, match=f"two samples or more in their common time, found {found}"):
             condition_pair(shifted(samples))
     assert condition_pair(shifted(998)).first.npts == 2
 

@@ -225,7 +225,7 @@ def _per_count(header: CosmosHeader, where: str) -> float:
     nominal = header.real(43) / header.real(44) if header.real(44) > 0.0 else float("nan")
     if (gain != 1.0 or np.isfinite(nominal)) and not abs(nominal - sensitivity) <= _SENSITIVITY_TOLERANCE * sensitivity:
         raise RecordRefused(
-            f"{where}: counts without a sure gain: sensitivity times gain (reals 42, 47) is {sensitivity:g} V/g, range "
+            f"{where}: counts with a doubtful gain: sensitivity x gain (reals 42, 47) is {sensitivity:g} V/g, range "
             f"and output of the sensor (reals 43, 44) give {nominal:g} V/g; {advice}"
         )
     return 1e-6 * header.real(22) / sensitivity * kit.STANDARD_GRAVITY
@@ -248,7 +248,7 @@ def _interval(header: CosmosHeader, count: int, name: str) -> tuple[float, list[
     if len(fitting) != 1:
         raise RecordFormatError(
             f"{where}: reals 34 and 62 state sampling intervals of {raw:g} and {series:g} s, and the "
-            f"length, real 63, {length:g} s for {count} samples, fits not just one; find out which is right"
+            f"length, real 63, {length:g} s for {count} samples, does not decide between them; find out which is right"
         )
     both = f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series)"
     return fitting[0], [f"{both}; {fitting[0]:g} s is that of the stated length of {length:g} s"]

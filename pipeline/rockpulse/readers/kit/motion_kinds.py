@@ -64,7 +64,7 @@ _LETTER = re.compile(r"(?<![A-Za-z])([avdAVD])(?![A-Za-z])|(?<=[a-z0-9])([AVD])(
 
 
 def folded_text(text: str) -> str:
-    """Return the beginning of a line in lower case, without accents and repeated blanks."""
+    """Return the first `_LINE` characters of a line in lower case, without accents and repeated blanks."""
     text = text[:_LINE]
     if not text.isascii():
         for word, meaning in _IDEOGRAMS.items():

@@ -68,7 +68,7 @@ class TreeWriter:
         group, _, name = path.rpartition("/")
         group = group or "/"
         if dtype.kind == "b":
-            raise TypeError(f"{path}: expected numbers or texts, found truth values, which netCDF does not have")
+            raise TypeError(f"{path}: expected numbers or texts, found True or False, which netCDF cannot store")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
         # All values are written later (missing ones as NaN), so that HDF5 need not write fill values first.
         fill = np.array([np.nan], dtype.newbyteorder("=")) if dtype.kind == "f" else None
@@ -95,7 +95,7 @@ class TreeWriter:
         values = np.asarray(values)
         shape, begin = self._shapes[path], self._written[path]
         if values.shape[1:] != shape[1:] or (shape and begin + len(values) > shape[0]):
-            raise ValueError(f"{path}: expected values for {shape} from {begin} on, was given {values.shape}")
+            raise ValueError(f"{path}: expected values for {shape} from {begin} on, found {values.shape}")
         if values.dtype.kind in "UO":
             values = np.array([in_utf8(str(text)) for text in values.ravel().tolist()], object).reshape(values.shape)
         self._checksums[path].add(values)
@@ -118,7 +118,7 @@ class TreeWriter:
         for path, checksum in self._checksums.items():
             shape = self._shapes[path]
             if shape and self._written[path] != shape[0]:
-                raise ValueError(f"{path}: expected {shape[0]} values, was given {self._written[path]}")
+                raise ValueError(f"{path}: expected {shape[0]} values, found {self._written[path]}")
             self._set(path, self._variables[path], {CHECKSUM: checksum.hexdigest()})
         self._set("/", self._hdf5, {CHECKSUM_OF_ATTRIBUTES: attributes_checksum(self._attrs, self._dims)})
         versions = f"version=2,rockpulse={__version__},hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}"
@@ -162,7 +162,7 @@ class TreeWriter:
             if name in HIDDEN:
                 raise ValueError(f"{path}: an attribute cannot have the name {name!r}, which netCDF reserves")
             if np.asarray(value).dtype.kind == "b":
-                raise TypeError(f"{path}: attribute {name!r}: expected numbers or texts, found truth values")
+                raise TypeError(f"{path}: attribute {name!r}: expected numbers or texts, found True or False")
             if isinstance(value, str):
                 value = in_utf8(value)
             elif np.isscalar(value) and not isinstance(value, bytes):

@@ -97,7 +97,7 @@ def along(
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """Declare variables with the same dimensions; `by(name)` returns the function `take` if one is missing."""
+    """Declare variables with the same dimensions; `by(name)` gives the function `take` of a variable that has none."""
     return {
         name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()

@@ -47,7 +47,7 @@ def rotations_of(peaks: np.ndarray) -> Rotations:
 
 
 def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
-    """Return the rotations of each body at a demand, of the restitution with the largest ones."""
+    """Return the rotations of each body at a demand, for the restitution that gives the largest rotations."""
     motions, far = answers.motions, too_far(answers, demand)
     kept = motions.kept(far | weak(answers, demand)[:, np.newaxis])
     fallen, rotation = nominal_motion(answers, demand)

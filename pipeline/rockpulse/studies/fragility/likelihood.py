@@ -149,7 +149,7 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the log-likelihood of each row without its term log b, and the first two derivatives by z, each (q, n).
+    """Return the log-likelihood of each row without its term log b, and its first two z-derivatives, each (q, n).
 
     `design` (n, k) has the columns 1, ln x and any covariates; z = design @ theta. `theta` (q, k) are the parameters
     (a, b, ...) of q data sets; b must be positive if a row is EXACT.

@@ -195,7 +195,7 @@ def _weights(record: str, config: Config, selection: SelectedRecords | None) -> 
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: SelectedRecords | None
 ) -> dict[str, np.ndarray]:
-    """Return the intensity measures of the `ground`, and the capacities of (m,) blocks that feel the motion `there`."""
+    """Return the measures of the scene `ground`, and the capacities of (m,) blocks that feel the scene `there`."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":

@@ -91,9 +91,7 @@ def risk(
     settings, folder = asked.hazard, asked.folder
     given = None if isinstance(hazard, str | os.PathLike) else hazard
     if given is not None and (site is not None or soil_factor is not None):
-        raise ConfigError(
-            "site, soil_factor: they can be given with a hazard file only; a hazard in Python has its own"
-        )
+        raise ConfigError("site, soil_factor: can be given only with a hazard file; a hazard object contains both")
     if isinstance(hazard, str | os.PathLike):
         settings = replace(settings, file=os.fspath(hazard), k0=None, k=None, longitude=None, latitude=None)
         folder = Path()
@@ -106,7 +104,7 @@ def risk(
         known = given or hazard_of(settings, folder)
         return fragility_frequency(tree, known, limit_state, years, confidence, resamples, seed)
     if limit_state != OVERTURNING:
-        raise ConfigError(f"limit_state: with bodies, expected overturning, found {limit_state!r}")
+        raise ConfigError(f"limit_state: bodies allow overturning only, found {limit_state!r}; leave it out")
     table = bodies if isinstance(bodies, Inventory) else read_inventory(Path(bodies))
     count, level = len(table.names), 0.9 if confidence is None else confidence
     hazards = given or site_hazards_of(settings, table.sites, table.soil_factor, count, folder)

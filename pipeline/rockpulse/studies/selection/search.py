@@ -15,7 +15,7 @@ STARTS = 40
 
 
 class SpectrumSet(NamedTuple):
-    """The members of a set, by their index in ascending order, and their scale factors."""
+    """A set of spectra: their indices in ascending order, their scale factors, and their mean."""
 
     members: np.ndarray  #: (n,) indices
     factors: np.ndarray  #: (n,) scale factors [-]
@@ -71,12 +71,12 @@ def fitting_set(
 
 
 def _spread(ratios: np.ndarray) -> np.ndarray:
-    """Return the largest divided by the smallest value over the last axis."""
+    """Return the largest value divided by the smallest value, over the last axis."""
     return np.asarray(ratios.max(axis=-1) / ratios.min(axis=-1))
 
 
 def _best(shapes: np.ndarray, codes: np.ndarray, others: list[int], per_event: int) -> tuple[float, int]:
-    """Return the smallest spread of the other members plus one spectrum, and the index of this spectrum."""
+    """Find the spectrum that, added to the others, gives the smallest spread; return this spread and its index."""
     taken = np.bincount(codes[others], minlength=codes.max() + 1)[codes] >= per_event
     taken[others] = True
     spread = np.where(taken, np.inf, _spread(shapes[others].sum(axis=0) + shapes))
@@ -92,7 +92,7 @@ def _greedy(shapes: np.ndarray, codes: np.ndarray, start: int, count: int, per_e
 
 
 def _exchanged(shapes: np.ndarray, codes: np.ndarray, members: list[int], per_event: int) -> list[int]:
-    """Return the members after exchanging one at a time, always by the best exchange, until none reduces the spread."""
+    """Exchange one member at a time, always by the best exchange, until none reduces the spread; return the members."""
     spread = float(_spread(shapes[members].sum(axis=0)))
     while True:
         others = [members[:place] + members[place + 1 :] for place in range(len(members))]

@@ -262,6 +262,6 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHist
 
 
 def _ratio(body: Block, rotation: np.ndarray) -> np.ndarray:
-    """Return theta/alpha_c, for a body with a wall positive away from it, whichever sense of the record is worse."""
+    """Return theta/alpha_c; beside a wall it is positive away from the wall, also if the reversed record is worse."""
     ratio = body.ratio(rotation)
     return np.abs(ratio) if body.side else ratio

@@ -11,7 +11,7 @@ import xarray as xr
 from rocking.body.block import Block
 from rocking.body.restraint import Restraints
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rockpulse.config.configuration import stored_sections
+from rockpulse.config.configuration import section_of, stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.option import Section
 from rockpulse.storage.hdf5.netcdf4 import flag_words
@@ -63,7 +63,8 @@ def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
 def settings_of(tree: xr.DataTree, section: type[_Section]) -> _Section:
     """Return the settings of a section of the stored configuration."""
     sections = stored_sections(str(tree.attrs.get("configuration", "")))
-    return section(**sections.get(section.heading.strip("[]"), {}))
+    found: _Section = section_of(section, sections.get(section.heading.strip("[]"), {}))
+    return found
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:

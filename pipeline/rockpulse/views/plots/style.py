@@ -112,7 +112,7 @@ def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float
     else:
         panels = np.asarray(axes, dtype=object)
         if panels.size != rows * columns:
-            raise ValueError(f"axes: expected {rows} x {columns} of them, got {panels.size}")
+            raise ValueError(f"axes: expected an array of {rows} x {columns} Axes, got {panels.size}")
         panels = panels.reshape(rows, columns)
     for ax in panels.flat:
         dressed(ax)

@@ -204,7 +204,7 @@ def warning_table(summary: xr.Dataset) -> Table:
 
 
 def _warned(summary: xr.Dataset, kind: str, texts: dict[str, list[int]]) -> tuple[Cell, Cell]:
-    """Return the bodies or records with a warning, by number if there are several, and its first text."""
+    """Return two cells: the body or record with a warning, or how many there are, and the text of the warning."""
     places = sorted({place for every in texts.values() for place in every})
     noun = "body" if kind == "block" else "record"
     label = Cell(record_label(str(summary[kind].values[places[0]])), link=f"{noun}-{places[0]}")

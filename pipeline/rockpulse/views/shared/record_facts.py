@@ -148,7 +148,7 @@ class Known(RecordFacts):
 
     @property
     def crushing(self) -> dict[str, str]:
-        """Return depth of the corners, critical angle, that about the edge and the difference; empty without it."""
+        """Return depth of crushing, critical angle with and without it, and their difference as texts; else empty."""
         hinge = self.real("hinge_depth")
         if not hinge > 0.0:
             return {}

@@ -85,7 +85,7 @@ class Table:
     def __post_init__(self) -> None:
         wrong = [place for place, row in enumerate(self.rows) if len(row) != len(self.headings)]
         if wrong:
-            raise ValueError(f"table {self.key}: row {wrong[0]} has not {len(self.headings)} cells")
+            raise ValueError(f"table {self.key}: row {wrong[0]}: expected {len(self.headings)} cells")
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:

@@ -58,7 +58,7 @@ def state_words(name: str) -> str:
 
 
 def statement(one: xr.Dataset) -> str:
-    """Return the warnings on the curve of one body and limit state in one measure; empty if there are none."""
+    """Return the warnings on one fragility curve as text; empty if there are none."""
     return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 

@@ -90,7 +90,7 @@ def _both(margin: Margin) -> Cell:
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
-    """Return rotation, scale factor and number of overturnings over the directions of every pair as text."""
+    """Return a table of each pair: rotations, scale factor and number of overturnings over its directions."""
     answers = swept_answers(summary, directions)
     count, pairs = directions.sizes["direction"], range(directions.sizes["pair"])
     of_factors = factor_notes(answers, swept=True)

@@ -100,9 +100,9 @@ def test_counts_with_every_factor_of_the_gain(write):
         ({22: -999}, r"counts without a gain: the header lacks real 22 \(microvolts per count\); read the V1"),
         ({42: -999, 47: -999}, r"lacks real 42 \(sensor sensitivity, V/g\), 47 \(sensor gain\)"),
         ({47: 0.0}, r"lacks real 47"),
-        ({42: 0.625}, r"counts without a sure gain: .* is 0.625 V/g, .* give 1.25 V/g"),
-        ({42: 10.0, 43: 23.0}, r"counts without a sure gain: .* is 10 V/g, .* give 11.5 V/g"),
-        ({47: 4.0, 43: -999}, r"counts without a sure gain: .* is 5 V/g, .* give nan V/g"),
+        ({42: 0.625}, r"counts with a doubtful gain: .* is 0.625 V/g, .* give 1.25 V/g"),
+        ({42: 10.0, 43: 23.0}, r"counts with a doubtful gain: .* is 10 V/g, .* give 11.5 V/g"),
+        ({47: 4.0, 43: -999}, r"counts with a doubtful gain: .* is 5 V/g, .* give nan V/g"),
     ],
 )
 def test_counts_without_a_gain_are_refused(write, reals, message):
@@ -240,9 +240,9 @@ def test_the_interval_is_that_of_the_series_not_of_the_raw_record(write, reals, 
     ("reals", "message"),
     [
         ({34: -999, 62: -999}, "expected a sampling interval above 0"),
-        ({34: 0.005, 62: 10.0, 63: 60.0}, "sampling intervals of 0.005 and 0.01 s, .* fits not just one"),
-        ({34: 0.005, 62: 10.0, 63: -999}, "fits not just one"),
-        ({34: 0.005006}, "sampling intervals of 0.005006 and 0.005 s, .* fits not just one"),
+        ({34: 0.005, 62: 10.0, 63: 60.0}, "sampling intervals of 0.005 and 0.01 s, .* does not decide between them"),
+        ({34: 0.005, 62: 10.0, 63: -999}, "does not decide between them"),
+        ({34: 0.005006}, "sampling intervals of 0.005006 and 0.005 s, .* does not decide between them"),
     ],
 )
 def test_an_interval_that_is_not_known(write, reals, message):

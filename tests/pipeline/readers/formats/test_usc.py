@@ -148,5 +148,5 @@ def test_damage_of_a_volume_1(write, content, error, message):
 @pytest.mark.filterwarnings("error")
 def test_a_sample_whose_square_is_no_number_is_refused_in_words_alone(write):
     content = rewritten(40, lambda line: line[:-7] + b"  1E200")
-    with pytest.raises(RecordFormatError, match=r"sample \d+ is 9.81e\+199 m/s2, no ground motion"):
+    with pytest.raises(RecordFormatError, match=r"sample \d+ is 9.81e\+199 m/s2, too large for ground motion"):
         read(write(content))

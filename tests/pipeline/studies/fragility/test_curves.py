@@ -219,7 +219,7 @@ def test_a_curve_that_rests_on_one_event_has_no_band():
     curve = fit_stripes(measure, exceeded, clusters=["a", "b", "c", "a", "b", "c", "odd", "odd"])
     assert curve.status == Status.FITTED
     assert curve.band == Band.RESTS_ON_ONE_EVENT
-    assert curve.statement == "no band: without the event odd there would be no curve"
+    assert curve.statement == "no band: without the earthquake odd there would be no curve"
     assert curve.reached == 4
     assert curve.probability([1.0, 3.0])[0] == pytest.approx(
         norm.cdf(np.log(np.array([1.0, 3.0]) / curve.median) / curve.beta)
@@ -249,12 +249,12 @@ def test_the_first_of_the_events_without_which_there_is_no_curve_is_named():
     rows = Observations.of([1.0, 2.0, 3.0], [EXACT, EXACT, EXACT], ["a", "b", "c"])
     slopes = np.array([-1.0, 0.5, 0.0, np.nan])
     (said,) = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, slopes)
-    assert said == "no band: without the event b there would be no curve"
+    assert said == "no band: without the earthquake b there would be no curve"
     (said,) = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, np.array([1.0, 0.5, 0.2, -0.1]))
-    assert said == "no band: without the event c there would be no curve"
+    assert said == "no band: without the earthquake c there would be no curve"
     two = Observations.of([1.0, 2.0], [EXACT, EXACT], ["a", "b"])
     (said,) = curves.band_statement(Band.FEW_EVENTS, two, slopes[:3])
-    assert said == "no band: the records come from 2 events; at least 3 are needed"
+    assert said == "no band: the records come from 2 earthquakes; at least 3 are needed"
 
 
 def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():

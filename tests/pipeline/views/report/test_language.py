@@ -67,13 +67,15 @@ def test_what_is_declared_below_has_words(language):
 
 
 def test_every_word_is_asked_for_and_every_one_asked_for_is_there():
-    folder = Path(str(files("rockpulse.views")))
-    text = "\n".join(one.read_text(encoding="utf-8") for one in folder.rglob("*") if one.suffix in (".py", ".html"))
+    folders = [Path(str(files(f"rockpulse.{room}"))) for room in ("views", "app")]
+    found = [one for folder in folders for one in folder.rglob("*") if one.suffix in (".py", ".html")]
+    texts = {one: one.read_text(encoding="utf-8") for one in found}
+    text = "\n".join(texts.values())
     tops = {key.partition(".")[0] for key in WORDS if "." in key}
     assert {top for top in tops if f"{top}." not in text and f'"{top}"' not in text} == set()
     assert {key for key in WORDS if "." not in key and f'"{key}"' not in text} == set()
-    texts = [path.read_text(encoding="utf-8") for path in Path(str(files("rockpulse.views"))).rglob("*.py")]
-    asked = {key for text in texts for key in re.findall(r'\bsay\(\s*"([\w.-]+)"', text)}
+    sources = "\n".join(text for one, text in texts.items() if one.suffix == ".py")
+    asked = set(re.findall(r'\bsay\(\s*"([\w.-]+)"', sources))
     assert len(asked) > 100
     assert asked - set(WORDS) == set()
 

@@ -48,5 +48,5 @@ def test_an_absent_number_bears_no_mark_and_is_sorted_last():
 
 def test_a_table_without_rows_shows_its_headings():
     assert lines(table()) == ["      median", "wall  [m/s]   verdict"]
-    with pytest.raises(ValueError, match="table walls: row 1 has not 3 cells"):
+    with pytest.raises(ValueError, match="table walls: row 1: expected 3 cells"):
         table((Cell("a"), Cell("b"), Cell("c")), (Cell("a"),))

@@ -47,10 +47,10 @@ def shown(tie, elongation, state):
         (STEEL, [0.01, 0.05, 9.0], [1, 2, 3], ["50", "25 %", "40", "1 of 2", "0 of 2", "b"],
          "must take 40 kN, the yield force of the tie, and an elongation of 50 mm."),
         (STEEL, [0.015, 0.01, 0.0], [1, 1, 0], ["15", "8 %", "30", "0 of 2", "0 of 2", "a"],
-         "must take 30 kN at an elongation of 15 mm; the tie does not yield. So that the tie yields before it, "
-         "the anchor must take 40 kN."),
+         "must take 30 kN at an elongation of 15 mm; the tie does not yield. For the tie to yield before the "
+         "anchor fails, the anchor must take 40 kN."),
         (STEEL, [INF, 0.05, 0.0], [3, 2, 0], ["50", "25 %", "40", "2 of 2", "1 of 2", "b"],
-         "it breaks under 1 of 2 motions, and takes up to 40 kN before"),
+         "it breaks under 1 of 2 motions, after carrying up to 40 kN: the tie"),
         (ENDLESS, [0.0, 0.0, 0.0], [0, 0, 0], ["0", "-", "0", "-", "-", "-"],
          "it does not act at the demand. It never breaks"),
         (ENDLESS, [0.003, 0.02, 0.0], [1, 1, 0], ["20", "-", "40", "-", "-", "b"],

@@ -1,0 +1,101 @@
+"""Commands of rockpulse in a process of their own, which reports its progress and ends together with its parent."""
+
+import asyncio
+import os
+import re
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+from rockpulse.app import CHILD
+
+#: A progress bar as tqdm prints it: description, number done, total, and remaining time.
+_BAR = re.compile(r"(?P<doing>[^:|]+):\s+\d+%\|.*\| (?P<done>\d+)/(?P<total>\d+) \[[\d:]+<(?P<left>[\d:?]+)")
+#: Number of lines of the output that are kept, and time after which an interrupted process is killed [s].
+LINES, PATIENCE = 400, 10.0
+
+
+def follow_parent() -> None:
+    """Interrupt this process, as Ctrl-C does, when its standard input ends: when the parent closes it or has ended."""
+
+    def wait() -> None:
+        while os.read(0, 64):  # not sys.stdin, whose lock would block the end of the process
+            continue
+        if hasattr(signal, "pthread_kill"):
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+        else:
+            signal.raise_signal(signal.SIGINT)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+class Command:
+    """Runs one command at a time, such as ``assess --config site.toml``, and keeps its progress and exit code."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.verb, self.doing, self.done, self.total, self.left = "", "", 0, 0, ""
+        self.code: int | None = None
+        self.lines: list[str] = []
+        self.version = 0  # counts the changes of these values, for the pages that show them
+        self._process: asyncio.subprocess.Process | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether the command is running."""
+        return self._process is not None
+
+    @property
+    def reason(self) -> str:
+        """Last message of a command that failed, without the name of the program."""
+        said = [line for line in self.lines if line.startswith("rockpulse: ")] or self.lines[-1:]
+        return said[-1].removeprefix("rockpulse: ") if said else ""
+
+    async def run(self, arguments: Sequence[str]) -> int:
+        """Run a command of rockpulse in the folder to its end, and return its exit code."""
+        self.verb, self.doing, self.done, self.total, self.left = arguments[0], "", 0, 0, ""
+        self.code, self.lines = None, []
+        pipe = asyncio.subprocess.PIPE
+        self._process = process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "rockpulse", *arguments),
+            cwd=self.folder,
+            stdin=pipe,
+            stdout=pipe,
+            stderr=asyncio.subprocess.STDOUT,
+            env=os.environ | {CHILD: "1", "PYTHONUNBUFFERED": "1"},
+        )
+        self.version += 1
+        try:
+            rest = ""
+            while process.stdout is not None and (read := await process.stdout.read(4096)):
+                *whole, rest = re.split(r"[\r\n]+", rest + read.decode("utf-8", "replace"))
+                for line in filter(str.strip, whole):
+                    self._take(line)
+            self.lines += [rest] if rest.strip() else []
+            self.code = await process.wait()
+        finally:
+            self._process = None
+            self.version += 1
+        return self.code
+
+    def _take(self, line: str) -> None:
+        if bar := _BAR.match(line):
+            self.doing, self.left = bar["doing"].strip(), bar["left"]
+            self.done, self.total = int(bar["done"]), int(bar["total"])
+        else:
+            self.lines = [*self.lines[1 - LINES :], line]
+        self.version += 1
+
+    async def cancel(self) -> None:
+        """Interrupt the command as Ctrl-C does, which keeps finished records, and wait until it has ended."""
+        process = self._process
+        if process is None or process.stdin is None:
+            return
+        process.stdin.close()
+        try:
+            await asyncio.wait_for(process.wait(), PATIENCE)
+        except TimeoutError:
+            process.kill()
+            await process.wait()

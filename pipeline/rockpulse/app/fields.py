@@ -1,0 +1,99 @@
+"""Inputs for the keys of a section of the configuration, with their units, and errors at the key that they name."""
+
+import re
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any
+
+from nicegui import ui
+
+from rockpulse.option import Section
+from rockpulse.views.shared.words import numerals, say
+
+#: Sends the chosen or dropped files one after the other, and reports the file that is sent and, at the end, the faults.
+SEND = """async (event) => { const input = event.target, faults = [];
+  for (const file of [...input.files]) { emit({sending: file.name, faults});
+    try { const answer = await fetch(`ADDRESS?name=${encodeURIComponent(file.name)}`, {method: "POST", body: file});
+      if (!answer.ok) faults.push(`${file.name}: ${await answer.text()}`); }
+    catch (fault) { faults.push(`${file.name}: ${fault}`); } }
+  input.value = ""; emit({sending: "", faults}); }"""
+
+
+def file_input(label: str, address: str, handle: Callable[..., Any]) -> None:
+    """Show an input of files, which can be dropped on it; they are sent to an address of the server."""
+    with ui.element("label").classes("drop"):
+        ui.label(label)
+        ui.element("input").props('type="file" multiple').on(
+            "change", handle, js_handler=SEND.replace("ADDRESS", address)
+        )
+
+
+def refused(faults: list[str]) -> None:
+    """Show why files were not accepted."""
+    for fault in faults:
+        ui.notify(fault, type="negative", multi_line=True, close_button=True, timeout=0)
+
+
+def value_of(text: str | None) -> Any:
+    """Return the value that was typed: a number, with point or comma, a text, or None for an empty input."""
+    typed = (text or "").strip()
+    try:
+        return float(typed.replace(",", ".")) if typed else None
+    except ValueError:
+        return typed
+
+
+def text_of(value: Any) -> str:
+    """Return the text of a value in an input."""
+    return "" if value is None else numerals(f"{value:g}") if isinstance(value, int | float) else str(value)
+
+
+class Fields:
+    """The inputs of one section: they change `values`, whose keys are those of TOML, and then call `changed`."""
+
+    def __init__(self, cls: type[Section], values: dict[str, Any], changed: Callable[[], object]) -> None:
+        self.cls, self.values, self.changed = cls, values, changed
+        self.items = {item.name: item for item in fields(cls)}
+        self.inputs: dict[str, Any] = {}
+
+    def add(self, *names: str, texts: tuple[str, ...] = ("name",)) -> None:
+        """Add an input for each key: a choice, a check box or text; numbers typed for `texts` remain text."""
+        for name in names:
+            item = self.items[name]
+            allowed = item.metadata["values"]
+            label = say(f"app.key.{name}") + (f" [{allowed.unit}]" if allowed.unit else "")
+            given = self.values.get(name)
+            if "bool" in str(item.type):
+                made: Any = ui.checkbox(label, value=bool(given), on_change=self._changing(name, lambda value: value))
+            elif allowed.words and "float" not in str(item.type):
+                options = {word: say(f"app.word.{word}") for word in allowed.words}
+                shown = item.default if given is None else given
+                made = ui.select(options, label=label, value=shown, on_change=self._changing(name, lambda value: value))
+            else:
+                read = (lambda value: value or None) if name in texts else value_of
+                made = ui.input(label, value=text_of(given), on_change=self._changing(name, read))
+                made.without_auto_validation()  # the configuration validates
+            made.classes("key").mark(name).props("dense outlined")
+            if allowed.finite:
+                made.props("inputmode=decimal")
+            self.inputs[name] = made
+
+    def _changing(self, name: str, read: Callable[[Any], Any]) -> Callable[[Any], None]:
+        def change(event: Any) -> None:
+            value = read(event.value)
+            if value in (None, False) or value == self.items[name].default:
+                self.values.pop(name, None)
+            else:
+                self.values[name] = value
+            self.changed()
+
+        return change
+
+    def show(self, error: str) -> bool:
+        """Show an error at the input of the key that it names, and return whether there is one."""
+        words = re.findall(r"[a-z_0-9]+", error.partition(": ")[0])
+        at = next((word for word in reversed(words) if word in self.inputs), "")
+        for name, made in self.inputs.items():
+            if hasattr(made, "error"):
+                made.error = error.partition(f"{name}: ")[2] or error if name == at else None
+        return bool(at) and hasattr(self.inputs[at], "error")

@@ -1,0 +1,227 @@
+"""A project folder: its configuration, its records and its results, as the command line has them."""
+
+import re
+import shutil
+from collections.abc import Iterator
+from dataclasses import fields
+from filecmp import cmp
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from rockpulse.app.child import Command
+from rockpulse.config.body_table import read_bodies, unused_columns
+from rockpulse.config.configuration import Config, config_of, document_as_text, section_of, section_values
+from rockpulse.errors import ConfigError, Failure
+from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
+from rockpulse.option import Section
+from rockpulse.readers.folders import read_all
+from rockpulse.record.record import Record
+
+#: Names of the files of a project.
+CONFIG, RECORDS, RESULTS, TABLE = "site.toml", "records", "results.h5", "results.csv"
+#: Commands that repeat what the page does.
+ASSESS = ("assess", "--config", CONFIG, "-o", RESULTS)
+#: First line of a configuration of the page; another one is copied before it is replaced, for its comments.
+HEAD = "# Written by rockpulse app, which keeps no comments."
+#: Characters of a file name that are kept, largest length [characters], and names that Windows reserves.
+_ODD, LONGEST = re.compile(r"[^\w .()+=@,~-]+"), 120
+_RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\.|$)")
+
+
+def safe_name(name: str) -> str:
+    """Return the last part of a file name without characters that have a meaning in paths, or else "file"."""
+    last = _ODD.sub("_", re.split(r"[/\\]", name)[-1]).strip(" .")
+    end = Path(last).suffix[:20]
+    last = last if len(last) <= LONGEST else last[: LONGEST - len(end)] + end
+    return f"_{last}" if _RESERVED.match(last) else last or "file"
+
+
+def samples() -> list[Path]:
+    """Return the sample records that come with the program; empty in an installation without them."""
+    inside = Path(str(files("rockpulse.app"))) / "samples"
+    folder = inside if inside.is_dir() else Path(__file__).parents[3] / "data" / "samples" / "records"
+    return sorted(folder.iterdir()) if folder.is_dir() else []
+
+
+class Project:
+    """A folder with ``site.toml``, which the page changes and the commands read.
+
+    Attributes
+    ----------
+    document : dict
+        Sections and keys of the configuration as in TOML; without those that have their default.
+    error : str
+        Why the document is no valid configuration and was not written; empty if it was.
+    command : Command
+        The command that is running, or the last one.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder.resolve()
+        self.command = Command(self.folder)
+        self.document: dict[str, Any] = {}
+        self.error, self._written = "", ""
+        self.load()
+
+    @property
+    def path(self) -> Path:
+        """Path of the configuration."""
+        return self.folder / CONFIG
+
+    def load(self) -> None:
+        """Read the configuration, or begin a new one; raise ConfigError if it is not valid."""
+        self._written = read_text(self.path, TOML_LIMIT, "a TOML file") if self.path.exists() else ""
+        try:
+            document = parse_toml(self._written, str(self.path))
+            config_of(document, self.folder)
+        except ConfigError as error:
+            raise ConfigError(f"{self.path}: {error}".replace(f"{self.path}: {self.path}", str(self.path))) from None
+        self.document, self.error = document, ""
+
+    @property
+    def changed_outside(self) -> bool:
+        """Whether another program has changed the configuration since it was read or written."""
+        return self._written != (read_text(self.path, TOML_LIMIT) if self.path.exists() else "")
+
+    def section(self, name: str) -> dict[str, Any]:
+        """Return the keys of a section, which may be changed."""
+        found: dict[str, Any] = self.document.setdefault(name, {})
+        return found
+
+    def several(self, name: str) -> list[dict[str, Any]]:
+        """Return the sections of a list, [[block]] or [[demand]], which may be changed."""
+        found: list[dict[str, Any]] = self.document.setdefault(name, [])
+        return found
+
+    def save(self) -> str:
+        """Write the configuration if it is valid, and return why it is not, or an empty text."""
+        kept = {name: values for name, values in self.document.items() if values}
+        try:
+            config_of(kept, self.folder)
+        except ConfigError as error:
+            self.error = str(error)
+            return self.error
+        self.error, text = "", f"{HEAD}\n\n{document_as_text(kept)}"
+        if text != self._written:
+            if self._written and not self._written.startswith(HEAD):
+                shutil.copy(self.path, self.path.with_name(f"{CONFIG}.bak"))
+            write_files({self.path: text.encode()})
+            self._written = text
+        return ""
+
+    def config(self) -> Config:
+        """Return the configuration as it is written."""
+        return config_of(parse_toml(self._written, CONFIG), self.folder)
+
+    # Records
+
+    def record_files(self) -> list[Path]:
+        """Return the files in the folder of records."""
+        folder = self.folder / RECORDS
+        return sorted(path for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
+
+    def place_for(self, name: str) -> Path:
+        """Return an unused path for a file of records, and add their folder to the configuration."""
+        folder = self.folder / RECORDS
+        folder.mkdir(exist_ok=True)
+        paths = self.section("records").setdefault("paths", [])
+        if RECORDS not in paths:
+            paths.append(RECORDS)
+            self.save()
+        path, number = folder / safe_name(name), 1
+        while path.exists():
+            number += 1
+            path = folder / f"{Path(safe_name(name)).stem}-{number}{Path(safe_name(name)).suffix}"
+        return path
+
+    def keep_if_new(self, path: Path) -> None:
+        """Remove a file of records if the folder contains another file with the same content."""
+        if any(cmp(path, other, shallow=False) for other in self.record_files() if other != path):
+            path.unlink()
+
+    def add_samples(self) -> None:
+        """Copy the sample records into the folder of records."""
+        for path in samples():
+            self.keep_if_new(Path(shutil.copyfile(path, self.place_for(path.name))))
+
+    def remove(self, path: Path) -> None:
+        """Remove a file of records, and the unit and interval that were given for it."""
+        path.unlink(missing_ok=True)
+        records = self.section("records")
+        records["file"] = [row for row in records.get("file", []) if row["match"] != path.name]
+        self.save()
+
+    def remedy(self, file: str, key: str, value: Any) -> str:
+        """Set unit (`units`) or interval (`dt`) of a file, or confirm a channel; return why this is not possible."""
+        records = self.section("records")
+        if key == "confirm":
+            records["confirm"] = [*records.get("confirm", []), file]
+            return self.save()
+        rows = records.setdefault("file", [])
+        row = next((row for row in rows if row["match"] == file), None)
+        if row is None:
+            rows.append(row := {"match": file})
+        row[key] = value
+        return self.save()
+
+    def read_records(self) -> tuple[list[Record], list[Failure]]:
+        """Read all records as the commands do; raise ConfigError if a pattern of the configuration matches no file."""
+        given = self.config().records
+        paths = [str(path) for path in self.config().record_paths()]
+        if not self.record_files() and given.paths in ((), (RECORDS,)):
+            return [], []
+        return read_all(paths, given.units, None, given.dt, given.response, given.files)
+
+    # Bodies
+
+    def add_table(self, name: str, content: bytes) -> str:
+        """Add the bodies of a table; return a sentence on columns that are not used; raise ConfigError if wrong."""
+        path = self.folder / f".{safe_name(name)}"
+        try:
+            path.write_bytes(content)
+            bodies, unused = read_bodies(path)
+        except ConfigError as error:
+            raise ConfigError(str(error).replace(str(path), name)) from None
+        finally:
+            path.unlink(missing_ok=True)
+        known = {row.get("name") for row in self.several("block")}
+        if twice := [body.name for body in bodies if body.name in known]:
+            raise ConfigError(f'[[block]] name: "{twice[0]}" is given 2 times; names must differ')
+        self.several("block").extend(without_defaults(body) for body in bodies)
+        self.save()
+        return unused_columns(name, unused)
+
+    # Results
+
+    @property
+    def outdated(self) -> bool:
+        """Whether the configuration or a file of records is newer than the results."""
+        made = (self.folder / RESULTS).stat().st_mtime
+        return any(path.stat().st_mtime > made for path in (self.path, *self.record_files()) if path.exists())
+
+    def report(self, language: str, suffix: str = ".html") -> Path:
+        """Return the path of the report in a language."""
+        return self.folder / f"report-{language}{suffix}"
+
+    def downloads(self) -> Iterator[str]:
+        """Return the names of the files that the page offers."""
+        yield from (path.name for path in self.folder.glob("report-??.*") if path.suffix in (".html", ".pdf"))
+        yield from (name for name in (RESULTS, TABLE, CONFIG) if (self.folder / name).is_file())
+
+
+def without_defaults(section: Section) -> dict[str, Any]:
+    """Return the values of a section that differ from their defaults, by their TOML keys."""
+    defaults = {item.name: item.default for item in fields(section)}
+    return {key: value for key, value in section_values(section).items() if value != defaults.get(key)}
+
+
+def body_error(values: dict[str, Any]) -> str:
+    """Return why the keys of a body are wrong; empty if they are right."""
+    from rockpulse.config.block_settings import BlockSettings
+
+    try:
+        section_of(BlockSettings, values).block()
+    except ConfigError as error:
+        return str(error)
+    return ""

@@ -1,0 +1,187 @@
+"""The records of the project: what was read, what was not used and why, with the remedy in place."""
+
+from pathlib import Path
+from typing import Any
+
+from nicegui import events, run, ui
+
+from rockpulse.app.fields import file_input, refused, value_of
+from rockpulse.app.project import samples
+from rockpulse.app.window import Window
+from rockpulse.errors import Failure, last_part
+from rockpulse.readers import UNITS
+from rockpulse.record.intensity import pgv
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.selection.events import words_of
+from rockpulse.views.shared.formatting import three_digits
+from rockpulse.views.shared.words import counted_words, in_dates, say
+
+#: Columns of the table, and those of numbers.
+COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "file")
+NUMBERS = ("pga", "pgv", "length")
+#: Cell of a station: a button that opens the picture of the record.
+STATION = """<q-td :props="props"><q-btn flat dense no-caps color="primary" :label="props.value"
+ :aria-label="props.value + ' {picture}'" @click="$parent.$emit('picture', props.row.id)" /></q-td>"""
+#: Remedies: key of the configuration, and the option that a reason names for it.
+REMEDIES = {"units": "--units", "dt": "--dt", "confirm": "--confirm"}
+
+
+class RecordPart:
+    """The first part of the page."""
+
+    name = "records"
+
+    def __init__(self, page: Window) -> None:
+        self.page, self.project = page, page.project
+        self.records: list[Record] = []
+
+    def show(self) -> None:
+        """Build the part, and read the records."""
+        page = self.page
+        file_input(say("app.records.drop"), "/upload", page.handler(self._taken))
+        if samples():
+            ui.button(say("app.records.samples"), on_click=page.handler(self._samples)).props("outline no-caps")
+        self.state = ui.label().props('role="status"')
+        self.table = ui.element("div").classes("wide")
+        self.left = ui.element("div").classes("wide")
+        self.files = ui.expansion(say("app.records.files")).classes("wide").props("dense")
+        ui.timer(0.05, page.handler(self.read), once=True)
+
+    def show_error(self, error: str) -> None:
+        """Do nothing, as errors of records are shown beside their files."""
+
+    async def _taken(self, event: events.GenericEventArguments) -> None:
+        if event.args["sending"]:
+            self.state.text = say("app.records.copying", name=event.args["sending"])
+        else:
+            await self.read()
+            refused(event.args["faults"])
+
+    async def _samples(self) -> None:
+        await run.io_bound(self.project.add_samples)
+        await self.read()
+
+    async def read(self) -> None:
+        """Read all records anew, and show them."""
+        self.state.text = say("app.records.reading")
+        self.records, failures = await run.io_bound(self.project.read_records) or ([], [])
+        with self.page.words():
+            self._show_records()
+            self._show_left(failures)
+            self._show_files()
+
+    def _show_records(self) -> None:
+        self.state.text = counted_words(len(self.records), "channel") if self.records else say("app.records.none")
+        self.table.clear()
+        if not self.records:
+            return
+        columns = [
+            {
+                "name": name,
+                "label": say(f"app.column.{name}"),
+                "field": name,
+                "sortable": True,
+                "align": "right" if name in NUMBERS else "left",
+                **(
+                    {":format": f"value => value.toPrecision(3).replace('.', '{say('decimal')}')"}
+                    if name in NUMBERS
+                    else {}
+                ),
+            }
+            for name in COLUMNS
+        ]
+        with self.table:
+            rows = [{"id": place, **_row(record)} for place, record in enumerate(self.records)]
+            table = ui.table(columns=columns, rows=rows, pagination=10).props("dense flat").classes("list")
+            table.props(f'aria-label="{say("app.records.title")}"')
+            table.add_slot("body-cell-station", STATION.format(picture=say("app.records.picture")))
+            table.on("picture", self.page.handler(self._picture))
+            ui.label(say("app.records.click")).classes("soft")
+
+    async def _picture(self, event: events.GenericEventArguments) -> None:
+        record = self.records[int(event.args)]
+        with self.table, ui.dialog(value=True) as dialog, ui.card().classes("picture"):
+            ui.label(f"{record.id}").classes("name")
+            drawn = ui.html(say("app.records.drawing"), sanitize=False)
+            ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
+        drawn.content = await run.io_bound(_drawn, record)
+
+    def _show_left(self, failures: list[Failure]) -> None:
+        self.left.clear()
+        told = [row for row in failures if row.kind in ("failed", "duplicate") or row.reason.count("; ")]
+        if not told:
+            return
+        with self.left:
+            ui.html(say("app.records.left", count=len(told)), tag="h3")
+            for row in told:
+                with ui.element("div").classes(f"left {row.kind}"):
+                    self._left(row)
+
+    def _left(self, row: Failure) -> None:
+        file, brief = last_part(row.place.rpartition(":")[0] or row.place), row.bare.partition("; ")[0]
+        ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
+        ui.label(brief)
+        remedies = [key for key, option in REMEDIES.items() if option in row.reason]
+        match = last_part(row.file)
+        for key in remedies:
+            if key == "units":
+                choice = ui.select([*UNITS], label=say("app.key.units")).props("dense outlined").classes("key")
+                choice.on_value_change(self._remedy(match, key))
+            elif key == "dt":
+                typed = ui.input(f"{say('app.key.dt')} [s]").props("dense outlined inputmode=decimal").classes("key")
+                typed.on("change", self._remedy(match, key, typed))
+            else:
+                place = row.place or file
+                ui.button(say("app.records.confirm"), on_click=self._remedy(place, key)).props("outline no-caps dense")
+        if row.bare != brief:
+            with ui.expansion(say("app.records.why")).props("dense"):
+                ui.label(row.bare).classes("pre")
+
+    def _remedy(self, match: str, key: str, typed: Any = None) -> Any:
+        async def set_value(event: Any) -> None:
+            value = value_of(typed.value) if typed is not None else getattr(event, "value", True)
+            if fault := self.project.remedy(match, key, value):
+                self.project.load()
+                raise ValueError(fault)
+            await self.read()
+
+        return self.page.handler(set_value)
+
+    def _show_files(self) -> None:
+        self.files.clear()
+        self.files.visible = bool(self.project.record_files())
+        with self.files:
+            for path in self.project.record_files():
+                with ui.row().classes("file"):
+                    ui.label(path.name)
+                    button = ui.button(icon="delete", on_click=self.page.handler(self._removing(path)))
+                    button.props(f'flat dense color=secondary aria-label="{say("app.records.remove")} {path.name}"')
+
+    def _removing(self, path: Path) -> Any:
+        async def remove() -> None:
+            self.project.remove(path)
+            await self.read()
+
+        return remove
+
+
+def _row(record: Record) -> dict[str, Any]:
+    """Return the cells of a record in the table."""
+    when = record.origin_time or record.start_time
+    vertical = f"({say('left_out.vertical')})" if record.orientation == "vertical" else ""
+    return {
+        "station": " ".join(filter(None, (record.network, record.station))) or record.id,
+        "earthquake": record.event if words_of(record.event) else (in_dates(f"{when:%Y-%m-%d}") if when else ""),
+        "direction": " ".join(filter(None, (record.component, vertical))),
+        "pga": record.pga / STANDARD_GRAVITY,
+        "pgv": pgv(record),
+        "length": record.duration,
+        "file": last_part(record.source),
+    }
+
+
+def _drawn(record: Record) -> str:
+    """Return the picture of a record with its intense phase and half-waves, as SVG."""
+    from rockpulse.views.plots import plot, svg
+
+    return f"{svg(plot(record))}<p>PGA {three_digits(record.pga / STANDARD_GRAVITY, 'g')}</p>"

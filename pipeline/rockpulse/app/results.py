@@ -1,0 +1,137 @@
+"""The results: the run with its progress, the report with its pictures, and the files to save."""
+
+from typing import Any
+
+from nicegui import ui
+
+from rockpulse.app.project import ASSESS, CONFIG, RESULTS, TABLE
+from rockpulse.app.window import Window
+from rockpulse.views.shared.words import say
+
+#: Makes the frame of the report as high as the report.
+FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
+  const fit = () => { frame.style.height = page.documentElement.scrollHeight + 'px'; };
+  const style = page.createElement('style'); page.head.append(style);
+  style.textContent = 'html { overflow-y: hidden; } .card { content-visibility: visible; }';
+  fit(); new ResizeObserver(fit).observe(page.body); }"""
+
+
+class ResultPart:
+    """The last part of the page."""
+
+    name = "results"
+
+    def __init__(self, page: Window) -> None:
+        self.page, self.project, self.command = page, page.project, page.project.command
+        self._seen = -1
+
+    def show(self) -> None:
+        """Build the part."""
+        handler = self.page.handler
+        with ui.row():
+            self.start = ui.button(say("app.results.start"), on_click=handler(self.assess)).props("no-caps")
+            self.stop = ui.button(say("app.results.cancel"), on_click=handler(self.command.cancel))
+            self.stop.props("outline no-caps")
+        self.start.mark("assess")
+        self.fault = ui.label().classes("fault").props('role="alert"')
+        self.bar = ui.linear_progress(0.0, show_value=False).props(f'aria-label="{say("app.results.progress")}"')
+        self.state = ui.label().props('role="status"')
+        self.found = ui.element("div").classes("wide")
+        self._show_found()
+        ui.timer(0.5, handler(self._look))
+
+    async def assess(self) -> None:
+        """Assess the records, keeping the finished records of an interrupted run, and write the report."""
+        if self.command.running or self.project.save():
+            return
+        code = await self.command.run((*ASSESS, "--resume", "--overwrite"))
+        if code in (0, 1) and (self.project.folder / RESULTS).is_file():
+            await self._write_report(".html")
+
+    async def _write_report(self, suffix: str) -> None:
+        language = self.page.language
+        name = self.project.report(language, suffix).name
+        await self._run("report", RESULTS, "-o", name, "--language", language, "--overwrite")
+
+    async def _run(self, *arguments: str) -> None:
+        """Run a command to its end; raise ValueError with its message if it fails."""
+        if not self.command.running and await self.command.run(arguments):
+            raise ValueError(self.command.reason)
+
+    def _saving(self, kind: str) -> Any:
+        async def save() -> None:
+            if kind == TABLE:
+                comma = ("--decimal-comma",) if self.page.language == "it" else ()
+                await self._run("export", RESULTS, "-o", TABLE, "--overwrite", *comma)
+            else:
+                await self._write_report(kind)
+            ui.download(f"/files/{TABLE if kind == TABLE else self.project.report(self.page.language, kind).name}")
+
+        return save
+
+    def _look(self) -> None:
+        """Show the progress of the command if it has changed."""
+        command = self.command
+        if command.version == self._seen:
+            return
+        self._seen = command.version
+        self.start.visible, self.stop.visible = not command.running, command.running and command.verb == "assess"
+        self.bar.visible = command.running
+        if command.running:
+            self.bar.value = command.done / command.total if command.total else 0.0
+            self.bar.props(
+                f"{'' if command.total else 'indeterminate'}", remove="" if not command.total else "indeterminate"
+            )
+            key = f"app.results.{command.verb}" if command.verb != "assess" or not command.total else "app.results.at"
+            self.state.text = say(key, done=command.done, total=command.total, left=command.left, doing=command.doing)
+            return
+        ended = {None: "", 0: "", 1: "app.results.some", 130: "app.results.cancelled"}
+        key = ended.get(command.code, "app.results.failed")
+        self.state.text = say(key, reason=command.reason) if key else ""
+        self._show_found()
+
+    def _show_found(self) -> None:
+        """Show the files, the commands and the report of the results, if there are any."""
+        self.found.clear()
+        results = self.project.folder / RESULTS
+        if not results.is_file():
+            return
+        report, handler = self.project.report(self.page.language), self.page.handler
+        with self.found:
+            if self.project.outdated:
+                ui.label(say("app.results.outdated")).classes("note").props('role="status"')
+            with ui.row().classes("files"):
+                if report.is_file():
+                    _link(say("app.results.html"), report.name)
+                else:
+                    make = ui.button(say("app.results.make"), on_click=handler(lambda: self._write_report(".html")))
+                    make.props("outline no-caps")
+                for label, kind in (("PDF", ".pdf"), ("CSV", TABLE)):
+                    ui.button(label, on_click=handler(self._saving(kind))).props("outline no-caps")
+                _link("HDF5", RESULTS)
+                _link(CONFIG, CONFIG)
+            with ui.expansion(say("app.results.commands")).classes("wide").props("dense"):
+                again = f"rockpulse {' '.join(ASSESS)}\nrockpulse report {RESULTS} -o {report.name}"
+                again += f" --language {self.page.language}"
+                ui.html(f"cd {self.project.folder}\n{again}", tag="pre").classes("pre").props('tabindex="0"')
+            if report.is_file():
+                frame = ui.element("iframe").classes("report").props(f'title="{say("app.results.report")}"')
+                frame.on("load", js_handler=FIT)
+                frame.props(f'src="/files/{report.name}?{report.stat().st_mtime_ns}"')
+
+    def show_error(self, error: str) -> None:
+        """Allow an assessment only of a valid configuration with bodies."""
+        lacking = "" if self.project.document.get("block") else say("app.results.no_body")
+        if (
+            not lacking
+            and not self.project.record_files()
+            and not self.project.document.get("records", {}).get("paths")
+        ):
+            lacking = say("app.results.no_record")
+        self.fault.text = say("app.results.wrong", error=error) if error else lacking
+        self.start.set_enabled(not error and not lacking)
+
+
+def _link(words: str, name: str) -> None:
+    """Show a link that saves or opens a file of the project."""
+    ui.button(words).props(f'href="/files/{name}" target="_blank" outline no-caps')

@@ -1,0 +1,103 @@
+"""Serves the page to the browser of this machine until it is closed."""
+
+import asyncio
+import secrets
+import socket
+import time
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+from fastapi import HTTPException, Request
+from fastapi.responses import FileResponse, PlainTextResponse, Response
+from nicegui import Client, app, ui
+from nicegui.server import Server
+
+from rockpulse.app.guard import Guard
+from rockpulse.app.page import show_page
+from rockpulse.app.project import Project
+from rockpulse.errors import ConfigError
+from rockpulse.views.shared.words import LANGUAGES
+
+#: Time between two looks for open pages [s].
+LOOK = 5.0
+#: Files that open in the browser; others are saved.
+SHOWN = (".html", ".pdf")
+
+
+def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callable[[str], object]) -> None:
+    """Serve the page of a project folder on 127.0.0.1 until Ctrl-C, or `close_after` [s] after its last window closed.
+
+    `port` 0 is a free port; `show` opens the browser; `tell` prints the address. Raises ConfigError for an invalid
+    configuration in the folder, and OSError if the port is in use.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    project, token = Project(folder), secrets.token_urlsafe(32)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", port))
+        port = free.getsockname()[1]
+    address = f"http://127.0.0.1:{port}/?token={token}"
+    app.add_middleware(Guard, token=token, port=port)
+
+    @ui.page("/", title="rockpulse", response_timeout=30.0)
+    def page(request: Request, language: str = "") -> None:
+        asked = request.headers.get("accept-language", "")[:2]
+        show_page(project, next((one for one in (language, asked) if one in LANGUAGES), "en"))
+
+    @app.get("/files/{name}")
+    def download(name: str) -> FileResponse:
+        if name not in project.downloads():
+            raise HTTPException(404)
+        kind = "inline" if name.endswith(SHOWN) else "attachment"
+        fresh = {"cache-control": "no-store"}
+        return FileResponse(project.folder / name, filename=name, content_disposition_type=kind, headers=fresh)
+
+    @app.post("/upload")
+    async def upload(request: Request, name: str) -> None:
+        path = project.place_for(name)
+        try:
+            with path.open("xb") as file:
+                async for part in request.stream():
+                    file.write(part)
+        except BaseException:  # the window was closed, or the disk is full
+            path.unlink(missing_ok=True)
+            raise
+        project.keep_if_new(path)
+
+    @app.post("/table")
+    async def table(request: Request, name: str) -> Response:
+        try:
+            project.add_table(name, await request.body())
+        except ConfigError as error:
+            return PlainTextResponse(str(error), 400)
+        return Response()
+
+    async def attend() -> None:
+        while not Server.instance.started:
+            await asyncio.sleep(0.02)
+        tell(f"{address}\nfolder: {project.folder}; Ctrl-C ends the page")
+        if show:
+            webbrowser.open(address)
+        seen = time.monotonic()
+        while time.monotonic() - seen < close_after:
+            await asyncio.sleep(min(LOOK, 0.25 * close_after))
+            if project.command.running or any(one.has_socket_connection for one in [*Client.instances.values()]):
+                seen = time.monotonic()
+        tell("the page was closed")
+        app.shutdown()
+
+    app.on_startup(attend)
+    app.on_shutdown(project.command.cancel)
+    ui.run(
+        host="127.0.0.1",
+        port=port,
+        title="rockpulse",
+        favicon=Path(__file__).with_name("icon.svg"),
+        show=False,
+        reload=False,
+        tailwind=False,
+        binding_refresh_interval=None,
+        show_welcome_message=False,
+        reconnect_timeout=30.0,
+        timeout_graceful_shutdown=2,
+    )

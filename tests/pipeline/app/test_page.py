@@ -1,0 +1,131 @@
+"""The page in a real browser: from a zip to the report, with the numbers of the command line."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from app_page import Window, served, walls
+from real_browser import NEEDS_BROWSER
+
+from rockpulse.cli import main
+
+pytest.importorskip("nicegui", reason="no nicegui: pip install -e '.[app]'")
+pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
+
+
+def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monkeypatch):
+    with served(tmp_path / "project") as page:
+        window = Window(browser, page).open()
+        assert "Enter a body first." in window.text("results")  # no bodies
+        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "columns.txt")))
+        window.says("records", "5 channels", "Not used (2)", "damaged.zip", "do not state their unit")
+        window.choose("records", "unit", "m/s2")
+        window.says("records", "6 channels", "Not used (1)")
+        walls(window)
+        window.choose("site", "given by", "PGA")
+        window.type("site", "value", "0,3")
+        window.press("results", "Assess")
+        window.wait(lambda: window.find("#results iframe"))
+        assert window.console() == []
+        assert window.hosts() == {f"127.0.0.1:{page.port}"}
+        browser.switch_to.frame(window.find("#results iframe")[0])
+        cards = window.wait(lambda: [one.text for one in window.find(".card h3")])
+        browser.switch_to.default_content()
+        assert {card.split("\n")[0].split(" ")[0] for card in cards} == {"wall", "pier"}
+
+        # The command line gives the same numbers.
+        monkeypatch.chdir(page.folder)
+        assert main(["assess", "--config", "site.toml", "-o", "again.h5", "--quiet"]) == 1  # the damaged zip
+        assert main(["diff", "results.h5", "again.h5"]) == 0
+
+        # A reload, also in the other language, shows everything again.
+        window.open(f"http://127.0.0.1:{page.port}/?language=it")
+        window.says("records", "6 canali")
+        assert window.field("bodies", "larghezza [m]", 0).get_attribute("value") == "0,3"
+        assert window.field("site", "valore", 0).get_attribute("value") == "0.3"
+        assert browser.execute_script("return document.documentElement.lang") == "it"
+        window.press("results", "Scrivi la relazione in questa lingua")
+        window.wait(lambda: window.find("#results iframe"))
+        assert "Esito" in (page.folder / "report-it.html").read_text(encoding="utf-8")
+        assert window.console() == []
+    # A server that starts again goes on.
+    with served(page.folder) as page:
+        Window(browser, page).open().says("bodies", "uplift PGA 0.125 g")
+
+
+def children(pid):
+    """Processes that a process has started, as the system lists them."""
+    return [int(word) for word in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def running(pid):
+    status = Path(f"/proc/{pid}/status")
+    return status.exists() and "\nState:\tZ" not in status.read_text()
+
+
+def ends(pid):
+    for _ in range(100):
+        if not running(pid):
+            return True
+        time.sleep(0.1)
+    return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs /proc")
+def test_a_run_is_cancelled_and_ends_with_the_server(browser, samples, tmp_path):
+    folder = tmp_path / "project"
+    folder.mkdir()
+    (folder / "records").symlink_to(samples, target_is_directory=True)
+    blocks = "".join(f'[[block]]\nname = "b{n}"\nwidth = {0.3 + 0.01 * n}\nheight = 2.4\n' for n in range(30))
+    (folder / "site.toml").write_text(f'[records]\npaths = ["records"]\n{blocks}')
+    with served(folder) as page:
+        window = Window(browser, page).open()
+        window.press("results", "Assess")
+        window.wait(lambda: " of 9, remaining time" in window.text("results"))
+        (child,) = children(page.process.pid)
+        window.press("results", "Cancel")
+        window.says("results", "Cancelled.", "interrupted")
+        assert ends(child)
+        assert not (folder / "results.h5").exists()
+        window.press("results", "Assess")
+        window.wait(lambda: children(page.process.pid))
+        (child,) = children(page.process.pid)
+        os.kill(page.process.pid, signal.SIGKILL)
+        assert ends(child)
+
+
+def test_the_page_ends_after_its_window_was_closed(browser, tmp_path):
+    with served(tmp_path, "--close-after", "0.03") as page:
+        Window(browser, page).open()
+        time.sleep(3.0)
+        assert page.process.poll() is None
+        browser.get("about:blank")
+        assert page.process.wait(60) == 0
+
+
+@pytest.mark.parametrize("window", [(1280, 1200), (390, 844)])
+def test_nothing_grave_is_found_by_axe(axe, browser, agency, tmp_path, window):
+    size = {"width": window[0], "height": window[1], "deviceScaleFactor": 1, "mobile": window[0] < 600}
+    with served(tmp_path) as page:
+        shown = Window(browser, page).open()
+        shown.drop(agency / "agency.zip", agency / "columns.txt")
+        shown.says("records", "5 channels", "Not used (1)")
+        walls(shown)
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        try:
+            browser.execute_script(
+                "document.querySelectorAll('.q-expansion-item__container > .q-item').forEach((one) => one.click())"
+            )
+            shown.says("site", "behaviour factor q") if window[0] > 600 else time.sleep(1.0)
+            wide = browser.execute_script("return document.documentElement.scrollWidth")
+            browser.execute_script(axe)
+            found = browser.execute_async_script(
+                "const done = arguments[0]; axe.run({ resultTypes: ['violations'] }).then(done, done);"
+            )
+        finally:
+            browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert wide <= window[0]
+    grave = [one for one in found["violations"] if one["impact"] in ("serious", "critical")]
+    assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in grave] == []

@@ -1,0 +1,91 @@
+"""The project folder: its configuration is the one of the command line."""
+
+import pytest
+
+import rockpulse as rp
+from rockpulse.app.project import HEAD, LONGEST, Project, body_error, safe_name
+from rockpulse.errors import ConfigError
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ("agency.zip", "agency.zip"),
+        ("../../etc/passwd", "passwd"),
+        (r"C:\records\a.AT2", "a.AT2"),
+        (".hidden", "hidden"),
+        ('<img src="x">.csv', "_img src=_x_.csv"),
+        ("a\x00b\n.smc", "a_b_.smc"),
+        ("con.txt", "_con.txt"),
+        ("..", "file"),
+        ("Città 1.AT2", "Città 1.AT2"),
+    ],
+)
+def test_names_of_uploads_are_made_safe(given, kept):
+    assert safe_name(given) == kept
+
+
+def test_a_long_name_keeps_its_end():
+    name = safe_name("x" * 500 + ".zip")
+    assert len(name) == LONGEST
+    assert name.endswith("x.zip")
+
+
+def test_the_configuration_is_read_changed_and_written(tmp_path):
+    written = '# mine\n[site]\nname = "Old town"\n\n[uncertainty]\nrestitution = {mean = 0.98, deviation = 0.03}\n'
+    (tmp_path / "site.toml").write_text(written)
+    project = Project(tmp_path)
+    project.several("block").append({"name": "wall", "width": 0.3, "height": 2.4, "pedestal": []})
+    project.several("block")[0] |= {"mass": 600.0, "pedestal": [{"width": 0.9, "height": 1.2, "mass": 2300.0}]}
+    assert project.save() == ""
+    assert (tmp_path / "site.toml.bak").read_text() == written
+    config = rp.load_config(tmp_path / "site.toml")
+    assert config == project.config()
+    assert config.site.name == "Old town"
+    assert config.uncertainty == rp.UncertaintySettings(restitution={"mean": 0.98, "deviation": 0.03})
+    assert config.bodies[0].pedestals == (rp.PedestalSettings(0.9, 1.2, 2300.0),)
+    assert Project(tmp_path).document == project.document
+
+
+def test_a_wrong_configuration_is_not_written(tmp_path):
+    project = Project(tmp_path)
+    project.several("block").append({"name": "wall", "width": 550.0, "height": 4200.0})
+    assert "are these millimetres?" in project.save()
+    assert not (tmp_path / "site.toml").exists()
+    project.several("block")[0] |= {"width": 0.55, "height": 4.2}
+    assert project.save() == ""
+    assert (tmp_path / "site.toml").read_text().startswith(HEAD)
+    (tmp_path / "site.toml").write_text("[site]\nnam = 1\n")
+    assert project.changed_outside
+    with pytest.raises(ConfigError, match=r"site\.toml: .*did you mean"):
+        project.load()
+
+
+def test_tables_of_bodies_are_added(tmp_path):
+    project = Project(tmp_path)
+    table = b"name,width [cm],height [m],colour\nstele,30,2.4,grey\n"
+    assert project.add_table("bodies.csv", table) == "bodies.csv: columns not used: colour"
+    assert project.several("block") == [{"name": "stele", "width": 0.3, "height": 2.4}]
+    with pytest.raises(ConfigError, match="names must differ"):
+        project.add_table("bodies.csv", table)
+    with pytest.raises(ConfigError, match=r"^a.csv: column"):
+        project.add_table("a.csv", b"name,width,height [m]\nb,1,2\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["site.toml"]
+
+
+def test_a_file_is_kept_once_and_its_unit_is_removed_with_it(tmp_path):
+    project = Project(tmp_path)
+    for content in (b"1", b"1", b"2"):
+        path = project.place_for("a/columns.txt")
+        path.write_bytes(content)
+        project.keep_if_new(path)
+    assert [path.name for path in project.record_files()] == ["columns-2.txt", "columns.txt"]
+    assert project.remedy("columns.txt", "units", "g") == ""
+    assert project.config().records.files[0].units == "g"
+    project.remove(tmp_path / "records" / "columns.txt")
+    assert project.config().records.files == ()
+
+
+def test_the_error_of_a_body_names_its_key():
+    assert body_error({"name": "wall", "width": 0.3, "height": 2.4}) == ""
+    assert body_error({"name": "wall", "width": "wide", "height": 2.4}).startswith('[[block]] "wall" width: expected')
