@@ -56,9 +56,15 @@ class BodyRow:
                     button.props(f'aria-label="{say("app.bodies.remove")}"')
                 self.numbers = ui.label().props('role="status"')
                 self.fault = ui.label().classes("fault").props('role="alert"')
-                with ui.expansion(say("app.bodies.more")).props("dense") as self.panel:
-                    self._panel()
+                self.panel = ui.expansion(say("app.bodies.more"), on_value_change=self.page.handler(self._open))
+                self.panel.props("dense")
         self.refresh()
+
+    def _open(self, event: events.ValueChangeEventArguments) -> None:
+        if event.value and len(self.fields) == 1:  # a panel for each of many bodies would make the page slow
+            with self.panel:
+                self._panel()
+            self.refresh()
 
     def _panel(self) -> None:
         with ui.element("div").classes("keys"):
