@@ -1,5 +1,6 @@
 """A project folder: its configuration, its records and its results, as the command line has them."""
 
+import math
 import re
 import shutil
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
 from rockpulse.option import Section
 from rockpulse.readers.folders import read_all
 from rockpulse.record.record import Record
+from rockpulse.views.shared.files_used import failure_rows
 
 #: Names of the files of a project.
 CONFIG, RECORDS, RESULTS, TABLE = "site.toml", "records", "results.h5", "results.csv"
@@ -173,6 +175,17 @@ class Project:
             return [], []
         return read_all(paths, given.units, None, given.dt, given.response, given.files)
 
+    def rejected(self) -> list[Failure]:
+        """Return the failures of the last assessment after reading, unless its inputs have changed since."""
+        from rockpulse.storage.hdf5.results_file import open_results_file
+
+        path = self.folder / RESULTS
+        if not path.is_file() or self.outdated:
+            return []
+        with open_results_file(path) as file:
+            rows = failure_rows(file.tree("failures"))
+        return [row for row in rows if row.kind == "failed" and row.stage not in ("find", "read")]
+
     # Bodies
 
     def add_table(self, name: str, content: bytes) -> str:
@@ -197,7 +210,8 @@ class Project:
     @property
     def outdated(self) -> bool:
         """Whether the configuration or a file of records is newer than the results."""
-        made = (self.folder / RESULTS).stat().st_mtime
+        results = self.folder / RESULTS
+        made = results.stat().st_mtime if results.is_file() else math.inf
         return any(path.stat().st_mtime > made for path in (self.path, *self.record_files()) if path.exists())
 
     def report(self, language: str, suffix: str = ".html") -> Path:

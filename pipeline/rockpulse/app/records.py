@@ -65,10 +65,12 @@ class RecordPart:
         """Read all records anew, and show them."""
         self.state.text = say("app.records.reading")
         self.records, failures = await run.io_bound(self.project.read_records) or ([], [])
+        rejected = await run.io_bound(self.project.rejected) or []
         with self.page.words():
             self._show_records()
-            self._show_left(failures)
+            self._show_left([*failures, *rejected])
             self._show_files()
+        self.page.shown_error()
 
     def _show_records(self) -> None:
         self.state.text = counted_words(len(self.records), "channel") if self.records else say("app.records.none")
@@ -102,7 +104,7 @@ class RecordPart:
         record = self.records[int(event.args)]
         with self.table, ui.dialog(value=True) as dialog, ui.card().classes("picture"):
             ui.label(f"{record.id}").classes("name")
-            drawn = ui.html(say("app.records.drawing"), sanitize=False)
+            drawn = ui.html(say("app.records.drawing"), sanitize=False).classes("wide")
             ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
         drawn.content = await run.io_bound(_drawn, record)
 

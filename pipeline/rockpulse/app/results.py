@@ -36,6 +36,7 @@ class ResultPart:
         self.fault = ui.label().classes("fault").props('role="alert"')
         self.bar = ui.linear_progress(0.0, show_value=False).props(f'aria-label="{say("app.results.progress")}"')
         self.state = ui.label().props('role="status"')
+        self.note = ui.label(say("app.results.outdated")).classes("note").props('role="status"')
         self.found = ui.element("div").classes("wide")
         self._show_found()
         ui.timer(0.5, handler(self._look))
@@ -47,6 +48,7 @@ class ResultPart:
         code = await self.command.run((*ASSESS, "--resume", "--overwrite"))
         if code in (0, 1) and (self.project.folder / RESULTS).is_file():
             await self._write_report(".html")
+            await self.page.parts[0].read()  # what the assessment has rejected
 
     async def _write_report(self, suffix: str) -> None:
         language = self.page.language
@@ -98,8 +100,6 @@ class ResultPart:
             return
         report, handler = self.project.report(self.page.language), self.page.handler
         with self.found:
-            if self.project.outdated:
-                ui.label(say("app.results.outdated")).classes("note").props('role="status"')
             with ui.row().classes("files"):
                 if report.is_file():
                     _link(say("app.results.html"), report.name)
@@ -130,6 +130,7 @@ class ResultPart:
             lacking = say("app.results.no_record")
         self.fault.text = say("app.results.wrong", error=error) if error else lacking
         self.start.set_enabled(not error and not lacking)
+        self.note.visible = self.project.outdated
 
 
 def _link(words: str, name: str) -> None:

@@ -37,6 +37,7 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         free.bind(("127.0.0.1", port))
         port = free.getsockname()[1]
     address = f"http://127.0.0.1:{port}/?token={token}"
+    app.config.quasar_config["loadingBar"]["skipHijack"] = True  # its bar has no name for screen readers
     app.add_middleware(Guard, token=token, port=port)
 
     @ui.page("/", title="rockpulse", response_timeout=30.0)

@@ -5,9 +5,11 @@ import signal
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
-from app_page import Window, served, walls
+from app_page import TIME, Window, records, served, walls
 from real_browser import NEEDS_BROWSER
+from record_writers import at2
 
 from rockpulse.cli import main
 
@@ -46,13 +48,28 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
         assert window.field("bodies", "larghezza [m]", 0).get_attribute("value") == "0,3"
         assert window.field("site", "valore", 0).get_attribute("value") == "0.3"
         assert browser.execute_script("return document.documentElement.lang") == "it"
-        window.press("results", "Scrivi la relazione in questa lingua")
-        window.wait(lambda: window.find("#results iframe"))
-        assert "Esito" in (page.folder / "report-it.html").read_text(encoding="utf-8")
+        window.press("results", "PDF")
+        window.wait(lambda: (page.folder / "report-it.pdf").is_file())
         assert window.console() == []
-    # A server that starts again goes on.
-    with served(page.folder) as page:
-        Window(browser, page).open().says("bodies", "uplift PGA 0.125 g")
+
+
+def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, tmp_path):
+    folder = tmp_path / "project"
+    members = records(1)
+    strong = 6.0 * np.exp(-(((TIME - 2.0) / 0.3) ** 2)) * np.sin(30.0 * (TIME - 2.0))
+    (folder / "records").mkdir(parents=True)
+    for name, content in {**members, "strong.AT2": at2(strong, title="Strong, 1/1/2001, Station, 90")}.items():
+        (folder / "records" / name).write_bytes(content)
+    block = '[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2\n'
+    (folder / "site.toml").write_text(f'[records]\npaths = ["records"]\n[models]\nuse = ["sequence"]\n{block}')
+    with served(folder) as page:
+        window = Window(browser, page).open()
+        window.says("records", "2 channels")
+        window.press("results", "Assess")
+        window.says("records", "Not used", "strong.AT2")
+        window.press("records", "This channel is correct: use it")
+        window.says("results", "older than the records")
+    assert 'confirm = ["strong.90"]' in (folder / "site.toml").read_text()
 
 
 def children(pid):
@@ -105,27 +122,28 @@ def test_the_page_ends_after_its_window_was_closed(browser, tmp_path):
         assert page.process.wait(60) == 0
 
 
-@pytest.mark.parametrize("window", [(1280, 1200), (390, 844)])
-def test_nothing_grave_is_found_by_axe(axe, browser, agency, tmp_path, window):
-    size = {"width": window[0], "height": window[1], "deviceScaleFactor": 1, "mobile": window[0] < 600}
+def test_nothing_grave_is_found_by_axe(axe, browser, agency, tmp_path):
+    grave, wide = [], {}
     with served(tmp_path) as page:
-        shown = Window(browser, page).open()
-        shown.drop(agency / "agency.zip", agency / "columns.txt")
-        shown.says("records", "5 channels", "Not used (1)")
-        walls(shown)
-        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        try:
-            browser.execute_script(
-                "document.querySelectorAll('.q-expansion-item__container > .q-item').forEach((one) => one.click())"
-            )
-            shown.says("site", "behaviour factor q") if window[0] > 600 else time.sleep(1.0)
-            wide = browser.execute_script("return document.documentElement.scrollWidth")
-            browser.execute_script(axe)
-            found = browser.execute_async_script(
-                "const done = arguments[0]; axe.run({ resultTypes: ['violations'] }).then(done, done);"
-            )
-        finally:
-            browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    assert wide <= window[0]
-    grave = [one for one in found["violations"] if one["impact"] in ("serious", "critical")]
+        window = Window(browser, page).open()
+        window.drop(agency / "agency.zip", agency / "columns.txt")
+        window.says("records", "5 channels", "Not used (1)")
+        walls(window)
+        everything = "document.querySelectorAll('.q-expansion-item__container > .q-item').forEach((one) => one.click())"
+        browser.execute_script(everything)
+        window.says("site", "behaviour factor q")
+        browser.execute_script(axe)
+        for width in (1280, 390):
+            size = {"width": width, "height": 1200, "deviceScaleFactor": 1, "mobile": width < 600}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+            try:
+                wide[width] = browser.execute_script("return document.documentElement.scrollWidth")
+                found = browser.execute_async_script(
+                    "const done = arguments[0]; axe.run({ resultTypes: ['violations'] }).then(done, done);"
+                )
+            finally:
+                browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+            grave += [one for one in found["violations"] if one["impact"] in ("serious", "critical")]
+            assert len(found["passes"]) > 5  # it has looked
     assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in grave] == []
+    assert all(found <= width for width, found in wide.items())

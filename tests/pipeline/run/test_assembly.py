@@ -136,7 +136,7 @@ def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_oth
 @pytest.mark.sweep
 def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
-    with pytest.raises(TypeError, match="iterated twice"):
+    with pytest.raises(TypeError, match="read twice"):
         assemble(tmp_path / "x.h5", empty_tree(bodies, config), (part for part in done))
 
 
