@@ -91,7 +91,7 @@ def test_axes_that_are_given_are_used(motion):
     assert list(accelerogram(motion, axes)) == list(axes)
     assert figure.get_supxlabel() == ""
     assert axes[0].get_title(loc="left") == motion.attrs["record"]
-    with pytest.raises(ValueError, match="expected 3 x 1"):
+    with pytest.raises(ValueError, match="expected an array of 3 x 1 Axes, got 2"):
         accelerogram(motion, axes[:2])
 
 
