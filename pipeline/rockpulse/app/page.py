@@ -28,7 +28,7 @@ def show_page(project: Project, language: str) -> None:
     with writing(language):
         with ui.element("div").classes("head"):
             ui.html("rockpulse", tag="h1")
-            ui.label(str(project.folder)).classes("soft")
+            ui.label(project.folder.name).classes("soft").tooltip(str(project.folder))
             with ui.element("nav").props(f'aria-label="{say("app.language")}"'):
                 for code in LANGUAGES:
                     link = ui.link(NAMES[code], f"/?language={code}").props(f'lang="{code}"')
