@@ -173,12 +173,14 @@ def _of_records(
 ) -> dict[str, list[Checked]]:
     """Return the checks of the rotations of all bodies for each demand and limit state, by the name of the code.
 
+    A demand that names SLV or SLC is that of this limit state only.
+
     The rotations are those of the mechanisms `assessed`, whose strength is not divided by the confidence factor.
     """
     columns: dict[str, list[Checked]] = {}
     for demand in answers.demands:
         rotations = rotations_at(answers, demand)
-        for state in STATES:
+        for state in [one for one in STATES if one in demand.lower()] or STATES:
             columns[f"records_{state}" + f", {demand}" * (len(answers.demands) > 1)] = [
                 Checked(statement=why or others[name])
                 if why or others[name]

@@ -139,16 +139,20 @@ def integrated(body, acceleration):
         time, state = float(run.t[-1]), (0.0, kept * float(run.y[1, -1]))
 
 
-@pytest.fixture(scope="module")
-def assessed():
+def at_demands(*demands):
     config = rp.Config(
         models=rp.ModelSettings(use=["nonlinear"]),
         uncertainty=rp.UncertaintySettings(probability=False),
         bodies=BODIES,
-        demands=(rp.DemandSettings(name="SLV", value=DEMAND),),
+        demands=demands,
         check=CheckSettings(ag=0.2, f0=2.4, tc_star=0.3),
     )
     return rp.assess([pulse(number) for number in range(3)], config)
+
+
+@pytest.fixture(scope="module")
+def assessed():
+    return at_demands(rp.DemandSettings(name="strong", value=DEMAND))
 
 
 @pytest.mark.sweep
@@ -171,6 +175,14 @@ def test_three_records_and_two_bodies_by_hand(assessed):
     shown = " ".join(check_overview(found).split())
     assert "SLV, records" in shown
     assert "NTC 2018, 7.3.5" in shown
+
+
+@pytest.mark.sweep
+def test_a_demand_that_names_a_limit_state_is_that_of_this_one_only():
+    demands = [rp.DemandSettings(name=name, value=DEMAND) for name in ("SLV", "at SLC", "other")]
+    found = check(at_demands(*demands), code="circolare_2019_records")
+    expected = ["slv, SLV", "slc, at SLC", "slv, other", "slc, other"]
+    assert found["code"].values.tolist() == [f"records_{one}" for one in expected]
 
 
 @pytest.mark.sweep
