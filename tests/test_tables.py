@@ -107,8 +107,8 @@ def test_names_of_models_stand_in_their_table_alone():
 
 @pytest.mark.sweep
 def test_names_of_measures_stand_in_their_table_alone():
-    """The views read the variables that they have columns for by their names; below them none."""
-    names, views, readers = {*MEASURES, *ROWS} - HOMONYMS, ["rockpulse.views"], ["rockpulse.readers"]
+    """The views and the page have columns and inputs of measures by their names; below them none."""
+    names, views, readers = {*MEASURES, *ROWS} - HOMONYMS, ["rockpulse.views", "rockpulse.app"], ["rockpulse.readers"]
     assert strays(names, "rockpulse.record.measures", {}, deciding=views, foreign=readers) == []
 
 

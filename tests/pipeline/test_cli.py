@@ -107,6 +107,10 @@ def test_the_examples_of_a_help_run(verb, example_names, tmp_path, monkeypatch, 
         written = Path(words[words.index("-o") + 1] if "-o" in words else "report.html")
         if "--overwrite" not in words:
             written.unlink(missing_ok=True)
+        if "--append" in words:
+            Path("more").mkdir()
+            next(Path("records").iterdir()).rename("more/later")
+            assert main([word for word in words if word not in ("more/", "--append")]) == 0
         capsys.readouterr()
         assert main(words) == 0, (example, capsys.readouterr().err)
         assert capsys.readouterr().out

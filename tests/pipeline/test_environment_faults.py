@@ -103,8 +103,7 @@ def test_the_mode_of_results_that_are_replaced_is_kept(record, tmp_path, monkeyp
 
 
 @POSIX
-@pytest.mark.sweep
-@pytest.mark.parametrize("gap", [0.0, 0.2])
+@pytest.mark.parametrize("gap", [pytest.param(0.0, marks=pytest.mark.sweep), pytest.param(0.2, marks=pytest.mark.slow)])
 def test_two_interrupts_exit_with_130_and_no_traceback(gap, tmp_path):
     for number in range(40):
         (tmp_path / f"r{number}.AT2").write_bytes(at2(pulse(4000, 0.2 + 0.001 * number)))

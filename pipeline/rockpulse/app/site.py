@@ -8,6 +8,7 @@ from rockpulse.app.fields import Fields, text_of
 from rockpulse.app.window import Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, ReportSettings
+from rockpulse.record.measures import PGA, ROWS
 from rockpulse.views.shared.words import say
 
 #: Kinds of demand: none, a_g S of the site, and measures with the units that a value may have.
@@ -32,7 +33,7 @@ class SitePart:
             self._group(SiteSettings, section("site")).add("name", "description", texts=("name", "description"))
         ui.html(say("app.site.demand"), tag="h3")
         demands = self.project.several("demand")
-        kind = "none" if not demands else demands[0].get("measure", "pga")
+        kind = "none" if not demands else demands[0].get("measure", PGA)
         kind = "ag" if not demands and "ag" in section("site") else kind
         options = {one: say(f"app.demand.{one}") for one in ("none", "ag", *MEASURES)}
         options |= {} if kind in options else {kind: kind}
@@ -61,7 +62,7 @@ class SitePart:
         if kind != "ag":
             site.pop("ag", None)
         if kind in MEASURES:
-            demands.append({"measure": kind, **({"period": 1.0} if kind == "sa" else {})})
+            demands.append({"measure": kind, **({"period": 1.0} if ROWS[kind].periods else {})})
         self._show_demand(kind)
         if kind in ("none", "ag"):
             self.page.changed()
@@ -76,11 +77,12 @@ class SitePart:
 
     def _show_value(self, row: dict[str, Any], number: int) -> None:
         """Show the inputs of a demand: its value with a unit and, for Sa, its period."""
-        units = MEASURES.get(row.get("measure", "pga"), ())
+        name = row.get("measure", PGA)
+        units, measure = MEASURES.get(name, ()), ROWS.get(name)
         given = row.get("value")
         value, _, unit = given.partition(" ") if isinstance(given, str) else (text_of(given), "", "")
         if isinstance(given, int | float):  # a number is in the SI unit
-            unit = "m/s" if row.get("measure") == "pgv" else "m/s2"
+            unit = measure.shown_unit if measure else ""
         typed = ui.input(say("app.site.value"), value=value).props("dense outlined inputmode=decimal").classes("key")
         chosen = ui.select([*units], label=say("app.site.unit"), value=unit if unit in units else (*units, "")[0])
         chosen.classes("key").props("dense outlined")
@@ -92,7 +94,7 @@ class SitePart:
         typed.on_value_change(change)
         chosen.on_value_change(change)
         typed.mark(f"value{number}")
-        if row.get("measure") == "sa":
+        if measure and measure.periods:
             self._group(DemandSettings, row).add("period")
 
     def show_error(self, error: str) -> None:

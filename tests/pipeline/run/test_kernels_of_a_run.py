@@ -91,8 +91,8 @@ def test_a_change_of_a_kernel_whose_caller_is_unchanged_counts_at_once_and_so_do
     assert all(changed[way] != before[way] for way in WAYS)
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", ["1", "2"])
 def test_damaged_kernels_cost_no_record_and_are_said_once(workers, tmp_path, monkeypatch):
     (tmp_path / "records").mkdir()
     for name, peak in (("a", 0.3), ("b", 0.25), ("c", 0.2)):

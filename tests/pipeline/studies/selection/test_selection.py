@@ -188,7 +188,7 @@ def test_fragility_reads_the_table(table, tmp_path):
     assert found["factor"].values.ravel() == pytest.approx(table["factor"].values)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_seven_records_of_p695_are_within_ten_percent_of_an_ntc_spectrum(records_folder):
     found, _ = rp.read_all([records_folder / "fema_p695" / "records.zip"], units="g")
     rows = (records_folder / "fema_p695" / "events.tsv").read_text().splitlines()[1:]
