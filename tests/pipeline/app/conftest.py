@@ -25,11 +25,18 @@ def agency(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def browser(tmp_path_factory):
+def driver(tmp_path_factory):
     """One browser for all tests of the page."""
     driver = chromium(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()
+
+
+@pytest.fixture
+def browser(driver):
+    """The browser without cookies, which keep the language."""
+    driver.execute_cdp_cmd("Network.clearBrowserCookies", {})
+    return driver
 
 
 @pytest.fixture(scope="session")
