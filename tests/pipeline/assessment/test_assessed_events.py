@@ -18,7 +18,7 @@ from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.studies.fragility.fragility import FragilityAnalysis
-from rockpulse.views.report.verdict import of_unknown_event
+from rockpulse.views.shared.verdict_table import of_unknown_event
 
 CONFIG = Config(bodies=(BlockSettings(name="wall", width=0.3, height=2.4),), models=ModelSettings(use=("resonance",)))
 TITLES = ("Kobe, 1/16/1995", "KOBE 01/16/95", "", "")

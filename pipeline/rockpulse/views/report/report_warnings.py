@@ -18,10 +18,10 @@ from rockpulse.assessment.verdict import (
 )
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
-from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.table_columns import doubt_notes, record_cells
+from rockpulse.views.shared.verdict_table import of_unknown_event
 from rockpulse.views.shared.words import body_name, counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning

@@ -17,7 +17,6 @@ from rockpulse.earthquakes import CONFIDENCE
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import is_upper_bound
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.plots.selection import block_of
 from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.report.record_tables import record_named
@@ -176,15 +175,6 @@ def counted_by(answers: Answers) -> str:
     levels = {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN), "needed": FEWEST_AT_DEMAND}
     demand = say("counted.demand", low=six_digits(FARTHEST[0]), high=six_digits(FARTHEST[1]))
     return f"{say('counted.words', what=what, **levels)} {demand}"
-
-
-def of_unknown_event(motions: Motions) -> str:
-    """Describe how records of unknown earthquakes are counted; empty if all earthquakes are known."""
-    count = motions.events.count(UNKNOWN)
-    if not count:
-        return ""
-    key = "unknown_event.as_one" if count == len(motions.events) else "unknown_event.not_counted"
-    return say(key, motions=counted_words(count, "motion"))
 
 
 def model_words(model: str) -> str:

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, WEAK, BodyVerdict, Finding, Grade
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.shared import table_columns as col
 from rockpulse.views.shared.formatting import ABSENT, six_digits
 from rockpulse.views.shared.table import Cell
@@ -100,3 +101,12 @@ def _not_counted(rows: Sequence[Finding]) -> list[str]:
             events = counted_words(fewest, "earthquake")
             notes.append(say("legend.few", events=events, at=at, needed=FEWEST_AT_DEMAND))
     return notes
+
+
+def of_unknown_event(motions: Motions) -> str:
+    """Describe how records of unknown earthquakes are counted; empty if all earthquakes are known."""
+    count = motions.events.count(UNKNOWN)
+    if not count:
+        return ""
+    key = "unknown_event.as_one" if count == len(motions.events) else "unknown_event.not_counted"
+    return say(key, motions=counted_words(count, "motion"))

@@ -24,7 +24,7 @@ from rockpulse.views.shared.notes import (
 )
 from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
-from rockpulse.views.shared.verdict_table import verdict_columns, verdict_legend, verdict_rows
+from rockpulse.views.shared.verdict_table import of_unknown_event, verdict_columns, verdict_legend, verdict_rows
 
 #: Columns of every table by record, and columns of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
@@ -152,7 +152,8 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     each = which if len(kept) < len(found) else "each body"
     judged = any(row.grade != Grade.NO_VERDICT for row in every)
     title = f"Verdict on {each}" if judged else each[:1].upper() + each[1:]
-    notes = [*verdict_legend(answers, every), *body_notes(answers, found)]
+    unknown = of_unknown_event(answers.motions)
+    notes = [*verdict_legend(answers, every), *filter(None, [unknown]), *body_notes(answers, found)]
     return "\n".join(
         [
             paragraph(f"{title}, {_under(answers)} ({answers.model} model):"),

@@ -24,12 +24,11 @@ from rockpulse.views.report.verdict import (
     cards,
     counted_by,
     motions_words,
-    of_unknown_event,
     sentence,
 )
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.table_columns import grade_cell
-from rockpulse.views.shared.verdict_table import verdict_legend
+from rockpulse.views.shared.verdict_table import of_unknown_event, verdict_legend
 
 
 def headed(answers_, found):
@@ -188,7 +187,7 @@ def test_motions_of_unknown_earthquake_make_no_earthquake_more():
     of = motions(3, events=["A", "B", UNKNOWN])
     assert of.event_count == 2
     assert verdict(summary, of).share.value == pytest.approx(0.3)
-    assert "Not counted: 1 motion" in of_unknown_event(of)
+    assert "not among those that a verdict needs: 1 motion" in of_unknown_event(of)
     of = motions(3, events=[UNKNOWN] * 3)
     assert (of.event_count, verdict(summary, of).share.value) == (1, pytest.approx(0.3))
     assert "Counted as one earthquake" in of_unknown_event(of)
