@@ -125,6 +125,8 @@ class BodyRow:
         shown = [one.show(error if part == heading and not empty else "") for part, one in self.fields]
         said = error.partition("]] ")[2].removeprefix(f'"{name}": ')
         self.fault.text = "" if not error or any(shown) or empty else said[:1].upper() + said[1:]
+        if "confirm_size" in error:
+            self.panel.value = True  # it contains the check box that the error names
         if error:
             self.numbers.text = say("app.bodies.incomplete") if empty else ""
             self.drawing.content = ""

@@ -18,6 +18,7 @@ from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
 from rockpulse.option import Section
 from rockpulse.readers.folders import read_all
 from rockpulse.record.record import Record
+from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.views.shared.files_used import failure_rows
 
 #: Names of the files of a project.
@@ -57,6 +58,8 @@ class Project:
         Why the document is no valid configuration and was not written; empty if it was.
     written : str
         Text of the configuration as it was read or written last.
+    assessed : int
+        Number of assessments that have ended with results.
     command : Command
         The command that is running, or the last one.
     """
@@ -65,7 +68,7 @@ class Project:
         self.folder = folder.resolve()
         self.command = Command(self.folder)
         self.document: dict[str, Any] = {}
-        self.error, self.written = "", ""
+        self.error, self.written, self.assessed = "", "", 0
         self.load()
 
     @property
@@ -176,6 +179,10 @@ class Project:
         if not self.record_files() and given.paths in ((), (RECORDS,)):
             return [], []
         return read_all(paths, given.units, None, given.dt, given.response, given.files)
+
+    def earthquakes(self, records: list[Record], failures: list[Failure]) -> int:
+        """Return the number of earthquakes of records; raise ConfigError if the given table of them is wrong."""
+        return len(set(events_by_id(records, event_table(self.config()), failures)[0].values())) if records else 0
 
     def rejected(self) -> list[Failure]:
         """Return the failures of the last assessment after reading, unless its inputs have changed since."""

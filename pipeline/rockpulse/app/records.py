@@ -14,7 +14,7 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.selection.events import words_of
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import counted_words, in_dates, say
+from rockpulse.views.shared.words import counted_words, in_dates, listed, say
 
 #: Columns of the table, and those of numbers.
 COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "file")
@@ -39,6 +39,7 @@ class RecordPart:
         """Build the part, and read the records."""
         page = self.page
         file_input(say("app.records.drop"), "/upload", page.handler(self._taken))
+        self.unused = ui.label().classes("fault").props('role="alert"')
         if samples():
             ui.button(say("app.records.samples"), on_click=page.handler(self._samples)).props("outline no-caps")
         self.state = ui.label().props('role="status"')
@@ -59,19 +60,24 @@ class RecordPart:
             refused(event.args["faults"])
 
     async def _samples(self) -> None:
-        await run.io_bound(self.project.add_samples)
+        await self.page.after(run.io_bound(self.project.add_samples))
         await self.read()
 
     async def read(self) -> None:
         """Read all records anew, and show them."""
         self.state.text = say("app.records.reading")
-        self.records, failures = await run.io_bound(self.project.read_records) or ([], [])
-        rejected = await run.io_bound(self.project.rejected) or []
+        found = await self.page.after(run.io_bound(self.project.read_records))
+        self.records, failures = found or ([], [])
+        rejected = await self.page.after(run.io_bound(self.project.rejected)) or []
         with self.page.words():
             self._show_records()
             self._show_left([*failures, *rejected])
             self._show_files()
         self.page.shown_error()
+        if self.records:
+            events = await self.page.after(run.io_bound(self.project.earthquakes, self.records, failures)) or 0
+            with self.page.words():
+                self.state.text = _counts(len(self.records), events)
 
     def _show_records(self) -> None:
         self.state.text = counted_words(len(self.records), "channel") if self.records else say("app.records.none")
@@ -107,11 +113,18 @@ class RecordPart:
             ui.label(f"{record.id}").classes("name")
             drawn = ui.html(say("app.records.drawing"), sanitize=False).classes("wide")
             ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
-        drawn.content = await run.io_bound(_drawn, record)
+        drawn.content = await self.page.after(run.io_bound(_drawn, record))
 
     def _show_left(self, failures: list[Failure]) -> None:
         self.left.clear()
-        told = [row for row in failures if row.kind in ("failed", "duplicate") or row.reason.count("; ")]
+        given = {str(path) for path in self.project.record_files()}
+        told = [
+            row
+            for row in failures
+            if row.kind in ("failed", "duplicate") or row.reason.count("; ") or row.file in given
+        ]
+        names = [*dict.fromkeys(last_part(row.file) for row in told)]
+        self.unused.text = say("app.records.unused", files=listed(names)) if told else ""
         if not told:
             return
         with self.left:
@@ -166,6 +179,15 @@ class RecordPart:
             await self.read()
 
         return remove
+
+
+def _counts(channels: int, events: int) -> str:
+    """Return the numbers of channels and earthquakes as text, and the number that a verdict needs if it is larger."""
+    from rockpulse.assessment.verdict import FEWEST_AT_DEMAND
+
+    key = "app.records.few" if events < FEWEST_AT_DEMAND else "app.records.counts"
+    words = {"channels": counted_words(channels, "channel"), "events": counted_words(events, "earthquake")}
+    return say(key, **words, needed=FEWEST_AT_DEMAND)
 
 
 def _row(record: Record) -> dict[str, Any]:

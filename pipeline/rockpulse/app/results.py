@@ -10,7 +10,7 @@ from rockpulse.views.shared.words import say
 
 #: Makes the frame of the report as high as the report.
 FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
-  const fit = () => { frame.style.height = page.documentElement.scrollHeight + 'px'; };
+  const fit = () => { frame.style.height = Math.ceil(page.documentElement.getBoundingClientRect().height) + 2 + 'px'; };
   const style = page.createElement('style'); page.head.append(style);
   style.textContent = 'html { overflow-y: hidden; } .card { content-visibility: visible; }';
   fit(); new ResizeObserver(fit).observe(page.body); }"""
@@ -23,7 +23,7 @@ class ResultPart:
 
     def __init__(self, page: Window) -> None:
         self.page, self.project, self.command = page, page.project, page.project.command
-        self._seen = -1
+        self._seen, self._assessed = -1, page.project.assessed
 
     def show(self) -> None:
         """Build the part."""
@@ -47,8 +47,8 @@ class ResultPart:
             return
         code = await self.command.run((*ASSESS, "--resume", "--overwrite"))
         if code in (0, 1) and (self.project.folder / RESULTS).is_file():
-            await self._write_report(".html")
-            await self.page.parts[0].read()  # what the assessment has rejected
+            self.project.assessed += 1
+            await self._write_report(".html")  # also if the window was closed
 
     async def _write_report(self, suffix: str) -> None:
         language = self.page.language
@@ -57,7 +57,8 @@ class ResultPart:
 
     async def _run(self, *arguments: str) -> None:
         """Run a command to its end; raise ValueError with its message if it fails."""
-        if not self.command.running and await self.command.run(arguments):
+        code = 0 if self.command.running else await self.page.after(self.command.run(arguments))
+        if code:
             raise ValueError(self.command.reason)
 
     def _saving(self, kind: str) -> Any:
@@ -74,6 +75,9 @@ class ResultPart:
     def _look(self) -> None:
         """Show the progress of the command if it has changed, and what another window has changed."""
         self.page.follow()
+        if self.project.assessed != self._assessed:  # by any window
+            self._assessed = self.project.assessed
+            ui.timer(0.05, self.page.handler(self.page.parts[0].read), once=True)  # what the assessment has rejected
         if self.command.version != self._seen:
             self._seen = self.command.version
             with self.page.words():

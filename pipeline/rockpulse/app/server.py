@@ -21,6 +21,8 @@ from rockpulse.views.shared.words import LANGUAGES
 
 #: Time between two looks for open pages [s].
 LOOK = 5.0
+#: Cookie that keeps the chosen language, also for the next start of the program.
+LANGUAGE = "rockpulse-language"
 #: Files that open in the browser; others are saved.
 SHOWN = (".html", ".pdf")
 
@@ -43,7 +45,11 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
     @ui.page("/", title="rockpulse", response_timeout=30.0)
     def page(request: Request, language: str = "") -> None:
         asked = request.headers.get("accept-language", "")[:2]
-        show_page(project, next((one for one in (language, asked) if one in LANGUAGES), "en"))
+        kept = request.cookies.get(LANGUAGE, "")
+        if language in LANGUAGES:
+            cookie = f"{LANGUAGE}={language}; path=/; max-age=31536000; SameSite=Strict"
+            ui.add_head_html(f"<script>document.cookie = '{cookie}'</script>")
+        show_page(project, next((one for one in (language, kept, asked) if one in LANGUAGES), "en"))
 
     @app.get("/files/{name}")
     def download(name: str) -> FileResponse:

@@ -3,15 +3,20 @@
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
-from typing import Any
+from typing import Any, TypeVar
 
 from nicegui import ui
 
 from rockpulse.app.project import Project
 from rockpulse.views.shared.words import writing
 
+T = TypeVar("T")
 #: Number of calls of :meth:`Window.follow` during which the other window pauses.
 PAUSE = 4
+
+
+class Closed(Exception):
+    """A window was closed or loaded again while its work went on; another window shows the state."""
 
 
 class Window:
@@ -30,6 +35,7 @@ class Window:
     def __init__(self, project: Project, language: str) -> None:
         self.project, self.language = project, language
         self.parts: list[Any] = []
+        self.client = ui.context.client
         self.sending, self._working = False, 0  # whether files are sent, and the number of handlers at work
         self._seen, self._differs = project.written, 0
 
@@ -40,6 +46,13 @@ class Window:
         self._differs = self._differs + 1 if self.project.written != self._seen else 0
         if self._differs > PAUSE:
             ui.navigate.reload()
+
+    async def after(self, work: Awaitable[T]) -> T:
+        """Return what some work has found; raise Closed if the window is gone by then, and has nothing to show it."""
+        found = await work
+        if self.client.is_deleted:
+            raise Closed
+        return found
 
     def changed(self) -> None:
         """Write the configuration after a change on the page, and show whether it is valid."""
@@ -68,7 +81,11 @@ class Window:
                     found = work(*given)
                     if isinstance(found, Awaitable):
                         await found
+                except Closed:
+                    return
                 except (ValueError, OSError) as error:
+                    if self.client.is_deleted:
+                        raise
                     ui.notify(str(error), type="negative", multi_line=True, close_button=True, timeout=0)
                 finally:
                     self._working -= 1

@@ -18,17 +18,25 @@ def agency(tmp_path_factory):
     whole = io.BytesIO()
     zipped(whole, records(1))
     (folder / "damaged.zip").write_bytes(whole.getvalue()[: len(whole.getvalue()) // 2])
+    (folder / "notes.txt").write_text("Received on Monday.\n")
     motion = 3.0 * np.exp(-(((TIME - 2.0) / 0.8) ** 2)) * np.sin(7.0 * (TIME - 2.0))
     (folder / "columns.txt").write_text("".join(f"{0.01 * n:.2f} {value:.5f}\n" for n, value in enumerate(motion)))
     return folder
 
 
 @pytest.fixture(scope="session")
-def browser(tmp_path_factory):
+def driver(tmp_path_factory):
     """One browser for all tests of the page."""
     driver = chromium(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()
+
+
+@pytest.fixture
+def browser(driver):
+    """The browser without cookies, which keep the language."""
+    driver.execute_cdp_cmd("Network.clearBrowserCookies", {})
+    return driver
 
 
 @pytest.fixture(scope="session")

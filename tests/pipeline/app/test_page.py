@@ -21,10 +21,11 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
     with served(tmp_path / "project") as page:
         window = Window(browser, page).open()
         assert "Enter a body first." in window.text("results")  # no bodies
-        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "columns.txt")))
-        window.says("records", "5 channels", "Not used (2)", "damaged.zip", "do not state their unit")
+        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "columns.txt", "notes.txt")))
+        window.says("records", "5 channels, 5 earthquakes", "Not used (3)", "do not state their unit")
+        window.says("records", "Not used: columns.txt, damaged.zip, notes.txt.")
         window.choose("records", "unit", "m/s2")
-        window.says("records", "6 channels", "Not used (1)")
+        window.says("records", "6 channels", "Not used (2)")
         walls(window)
         window.choose("site", "given by", "PGA")
         window.type("site", "value", "0,3")
@@ -35,6 +36,9 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
         browser.switch_to.frame(window.find("#results iframe")[0])
         cards = window.wait(lambda: [one.text for one in window.find(".card h3")])
         browser.switch_to.default_content()
+        high = wide_and_narrow(window)
+        assert abs(high[0] - high[2]) < 20
+        assert high[1] > high[2] + 100
         assert {card.split("\n")[0].split(" ")[0] for card in cards} == {"wall", "pier"}
 
         # The command line gives the same numbers.
@@ -44,13 +48,27 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
 
         # A reload, also in the other language, shows everything again.
         window.open(f"http://127.0.0.1:{page.port}/?language=it")
-        window.says("records", "6 canali")
+        window.open().says("records", "6 canali")
         assert window.field("bodies", "larghezza [m]", 0).get_attribute("value") == "0,3"
         assert window.field("site", "valore", 0).get_attribute("value") == "0.3"
         assert browser.execute_script("return document.documentElement.lang") == "it"
         window.press("results", "PDF")
         window.wait(lambda: (page.folder / "report-it.pdf").is_file())
         assert window.console() == []
+
+
+def wide_and_narrow(window):
+    """Height of the report on a wide window, a narrow one, and the wide one again [px]."""
+    high = []
+    for width in (1280, 700, 1280):
+        size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+        window.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        time.sleep(1.0)
+        high.append(window.find("#results iframe")[0].size["height"])
+        hidden = "const page = document.querySelector('#results iframe').contentDocument.documentElement;"
+        assert window.browser.execute_script(hidden + "return page.scrollHeight - page.clientHeight") <= 0
+    window.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    return high
 
 
 def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, tmp_path):
