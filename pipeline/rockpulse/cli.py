@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _run(argv)
     except KeyboardInterrupt as error:
-        if argv is None:  # while Python shuts down, a further Ctrl-C would end it by the signal
+        if argv is None:  # a second Ctrl-C, while Python shuts down, must not change the exit code
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         return _ended(str(error) or "interrupted", INTERRUPTED)
 

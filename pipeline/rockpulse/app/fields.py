@@ -45,7 +45,9 @@ def value_of(text: str | None) -> Any:
 
 def text_of(value: Any) -> str:
     """Return the text of a value in an input."""
-    return "" if value is None else numerals(f"{value:g}") if isinstance(value, int | float) else str(value)
+    if isinstance(value, int | float):
+        return numerals(f"{value:g}")
+    return "" if value is None else str(value)
 
 
 class Fields:

@@ -118,18 +118,18 @@ class RecordPart:
     def _show_left(self, failures: list[Failure]) -> None:
         self.left.clear()
         given = {str(path) for path in self.project.record_files()}
-        told = [
+        left_out = [
             row
             for row in failures
             if row.kind in ("failed", "duplicate") or row.reason.count("; ") or row.file in given
         ]
-        names = [*dict.fromkeys(last_part(row.file) for row in told)]
-        self.unused.text = say("app.records.unused", files=listed(names)) if told else ""
-        if not told:
+        names = [*dict.fromkeys(last_part(row.file) for row in left_out)]
+        self.unused.text = say("app.records.unused", files=listed(names)) if left_out else ""
+        if not left_out:
             return
         with self.left:
-            ui.html(say("app.records.left", count=len(told)), tag="h3")
-            for row in told:
+            ui.html(say("app.records.left", count=len(left_out)), tag="h3")
+            for row in left_out:
                 with ui.element("div").classes(f"left {row.kind}"):
                     self._left(row)
 

@@ -31,7 +31,7 @@ def _run(args: argparse.Namespace) -> int:
             f"--age: expected --limit-state overturning, because the bodies are still standing, found {limit_state}"
         )
     files = [] if args.output is None else [Path(args.output)]
-    if files and args.bodies is None:  # a second table: annual frequency by intensity level
+    if files and args.bodies is None:  # a second file with the annual frequency at each intensity level
         files.append(files[0].with_name(f"{files[0].stem}_levels{files[0].suffix}"))
     for path in files:
         check_file(path, args.overwrite)

@@ -57,7 +57,9 @@ def _keys() -> dict[str, str]:
     found: dict[str, str] = {}
     for item in fields(BlockSettings):
         entry = item.metadata.get("entries")
-        keys = {item.name: item} if entry is None else {f"{toml_key(item)}.{key.name}": key for key in fields(entry)}
+        keys = {item.name: item}
+        if entry is not None:  # a table within [[block]], such as [[block.tie]]
+            keys = {f"{toml_key(item)}.{key.name}": key for key in fields(entry)}
         found |= {name: key.metadata["values"].unit for name, key in keys.items()}
     return found | SITE
 
