@@ -381,7 +381,7 @@ def test_the_largest_share_at_the_demand_counts():
 
 @pytest.mark.parametrize(
     ("friction", "share", "words"),
-    [(0.2, 0.2, "slides first"), (0.3, 0.2, "10 %"), (0.3, 0.002, "<1 %"), (0.3, 0.0, "no"), (NAN, NAN, None)],
+    [(0.2, 0.2, "first"), (0.3, 0.2, "10 %"), (0.3, 0.002, "<1 %"), (0.3, 0.0, "no"), (NAN, NAN, None)],
 )
 def test_sliding_is_one_column_without_infinities(friction, share, words):
     found = rubbing(friction, [share] * 5)

@@ -177,7 +177,7 @@ def grade_cell(found: Finding, before: str = "") -> Cell:
 def _sliding(found: Finding) -> Cell:
     """Return whether a body slides: first, in a share of the time of a motion, or not; a dash if it is unknown."""
     if found.slides_first:
-        return Cell(say("grade.slides_first"), 2.0)
+        return Cell(say("slides_first"), 2.0)
     if found.sliding == 0.0:
         return Cell(say("no"), 0.0)
     return Cell(f"<{share(0.01)}" if found.sliding < 0.01 else share(found.sliding), found.sliding)
