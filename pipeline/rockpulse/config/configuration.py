@@ -162,7 +162,7 @@ SECTIONS: dict[str, type[Section]] = {
 
 
 def _facts_of(entry: Section) -> list[Any]:
-    """Return the values of an entry and of the entries in it, except whether its size is confirmed."""
+    """Return the values of an entry and of the entries in it, except whether the user has confirmed its size."""
     facts: list[Any] = []
     for name, value in vars(entry).items():
         if isinstance(value, tuple) and value and isinstance(value[0], Section):
@@ -322,7 +322,7 @@ def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: 
 
 
 def section_of(cls: type[Section], values: Any) -> Any:
-    """Make a section from its keys in TOML; raise ConfigError for an unknown, a missing or a wrong one."""
+    """Make a section from its keys in TOML; raise ConfigError for an unknown or a missing key, or a wrong value."""
     if not isinstance(values, Mapping):
         raise ConfigError(f"{cls.heading}: expected a section with keys, found {values!r}")
     known = {toml_key(item): item for item in dataclasses.fields(cls)}

@@ -43,6 +43,8 @@ class SiteSettings(Section):
     ConfigError
         If both `ag` and `pga` are given, or `pga` is not a positive number with a unit of acceleration.
 
+    Examples
+    --------
     >>> rp.Config(site=rp.SiteSettings(name="Basilica of San Bernardino")).site
     SiteSettings(name='Basilica of San Bernardino')
     """
