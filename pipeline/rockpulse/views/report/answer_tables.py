@@ -55,7 +55,9 @@ class AnswerCells:
     @property
     def marks(self) -> set[CellMark]:
         """Marks of the results of every model, and of the scale factors."""
-        return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
+        return col.marks_of(
+            cell for table in (*(self.of_models[name] for name in self.shown), self._factors) for cell in table
+        )
 
     def record(self, record: int) -> Cell:
         """Return a cell with the id of a record and a link to its section."""
