@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
-#: Files of other verbs, found by their characteristic group: description of the file, and module that prints it.
+#: Files of other verbs, recognised by a group that only they contain: description, and module that prints them.
 SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
 #: Options that request a list of results.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
@@ -41,7 +41,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """Return the parts of the results that the options request, or the overview if there is no such option."""
+    """Return the texts that the options request, or the overview of the results if no option requests any."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
