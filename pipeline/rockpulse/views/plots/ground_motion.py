@@ -118,7 +118,7 @@ def stored_record(tree: xr.DataTree, record: str) -> Record:
 
 
 def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -> dict[str, xr.Variable]:
-    """Return variables of /records for one record; `sizes` is the variable with the number of its samples."""
+    """Return variables of /records for one record; the variable `sizes` has the number of samples of each record."""
     record = str(own["record"].item())
     found = ragged(tree, sizes, names, record)
     if found is None:
@@ -191,7 +191,7 @@ def _phase(motion: xr.Dataset) -> tuple[float, float]:
 
 
 def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None:
-    """Draw the acceleration, and fill the strong half-waves of the intense phase."""
+    """Draw the acceleration in a time window, and fill the strong half-waves of the intense phase."""
     time, acceleration = motion["time"].values, motion["acceleration"].values
     inside = (time >= window[0]) & (time <= window[1])
     ax.plot(*thinned(time[inside], acceleration[inside], INSTANTS), color=GREY, lw=0.6)
@@ -207,7 +207,7 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
 
 
 def _strong(motion: xr.Dataset) -> np.ndarray:
-    """Return the mask of the half-waves of the intense phase whose impulse is above half of the largest impulse."""
+    """Return the mask of half-waves in the intense phase whose impulse is above half of the largest impulse."""
     impulse, centroid = np.abs(motion["impulse"].values), motion["centroid"].values
     first, last = _phase(motion)
     within = (centroid >= first) & (centroid <= last)
