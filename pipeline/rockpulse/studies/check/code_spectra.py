@@ -35,7 +35,7 @@ def displacement_of(period: float, acceleration: float) -> float:
 
 
 class TableEnds(ConfigError):
-    """Error: a period is longer than the last period of a tabulated spectrum."""
+    """Error: a period is beyond the last period of a tabulated spectrum."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class TabledSpectrum:
         return float(self.acceleration[0])
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """Return S_e [m/s2] at a period [s]; raise TableEnds if the table ends before this period."""
+        """Return S_e [m/s2] at a period [s]; raise TableEnds if the period is beyond the last row of the table."""
         if period > self.period[-1]:
             raise TableEnds(
                 f"{self.words}: the table ends at {self.period[-1]:g} s, but {period:.3g} s is needed: extend it"
@@ -122,7 +122,7 @@ ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """Return the spectrum of [check], with file names relative to `folder`; ConfigError if there is none."""
+    """Return the spectrum of [check]; file names are relative to `folder`. Raise ConfigError if none is given."""
     if settings.file is not None:
         return TabledSpectrum(*read_spectrum(folder / settings.file), str(folder / settings.file))
     if settings.ag is None:
