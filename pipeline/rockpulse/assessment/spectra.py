@@ -25,7 +25,7 @@ from rockpulse.storage.variables.summary import ANSWER
 ALPHA = 0.1
 
 
-#: Function that marches the lanes of a record, for each `method`; the rule can use known half-waves.
+#: Function that computes blocks at scale factors under a record, for each `method`; the rule can use known half-waves.
 LANES: dict[str, Callable[..., SpectrumLanes]] = {
     "nonlinear": lambda record, rates=RATES, threads=None, waves=None, rotations=True: spectrum_lanes(
         record.acceleration, record.dt, rates, threads, rotations=rotations

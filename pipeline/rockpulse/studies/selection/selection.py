@@ -178,7 +178,7 @@ def record_spectrum(motion: Motion, watch: Watch, periods: np.ndarray) -> Part:
 
 
 def target_spectrum(config: Config, periods: np.ndarray) -> tuple[np.ndarray, str]:
-    """Return the target spectrum [m/s2] at (k,) periods [s], from a table of [selection] or from [check], and its name."""
+    """Return the target spectrum [m/s2] at (k,) periods [s], from [selection] or else [check], and its name."""
     if config.selection.target is None:
         if not config.check.given:
             raise ConfigError(
