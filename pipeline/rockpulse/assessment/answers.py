@@ -236,7 +236,7 @@ class Answers:
         return self.of_demand("capacity_ratio", demand)
 
     def of_demand(self, name: str, demand: str) -> np.ndarray:
-        """Return the values (records, bodies) of a variable at a demand, or (records, bodies, ties) for a tie variable."""
+        """Return the values (records, bodies) of a variable at a demand; for ties (records, bodies, ties)."""
         return np.asarray(self[name][:, :, [*self.demands].index(demand)])
 
     @property

@@ -297,7 +297,7 @@ def slides_first(answers: Answers) -> np.ndarray:
 
 
 def _sliding(answers: Answers, demand: str | None, kept: np.ndarray) -> np.ndarray:
-    """Return, for each body, the largest share of any motion in the mask `kept` that requires more than its friction."""
+    """Return, for each body, the largest share of a motion in the mask `kept` that requires more than its friction."""
     if np.isnan(answers.summary["friction"].values).all() or answers.motions.kind == "sequence":
         return np.full(kept.shape[1], np.nan)
     shares = answers["sliding_share"] if demand is None else answers.of_demand("demand_sliding_share", demand)

@@ -171,7 +171,7 @@ class WorkerProcesses(ThreadPoolExecutor):
             ours, theirs = multiprocessing.Pipe()
             with self._changing:
                 if self._ended:
-                    raise ChildProcessError("the worker processes have been ended")
+                    raise ChildProcessError("the worker processes were stopped")
                 process = multiprocessing.get_context("spawn").Process(target=serve, args=(theirs,), daemon=True)
                 # Linear algebra libraries would start one thread per core in every process: two workers took three
                 # times as long.

@@ -214,8 +214,7 @@ class ResultsFile:
 
         if group not in self.groups:
             raise ResultsError(
-                f"{self.path}: there is no group {group!r}{hint(group, self.groups)} (there are "
-                f"{', '.join(self.groups)})"
+                f"{self.path}: there is no group {group!r}{hint(group, self.groups)} (groups: {', '.join(self.groups)})"
             )
         if group not in self._opened:
             try:

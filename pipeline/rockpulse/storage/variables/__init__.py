@@ -106,8 +106,11 @@ def along(
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:
     """Return every declared variable with its values; raise KeyError unless `values` has exactly the declared names."""
-    if unmatched := declared.keys() ^ values.keys():
-        raise KeyError(f"not both declared and given: {', '.join(sorted(unmatched))}")
+    lacking, undeclared = (
+        ", ".join(sorted(one)) for one in (declared.keys() - values.keys(), values.keys() - declared.keys())
+    )
+    if lacking or undeclared:
+        raise KeyError(f"declared without values: {lacking or '-'}; values without a declaration: {undeclared or '-'}")
     return {name: variable.variable(values[name]) for name, variable in declared.items()}
 
 
