@@ -81,9 +81,7 @@ def check(
     """
     codes = [code] if isinstance(code, str) else [one for one in CODES if one != FRAME] if code is None else list(code)
     if unknown := [one for one in codes if one not in CODES]:
-        raise ConfigError(
-            f"code: expected one or more of {', '.join(CODES)}, found {unknown[0]!r}{hint(unknown[0], CODES)}"
-        )
+        raise ConfigError(f"code: expected one of {', '.join(CODES)}, found {unknown[0]!r}{hint(unknown[0], CODES)}")
     if isinstance(results, Config):
         raise ConfigError("results: expected the results of assess, found a Config; give it as config=")
     if results is None and config is None:
