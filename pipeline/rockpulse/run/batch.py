@@ -269,7 +269,7 @@ class _Batch:
         resumed = self.report.resumed = len(done)
         stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
         logger.info(
-            "%s %d records; finished before: %d, of another state: %d", analysis.doing, len(missing), resumed, stale
+            "%s %d records; finished before: %d, to be repeated: %d", analysis.doing, len(missing), resumed, stale
         )
         if self.earlier is not None:
             stale = self.earlier.stale

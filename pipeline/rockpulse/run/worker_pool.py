@@ -159,7 +159,7 @@ class WorkerPool:
             return WorkerLost(str(error))
         except CancelledError as error:
             raise ConnectionError(
-                "the work was cancelled from outside: the scheduler or the executor is gone"
+                "the work was cancelled from outside: the scheduler or the executor has ended"
             ) from error
         results: tuple[float, list[Any]] = pickle.loads(found) if isinstance(found, bytes) else found
         return results

@@ -101,7 +101,7 @@ def long_table(
     dataset = file.dataset(group)
     dims = _dimensions(dataset, group) if dims is None else tuple(dims)
     if not dims or (columns is not None and not columns):
-        raise ResultsError(f"expected at least one {'column' if dims else 'dimension of which each element has a row'}")
+        raise ResultsError(f"expected at least one {'column' if dims else 'dimension for the rows'}")
     for dim in dims:
         if dim not in dataset.sizes:
             raise ResultsError(

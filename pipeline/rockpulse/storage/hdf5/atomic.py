@@ -55,7 +55,7 @@ def replacing(
     free = shutil.disk_usage(target.parent).free
     if free < size + LAYOUT:
         raise ResultsError(
-            f"{path}: the results take {(size + LAYOUT) / 1e6:.0f} MB, {free / 1e6:.0f} MB are free in "
+            f"{path}: the results need {(size + LAYOUT) / 1e6:.0f} MB, but {free / 1e6:.0f} MB are free in "
             f"{target.parent}; free some space there"
         )
     part = _part(target)

@@ -119,7 +119,7 @@ def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
         raise ResultsError(f"{where}: its values are kept in another file, which is not read")
     filters = [created.get_filter(number) for number in range(created.get_nfilters())]
     if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
-        raise ResultsError(f"{where}: compressed by {', '.join(foreign)}, which results files never are")
+        raise ResultsError(f"{where}: compressed by {', '.join(foreign)}, which results files never use")
     if h5py.h5ds.is_scale(dataset.id) and is_bare_dimension(dataset.attrs.get("NAME")):
         return  # a dimension without a variable has a length but no values to be read
     declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()

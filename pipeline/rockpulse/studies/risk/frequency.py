@@ -288,7 +288,7 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     [0.006738, 0.000599, 0.599146, 1.0]
     """
     if not (math.isfinite(age) and age > 0.0) or not 0.0 < confidence < 1.0:
-        raise ConfigError(f"age, confidence: expected a positive time and a share, got {age!r}, {confidence!r}")
+        raise ConfigError(f"age, confidence: expected a positive time and a share below 1, got {age!r}, {confidence!r}")
     frequency, low, high = (risk[f"frequency{end}"].values for end in ("", "_low", "_high"))
     largest = np.full(frequency.shape, -math.log1p(-confidence) / age)
     values = {

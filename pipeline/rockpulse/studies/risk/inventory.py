@@ -135,7 +135,9 @@ def inventory_frequency(
     """
     spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
-        raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
+        raise ConfigError(
+            f"years, confidence: expected a positive time and a share below 1, got {years!r}, {confidence!r}"
+        )
     lanes = block.lanes()
     count = lanes.shape[0]
     if not isinstance(hazard, SiteHazards):

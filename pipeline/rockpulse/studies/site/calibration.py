@@ -96,7 +96,9 @@ class SiteCalibration(Analysis):
     def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
         if config.sequence.main_count == "none":
-            raise ConfigError('[sequence] main_count: "none" has no design; expected "half-largest" or a number')
+            raise ConfigError(
+                '[sequence] main_count: "none" gives no design sequence; expected "half-largest" or a number'
+            )
         blocks = config.bodies if bodies is None else bodies
         self.block_names: list[str] = []
         self.lanes: Block | None = None
@@ -182,7 +184,7 @@ def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum:
     """Return the design spectrum of a site tree, as :func:`load_design` does for a file; `name` is used in messages."""
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     if np.isnan(spectra["spectrum_design"].values).any():
-        raise ResultsError(f"{name}: no design: {str(site['site_warnings'].item()).splitlines()[0]}")
+        raise ResultsError(f"{name}: no design spectrum: {str(site['site_warnings'].item()).splitlines()[0]}")
     return DesignSpectrum(
         spectra["p"].values,
         spectra["restitution"].values,

@@ -125,8 +125,8 @@ def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[
     names = tree["summary"].to_dataset()["record"].values.tolist() if records is None else list(records)
     if len(names) > MARCHED:
         raise ResultsError(
-            f"the file does not hold the spectra of its {len(names)} records, and those of at most {MARCHED} are "
-            'computed for a picture: name one record, or assess again with [uncertainty] spectrum = "all"'
+            f"the file does not contain the spectra of its {len(names)} records, and at most {MARCHED} spectra "
+            'are computed for a picture: name one record, or assess again with [uncertainty] spectrum = "all"'
         )
     nearest = float(RESTITUTIONS[np.argmin(np.abs(RESTITUTIONS - restitution))])
     uncertainty = selection.settings_of(tree, UncertaintySettings).of_draws()
@@ -270,7 +270,7 @@ def plot(
         raise TypeError(f"plot: a {type(what).__name__} takes no options, found {unknown}")
     if isinstance(what, ImpulseSequence) and block is not None:
         if not isinstance(block, Block):
-            raise TypeError(f"plot: expected a Block that gives the sequence its times, found {type(block).__name__}")
+            raise TypeError(f"plot: expected a Block, whose half-cycles give the times, found {type(block).__name__}")
         return style.whole_figure(limit_accelerogram(block, what))
     drawer = next(draw for kind, draw in _BY_TYPE.items() if isinstance(what, kind))
     return style.whole_figure(drawer(what))

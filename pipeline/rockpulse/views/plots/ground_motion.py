@@ -24,7 +24,7 @@ from rockpulse.views.shared.record_facts import Known, RecordFacts
 from rockpulse.views.shared.words import say
 
 #: Advice if the samples of a record are not in the file.
-STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
+STORE = 'the file does not contain the accelerograms: assess again with [records] store = "all"'
 #: Stored variables whose name differs from that of the field of a record.
 _FIELDS = {"event_title": "event"}
 _ACCELERATION = real("ground acceleration", "m s^-2", dims=("sample",))

@@ -99,13 +99,11 @@ def histories(
     models = [selection.one_name(summary, "model", name) for name in models]
     for name in models:
         if name not in DRAWN:
-            raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')
+            raise ResultsError(f'model "{name}": expected a model that computes a motion: {", ".join(DRAWN)}')
         if factor != 1.0 and name not in FOLLOWING:
-            raise ResultsError(
-                f'model "{name}": expected one that follows the record to a factor on it: {", ".join(FOLLOWING)}'
-            )
+            raise ResultsError(f'model "{name}": expected a model that can use a scaled record: {", ".join(FOLLOWING)}')
     if not (np.isfinite(factor) and factor > 0.0):
-        raise ResultsError(f"factor: expected a positive factor on the record, got {factor:g}")
+        raise ResultsError(f"factor: expected a positive scale factor, got {factor:g}")
     if factor == 1.0:
         return [_history(tree, record, block, name, case) for name in models]
     body = selection.block_of(summary, block, case)
@@ -209,7 +207,7 @@ def recomputed(
     if row.takes == "half-waves":
         return _worse(model, body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
     if row.vertical and had_vertical(summary, record):
-        raise ResultsError(f"{record}: the vertical channel acted and is not in the file: {_AGAIN}, or {_OTHERS}")
+        raise ResultsError(f"{record}: the file lacks the vertical channel, which was used: {_AGAIN}, or {_OTHERS}")
     if selection.ragged(tree, "row_size", ["acceleration"], record) is None:
         raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
     motion = stored_record(tree, record)
@@ -228,7 +226,7 @@ def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
     waves = selection.ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
     if waves is None:
         raise ResultsError(
-            f"{record}: the file does not hold the half-waves, nor histories of {model}: assess again with "
+            f"{record}: the file contains neither the half-waves nor histories of {model}: assess again with "
             '[records] store = "half_waves" or "all"'
         )
     still = Record(np.zeros(int(summary["npts"])), dt=float(summary["dt"]), id=record)

@@ -140,6 +140,8 @@ def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
     names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")
     main, secondary, interval, duration = (float(own[name]) for name in names)
     if not np.isfinite(main):
-        raise ResultsError(f"{record}: no impulse sequence: the intense phase of the record holds too few half-waves")
+        raise ResultsError(
+            f"{record}: no impulse sequence: the intense phase of the record contains too few half-waves"
+        )
     count, spacing = int(own["main_count"]), flag_words(own["spacing"])[int(own["spacing"])]
     return ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, spacing=spacing)

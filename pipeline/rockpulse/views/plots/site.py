@@ -74,7 +74,7 @@ def site_accelerogram(tree: xr.DataTree, block: str | None = None) -> np.ndarray
     own = site.sel(block=name)
     main, ratio = float(own["main"]), float(own["ratio"])
     if not np.isfinite(main):
-        raise ResultsError(f"{name}: the site has no design for this body, so there is no limit accelerogram")
+        raise ResultsError(f"{name}: the site has no design sequence for this body, so there is no limit accelerogram")
     sequence = ImpulseSequence(
         main, ratio * main, float(own["interval"]), np.inf, int(own["main_count"]), spacing=str(site.attrs["spacing"])
     )

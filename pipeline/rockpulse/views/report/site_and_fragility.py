@@ -142,7 +142,7 @@ def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
         there = designed.get(body.name, np.nan)
         if np.isfinite(here) and abs(here / there - 1.0) > SEARCHED:
             raise ResultsError(
-                f"{name}: the design that was assessed is not that of this site: the factor of {body.name} is "
+                f"{name}: the assessed design spectrum is not from this file: the scale factor of {body.name} is "
                 f"{here:.7g} in the results, {there:.7g} in the site file; {_ASSESS_AGAIN}"
             )
 

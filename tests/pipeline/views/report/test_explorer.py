@@ -160,7 +160,7 @@ def test_a_vertical_that_is_not_stored_leaves_the_stored_history_alone(bursts, b
     steps = found["bodies"][0]["scenes"][0]["steps"]
     assert [step["factor"] for step in steps if "rotation" in step] == [1.0]
     assert {step["reason"] for step in steps if step["factor"] != 1.0} == {
-        "burst0: the vertical channel acted and is not in the file: assess again with [models] histories = true, or "
+        "burst0: the file lacks the vertical channel, which was used: assess again with [models] histories = true, or "
         "draw other models (--model)"
     }
 
