@@ -191,7 +191,6 @@ def _counts(channels: int, events: int) -> str:
 
 
 def _row(record: Record) -> dict[str, Any]:
-    """Return the cells of a record in the table, by column."""
     when = record.origin_time or record.start_time
     vertical = f"({say('left_out.vertical')})" if record.orientation == "vertical" else ""
     return {

@@ -142,5 +142,4 @@ class ResultPart:
 
 
 def _link(words: str, name: str) -> None:
-    """Show a link that downloads or opens a file of the project."""
     ui.button(words).props(f'href="/files/{name}" target="_blank" outline no-caps')

@@ -166,7 +166,7 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """Return the signs with which a record acts on a body that falls to `facing`: 1, -1, or both if it is across."""
+    """Return the signs with which a record acts on a body that falls to `facing`: 1 or -1 along it, both across it."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 

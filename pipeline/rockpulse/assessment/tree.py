@@ -204,7 +204,6 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
-    """Return an array of `rows` rows of missing values for a variable."""
     own = {"block": len(bodies.names), "case": bodies.cases, "tie": bodies.tie_count}
     sizes = own | {"model": len(config.models.use), "demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))

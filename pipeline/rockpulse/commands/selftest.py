@@ -51,7 +51,6 @@ def _cost(value: float) -> str:
 
 
 def _machine() -> str:
-    """Return a description of versions, processor and threads."""
     import platform
     from importlib.metadata import version
     from pathlib import Path

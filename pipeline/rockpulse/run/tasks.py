@@ -184,7 +184,6 @@ def digest_of(tasks: Iterable[Task | PackedTask], events: Mapping[str, str], con
 
 
 def _as_default(settings: Any, keys: Iterable[str]) -> Any:
-    """Return a section of the configuration with some keys reset to their defaults."""
     plain = type(settings)()
     return replace(settings, **{key: plain[key] for key in keys})
 

@@ -112,7 +112,6 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
 
 
 def _checksum(variable: h5py.Dataset) -> str:
-    """Return the checksum of the current values of a variable."""
     dtype = np.dtype(object) if h5py.check_string_dtype(variable.dtype) else np.dtype(variable.dtype)
     shape = variable.shape
     checksum = VariableChecksum(dtype, shape)

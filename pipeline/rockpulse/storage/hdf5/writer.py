@@ -131,7 +131,6 @@ class TreeWriter:
         return self._hdf5.create_dataset(path, shape, dtype, fillvalue=value, track_order=True, **most)
 
     def _make_scale(self, group: str, dim: str, scale: h5py.Dataset, name: str) -> None:
-        """Make a dataset the HDF5 scale of the dimension `dim`."""
         scale.attrs["_Netcdf4Dimid"] = np.int32(self._numbers[group, dim])
         scale.make_scale(name)
         self._scales[group, dim] = scale

@@ -119,7 +119,7 @@ class Mechanism:
 
 
 def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
-    """Return the loads that belong to the mass of the building, and the forces of all restraints, for theta > 0."""
+    """Return the loads whose mass stays with the building, and the forces of all restraints, for theta > 0."""
     weights, forces = [], []
     for load in restraints.loads:
         assert load.friction is not None  # loads without friction move with the body

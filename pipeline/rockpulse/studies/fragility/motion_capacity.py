@@ -170,7 +170,6 @@ def record_qualities(scene: Scene) -> dict[str, float]:
 
 
 def _reversed(scene: Scene) -> Scene:
-    """Return the scene with the record reversed in sign."""
     waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 

@@ -146,7 +146,7 @@ def fragility_frequency(
 
 
 def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of one body, which remains at rest at levels below exp(`floor`)."""
+    """Return the result variables of one body, which remains at rest at levels below exp(`floor`)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
@@ -177,7 +177,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of one frequency; the records cover the levels from exp(`low`) to exp(`high`)."""
+    """Return a frequency and the values derived from it; the records cover the levels from exp(`low`) to exp(`high`)."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,

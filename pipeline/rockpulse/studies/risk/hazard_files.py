@@ -164,7 +164,6 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if a site is invalid."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)
@@ -375,7 +374,6 @@ def place_in_words(longitude: float, latitude: float) -> str:
 
 
 def _on_sphere(places: np.ndarray) -> np.ndarray:
-    """Convert longitudes and latitudes (n, 2) to points (n, 3) on the unit sphere."""
     longitude, latitude = np.radians(places).T
     level = np.cos(latitude)
     return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

@@ -92,7 +92,7 @@ def _greedy(shapes: np.ndarray, codes: np.ndarray, start: int, count: int, per_e
 
 
 def _exchanged(shapes: np.ndarray, codes: np.ndarray, members: list[int], per_event: int) -> list[int]:
-    """Exchange one member at a time, which reduces the spread most, until nothing reduces it; return the members."""
+    """Repeat the exchange of one member that reduces the spread most, while there is one; return the members."""
     spread = float(_spread(shapes[members].sum(axis=0)))
     while True:
         others = [members[:place] + members[place + 1 :] for place in range(len(members))]

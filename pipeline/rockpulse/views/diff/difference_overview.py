@@ -136,12 +136,10 @@ def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
-    """Return at most `most` lines, followed by a line with the number of lines left out."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
-    """Return a title, a line for each listed change, and a line with the number of changes that are not listed."""
     rows = tuple(
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named

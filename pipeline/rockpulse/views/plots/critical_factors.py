@@ -215,7 +215,6 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> N
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
-    """Draw the scale factors of one model, and return the smallest of them."""
     appearance, factor = style.look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0

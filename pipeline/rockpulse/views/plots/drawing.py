@@ -48,7 +48,6 @@ FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIN
 
 
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
-    """Return the names of the selected record and body, and a title with both names."""
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     names = f"{style.plain(record)}, {style.plain(selection.named_body(summary, block, case))}"

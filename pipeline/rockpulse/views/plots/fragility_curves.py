@@ -172,7 +172,6 @@ def _panel(
 
 
 def _named(state: str) -> str:
-    """Return the name of a limit state or, if it is a rotation, its formula."""
     return say(f"limit_state.{state}") if state.isalpha() else rf"$\theta_{{max}}/\alpha_c \geq$ {numerals(state)}"
 
 

@@ -102,14 +102,12 @@ def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarra
 
 
 def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, words: str, color: str, lw: float, ms: float) -> None:
-    """Draw impulses as arrows that point away from zero."""
     ax.vlines(times, 0.0, sizes, color=color, lw=lw)
     for chosen, marker, label in ((sizes > 0.0, "^", words), (sizes <= 0.0, "v", None)):
         ax.plot(times[chosen], sizes[chosen], ls="none", marker=marker, ms=ms, color=color, label=label)
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
-    """Draw the half-cycles as bars along the bottom, each with its largest rotation as a number."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label=say("limit_state.overturning"))

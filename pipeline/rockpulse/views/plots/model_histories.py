@@ -221,7 +221,6 @@ def recomputed(
 
 
 def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
-    """Return the stored half-waves of a record as input of a model."""
     summary = tree["summary"].to_dataset().sel(record=record)
     waves = selection.ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
     if waves is None:

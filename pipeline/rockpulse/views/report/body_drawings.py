@@ -79,13 +79,11 @@ def body_drawing(body: Outline, support: Support, label: str, length: Callable[[
 
 
 def _tie(tie: TieLine, x: Any, y: Any) -> str:
-    """Return the SVG line of a tie, from its attachment on the body to its anchor."""
     start, end, level = x(tie.attached), x(tie.edge) + tie.outward * 20, y(tie.height)
     return f'<path class="tie" d="M{start} {level}H{end}m0 -4v8M{start} {level - 4}v8"/>'
 
 
 def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
-    """Return an SVG arrow from the first to the second point."""
     length = math.hypot(x1 - x0, y1 - y0)
     along, across = ((x1 - x0) / length * 5, (y1 - y0) / length * 5), ((y0 - y1) / length * 3, (x1 - x0) / length * 3)
     ends = [(x1 - along[0] + sign * across[0], y1 - along[1] + sign * across[1]) for sign in (1, -1)]

@@ -135,7 +135,6 @@ def page_content(
 
 
 def _code_checks(checked: xr.Dataset | str, found: Sequence[BodyVerdict]) -> ReportSection:
-    """Return the section on the code checks, with the bodies in the order of their verdicts."""
     if isinstance(checked, str):
         return ReportSection((say("check.no_table", file=checked),), (), ())
     names = dict.fromkeys(one.body.block for one in sorted(found, key=by_severity))
@@ -173,7 +172,6 @@ def _model(name: str, judging: bool) -> Fact:
 
 
 def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[Fact, ...]:
-    """Return the assumptions of the assessment as facts."""
     facts = [_fact(f"assumption.{name}") for name in _ASSUMPTIONS]
     acted = int((summary["vertical_channel"] != "").sum())
     vertical = say("assumption.vertical.none")
@@ -347,7 +345,6 @@ def _of_record(one: Known, event: str, full: bool) -> tuple[Fact, ...]:
 
 
 def _sequence(one: Known) -> str:
-    """Describe the impulse sequence of a record on one line."""
     if math.isnan(one.value("main_impulse")):
         return say("fact.no_sequence")
     return say(

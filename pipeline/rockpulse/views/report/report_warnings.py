@@ -195,7 +195,6 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """Warn if the result of a body is unknown under some records."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
@@ -215,7 +214,6 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
 
 
 def _doubtful(summary: xr.Dataset) -> Limit | None:
-    """Warn if records have doubtful samples."""
     named = [cell for cell in record_cells(summary) if cell.marks]
     if not named:
         return None

@@ -49,7 +49,6 @@ class RecordFacts:
 
     @property
     def _earthquake(self) -> str:
-        """Return name, date and magnitude of the earthquake as text."""
         title, date, magnitude = self._named, in_dates(self.date), self.magnitude
         if title:
             more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)

@@ -200,7 +200,6 @@ def _capacity(capacity: float, limit: float, pga: float) -> Cell:
 
 
 def _rotation(ratio_of_angles: float) -> Cell:
-    """Return a cell with the largest rotation over alpha_c, or with the word for a body that overturns."""
     over = math.isinf(ratio_of_angles)
     return Cell(say("answer.overturns") if over else ratio(ratio_of_angles), ratio_of_angles)
 

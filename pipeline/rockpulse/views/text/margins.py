@@ -72,7 +72,6 @@ def _capacity(answers: Answers) -> str:
 
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
-    """Return the lines of a table with a column for each demand."""
     titles = [
         Heading(f"{name} ({demand.words})".replace(" ", "\N{NO-BREAK SPACE}"))
         for name, demand in answers.demands.items()

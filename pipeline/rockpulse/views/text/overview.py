@@ -88,7 +88,6 @@ def is_large(answers: Answers) -> bool:
 
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
-    """Return a summary of an assessment that has too many results to list all of them."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=WORST))))
@@ -102,7 +101,6 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
 
 
 def _record_strength(answers: Answers) -> str:
-    """Return a table of the intensity measures of the records: smallest, median and largest value."""
     rows = []
     for title, name, (_, unit, scale) in (
         *((row.title, row.name, row.column) for row in STORED),
@@ -232,7 +230,6 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:
-    """Return the results of one record or of one body."""
     known = [str(item) for item in summary[dimension].values]
     if label not in known:
         raise unknown(label, known, dimension)

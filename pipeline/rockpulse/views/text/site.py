@@ -122,7 +122,6 @@ def _interval(title: str, name: str) -> Column:
 
 
 def _design_table(site: xr.Dataset) -> Table:
-    """Return a table with effective impulse and scale factor of every body, from the design spectrum."""
     quantile, confidence = (f"{six_digits(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
 
     def over(factor: float) -> Cell:
@@ -146,8 +145,6 @@ def _design_table(site: xr.Dataset) -> Table:
 
 
 def _sequence_table(site: xr.Dataset) -> Table:
-    """Return a table of the impulse sequence of each body, and of the body's response to it."""
-
     def rotation(peak: float) -> Cell:
         return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number_cell(peak, ratio)
 
@@ -177,7 +174,6 @@ def _sequence_table(site: xr.Dataset) -> Table:
 
 
 def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
-    """Return a table of spectrum quantiles over p; an empty list if there are too few earthquakes."""
     if spectra["spectrum_design"].isnull().any():
         return []
     at = spectra.sel(restitution=TABLE_RESTITUTION, method="nearest")
