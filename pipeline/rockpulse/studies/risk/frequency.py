@@ -177,7 +177,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return a frequency and the values derived from it; the records cover the levels from exp(`low`) to exp(`high`)."""
+    """Return a frequency and the values derived from it; the records cover exp(`low`) to exp(`high`)."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,

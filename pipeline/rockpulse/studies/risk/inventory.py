@@ -177,7 +177,7 @@ def inventory_frequency(
 def _of_bodies(
     curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
-    """Return the result variables of m bodies; `events` (k, r) are the weights of r records in each of k earthquakes."""
+    """Return the result variables of m bodies; `events` (k, r) are the weights of r records in k earthquakes."""
     # P is linear in ln x between two levels, so that its increase is multiplied by the mean of H between them.
     whole_above = hazards.integral_above(curves.at)
     slope = np.diff(curves.probability, axis=2) / curves.spacing
