@@ -185,7 +185,7 @@ class Project:
         return len(set(events_by_id(records, event_table(self.config()), failures)[0].values())) if records else 0
 
     def rejected(self) -> list[Failure]:
-        """Return the failures of the last assessment other than of reading; none if its inputs have changed since."""
+        """Return the failures after reading in the last assessment; empty if its inputs have changed since."""
         from rockpulse.storage.hdf5.results_file import open_results_file
 
         path = self.folder / RESULTS

@@ -65,17 +65,17 @@ def record_probability(
 
 
 def _no_ties(shape: tuple[int, ...]) -> dict[str, np.ndarray]:
-    """Return the variables of ties (m, d, t), filled with missing values."""
+    """Return the variables of ties (bodies, demands, ties), filled with missing values."""
     return {name: np.full(shape, one.absent, dtype=one.kind) for name, one in OF_TIES.items()}
 
 
 def _near(factors: np.ndarray, config: Config) -> np.ndarray:
-    """Return a mask (m, d) of the scale factors that are near enough to 1 for an assessment."""
+    """Return a mask (bodies, demands) of the scale factors that are near enough to 1 for an assessment."""
     return np.asarray((factors >= FARTHEST[0]) & (factors <= min(FARTHEST[1], config.search.factor_max)))
 
 
 def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndarray) -> dict[str, np.ndarray]:
-    """Return results (m, d) of the nominal bodies under the record times `factors`, only where `near` is True."""
+    """Return results (bodies, demands) of the nominal bodies under the record times `factors`, if `near` is True."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
     found |= _no_ties((*near.shape, bodies.tie_count))
@@ -100,7 +100,7 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
 
 
 def _of_ties(restraints: Restraints | None, rotation: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the variables (t,) of the ties of a body, from its largest rotation about each corner."""
+    """Return the variables of the ties of a body, from its largest rotation about each corner."""
     assert restraints is not None
     demand, ultimate = restraints.tie_demand(rotation), np.array([tie.ultimate for tie in restraints.ties])
     share = np.where(np.isfinite(ultimate), demand.elongation / np.where(np.isfinite(ultimate), ultimate, 1.0), np.nan)

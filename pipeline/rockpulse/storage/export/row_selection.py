@@ -164,7 +164,7 @@ def rows(
     selection: RowSelection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """Return indices (r,) of the selected rows along each of `dims`, and the number of rows without the limit.
+    """Return the indices of the selected rows along each of `dims`, and the number of rows without the limit.
 
     If a variable has further dimensions, at least one value along them must meet its condition. Rows are sorted by the
     smallest value (the largest if `descending`) that meets all conditions and `masks`.

@@ -140,7 +140,7 @@ def slab(variable: xr.Variable, positions: Mapping[Any, Any]) -> np.ndarray:
 
 
 def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Read single values at r points, given by their indices (r,) along each dimension."""
+    """Read single values at points given by their indices along each dimension."""
     box, inside = _box(variable, places)
     return np.asarray(box.values[tuple(inside[dim] for dim in box.dims)])
 

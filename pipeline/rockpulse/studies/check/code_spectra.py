@@ -56,7 +56,7 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the spectral displacement S_De [m] at a period [s], which is the largest up to this period."""
+        """Return the spectral displacement S_De [m] at a period [s]; it is never larger at a shorter period."""
         return displacement_of(period, self(period, damping))
 
 
@@ -106,7 +106,7 @@ class TabledSpectrum:
 
 @dataclass(frozen=True)
 class GivenSpectrum:
-    """A spectrum for 5 % damping given as a function of (k,) periods."""
+    """A spectrum for 5 % damping, given as a function of an array of periods."""
 
     elastic: Callable[[np.ndarray], np.ndarray]
     ground: float  # a_g S [m/s2]

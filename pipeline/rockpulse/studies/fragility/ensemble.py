@@ -102,7 +102,7 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """Properties (n, c) of n records, in the order of STATED; exp(magnitude) for the magnitude, NaN if unknown."""
+        """Properties (records, STATED) from the files; exp(magnitude) for the magnitude, NaN if unknown."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
@@ -165,7 +165,7 @@ class Fits:
     p_value: np.ndarray
 
     def of(self, attribute: str) -> np.ndarray:
-        """Return one attribute of every curve as an array (g, s, k)."""
+        """Return one attribute of every curve as an array (groups, limit states, measures)."""
         return np.vectorize(lambda curve: getattr(curve, attribute), otypes=[object])(self.curves)
 
 

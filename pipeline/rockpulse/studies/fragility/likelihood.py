@@ -66,18 +66,18 @@ class Observations:
         return int(np.unique(self.record).size)
 
     def with_property(self, column: int) -> np.ndarray:
-        """Return a mask (n,) of the rows for which the property in a column is known and positive."""
+        """Return a mask of the rows in which the property of this column is known and positive."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
 
     def only(self, kept: np.ndarray) -> "Observations":
-        """Return the observations selected by a mask (n,), with only the events that still occur among them."""
+        """Return the observations selected by a mask, with only the events that still occur among them."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Return weights (1 + events, n) of the observations: first for all events, then with each event left out."""
+        """Return weights (1 + events, rows) of the rows: first for all events, then with each event left out."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 
@@ -128,7 +128,7 @@ FAMILIES: dict[str, Family] = {
 
 
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return a mask (q,) of the data sets whose likelihood has a maximum at finite a and b, so that a curve exists.
+    """Return a mask of the data sets whose likelihood has a maximum at finite a and b, so that a curve exists.
 
     `x` (n,) are the logarithms of levels and `kind` (n,) their kinds; each row of `weights` (q, n) is one data set.
     Without exact capacities, the levels reached and not reached must overlap (Albert & Anderson 1984). With exact

@@ -71,7 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Return (s, r, m): 1 if a state is reached at the scale factors (r, m), 0 if not, NOT_KNOWN without a result."""
+    """Return (states, factors, blocks): 1 if the state is reached, 0 if not, NOT_KNOWN without a result."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)
@@ -154,7 +154,7 @@ def motion_capacity(
 
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
-    """Return the named intensity measures (k, m) of an unscaled record for (m,) blocks, each in its own unit."""
+    """Return the intensity measures (names, blocks) of an unscaled record, each in its own unit."""
     on = RecordOnBodies.slender(scene.record, lambda: scene.waves, block.weaker)
     return np.stack([np.broadcast_to(MEASURES[name].value(on), block.shape) for name in names])
 
@@ -182,7 +182,7 @@ def _stripes(config: Config, selection: SelectedRecords | None) -> int:
 
 
 def _weights(record: str, config: Config, selection: SelectedRecords | None) -> dict[str, np.ndarray]:
-    """Return the weight (r,) of each scale factor of a record; no array for an incremental analysis."""
+    """Return the weight of each scale factor of a record, by name; empty for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
     if selection is None:
@@ -194,7 +194,7 @@ def _weights(record: str, config: Config, selection: SelectedRecords | None) -> 
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: SelectedRecords | None
 ) -> dict[str, np.ndarray]:
-    """Return the measures of the motion `ground`, and the capacities of (m,) blocks that move under `there`."""
+    """Return the measures of the motion `ground`, and the capacities of blocks that move under the motion `there`."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":

@@ -57,25 +57,25 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the index (m, r) of the stored interval that contains a level or, outside the range, is nearest."""
+        """Return the index (bodies, records) of the stored interval that contains a level, or is nearest to it."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
-        """Interpolate values (m, r, l) at one level for each body and record; constant beyond the stored levels."""
+        """Interpolate values (bodies, records, levels) at one level for each body and record."""
         step = self.step_of(log_level)
         share = np.clip((log_level - values_at(self.at, step)) / self.spacing, 0.0, 1.0)
         low = values_at(values, step)
         return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean and standard deviation (m,) over the records of ln of the level at which each body overturns."""
+        """Return, for each body, mean and standard deviation over the records of ln of the level that overturns it."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Return ln of the levels (m,) at which the mean probability over records, with `weights` (r,), is 1/2."""
+        """Return, for each body, ln of the level at which the mean probability over the weighted records is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -85,7 +85,7 @@ class BodyCurves(NamedTuple):
 
 
 def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Return the elements (m, r) of `values` (m, r, l) whose index along the last axis is `place` (m, r)."""
+    """Return the elements (bodies, records) of `values` (bodies, records, levels) at the level indices `place`."""
     return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 
 

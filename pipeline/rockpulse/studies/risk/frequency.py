@@ -58,7 +58,7 @@ def several_events(count: int) -> str:
 
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
-    """Describe the ground and component to which the hazard must refer, after the warnings on the hazard."""
+    """Return, as text, the warnings on the hazard, and the ground and component to which it must refer."""
     wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 

@@ -352,7 +352,7 @@ def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the index (m,) of the point nearest to each site, and its distance [m]; ConfigError beyond 50 km."""
+    """Return the index of the point nearest to each site, and its distance [m]; ConfigError beyond 50 km."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 

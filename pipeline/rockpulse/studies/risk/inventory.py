@@ -187,7 +187,7 @@ def _of_bodies(
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
-        """Return the part (m, r) of the frequency from levels above `log_level`, given as ln."""
+        """Return the part (bodies, records) of the frequency from levels above `log_level`, given as ln."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)

@@ -23,7 +23,7 @@ class SpectrumSet(NamedTuple):
 
 
 def own_factors(ratios: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Return the scale factor (m,) for which the mean of each row of `ratios` (m, k) is 1; NaN outside the bounds."""
+    """Return the scale factor with which the mean of each row of `ratios` becomes 1; NaN outside the bounds."""
     with np.errstate(divide="ignore"):
         factors = 1.0 / ratios.mean(axis=1)
     return np.where((factors >= bounds[0]) & (factors <= bounds[1]), factors, np.nan)

@@ -171,14 +171,14 @@ class SelectionAnalysis(Analysis):
 
 
 def record_spectrum(motion: Motion, watch: Watch, periods: np.ndarray) -> Part:
-    """Return id and 5 % damped pseudo-acceleration [m/s2] of one record at (k,) periods [s], as arrays of one row."""
+    """Return id and 5 % damped pseudo-acceleration [m/s2] of one record at the periods [s], as arrays of one row."""
     with watch("solve"):
         spectrum = [spectral_acceleration(motion.record, period) for period in periods.tolist()]
     return {"record": np.array([motion.record.id]), "spectrum": np.array([spectrum])}
 
 
 def target_spectrum(config: Config, periods: np.ndarray) -> tuple[np.ndarray, str]:
-    """Return the target spectrum [m/s2] at (k,) periods [s], from [selection] or else [check], and its name."""
+    """Return the target spectrum [m/s2] at the periods [s], from [selection] or else [check], and its name."""
     if config.selection.target is None:
         if not config.check.given:
             raise ConfigError(

@@ -61,7 +61,7 @@ class Case:
     tie_height: float  # [m]
 
     def motions(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the horizontal and the vertical ground acceleration (n,) [m/s2]."""
+        """Return the horizontal and the vertical ground acceleration [m/s2]."""
         both = [synthetic_motion(one, self.samples, self.quiet) for one in (self.ground, self.vertical or self.ground)]
         return both[0], both[1] if self.vertical else np.zeros(both[0].size)
 

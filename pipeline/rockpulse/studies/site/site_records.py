@@ -73,7 +73,7 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
 
 
 def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
-    """Return a warning if scale factors (n,) of records are unusually small or large, otherwise an empty list."""
+    """Return a warning if scale factors of records are unusually small or large, otherwise an empty list."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if not odd:

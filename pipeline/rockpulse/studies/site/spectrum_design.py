@@ -178,7 +178,7 @@ def _bodies(
     weights: np.ndarray,
     spacing: str,
 ) -> dict[str, np.ndarray]:
-    """Return the design values (m,) of the bodies by name; NaN outside the spectrum, or if all weights are zero."""
+    """Return the design values of the bodies by name; NaN outside the spectrum, or if all weights are zero."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}

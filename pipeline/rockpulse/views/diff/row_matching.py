@@ -140,7 +140,7 @@ class RowMatcher:
         return Matched(first, second, self._names(dim, pointers, first), whole)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
-        """Return a function that gives the names of the record, body and model of a matched row, and its index."""
+        """Return a function that gives, for a matched row, the names of its record, body and model, and its index."""
         labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:

@@ -89,7 +89,7 @@ def limit_accelerogram(
 
 
 def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Return a mask (k,) of the main impulses among the k impulses; secondary impulses may have the same size."""
+    """Return a mask of the main impulses among all impulses; secondary impulses may have the same size."""
     table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)

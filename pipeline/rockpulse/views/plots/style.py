@@ -44,7 +44,7 @@ Panels: TypeAlias = Axes | Sequence[Axes] | np.ndarray
 
 
 class Look(NamedTuple):
-    """The style of a curve: colour, line and marker; curves differ in more than the colour."""
+    """The style of a curve: colour, line and marker, so that curves can be distinguished without colour."""
 
     label: str
     color: str

@@ -144,7 +144,7 @@ class Pictures:
         return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
-        """Return the picture made by `draw`, with ids that start with `name`; if this fails, return the error."""
+        """Return the picture made by `draw`, with ids that start with `name`, or the error if drawing fails."""
         from rockpulse.views.plots.picture import svg
 
         try:
