@@ -44,11 +44,11 @@ class Motions:
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
-        """Return a mask (motions, bodies): True if the mask `left_out` does not exclude all directions of a motion."""
+        """Return a mask (motions, bodies): True unless all directions of the record or pair are in `left_out`."""
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
-        """Return, for each body, the number of earthquakes among the motions in the mask `kept` (motions, bodies)."""
+        """Return, for each body, the number of earthquakes of the motions in the mask `kept` (motions, bodies)."""
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
@@ -60,7 +60,7 @@ class Motions:
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean (earthquakes, ...) over the motions of each earthquake, without unknown values (NaN)."""
+        """Return the mean (earthquakes, ...) over the records of each earthquake, without unknown values (NaN)."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -68,7 +68,7 @@ class Motions:
             return np.asarray(sums / counts)
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean over earthquakes of the mean over each earthquake's motions, without unknown values (NaN)."""
+        """Return the mean over earthquakes of the mean over each earthquake's records, without unknown values (NaN)."""
         found = self.of_earthquakes(values)
         known = ~np.isnan(found)
         with np.errstate(invalid="ignore"):
@@ -77,7 +77,7 @@ class Motions:
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
         """Return the mean probability of overturning of each body, from its probabilities (records, bodies).
 
-        Motions whose directions are all in the mask `left_out` (records, bodies) are excluded. The interval applies to
+        Records or pairs with all directions in `left_out` (records, bodies) are excluded. The interval applies to
         other earthquakes of the same kind (:func:`rockpulse.earthquakes.probability_interval`).
         """
         table = self.over(probability, np.nan)
@@ -120,7 +120,7 @@ class Body(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """Smallest and median scale factor over the motions, or their ratio to a demand [-]; inf if none was found."""
+    """Smallest and median scale factor over the records, or their ratio to a demand [-]; inf if none was found."""
 
     smallest: float
     median: float
@@ -212,12 +212,12 @@ class Answers:
 
     @cached_property
     def overturned(self) -> np.ndarray:
-        """Mask (motions, bodies) of unscaled motions that overturn the body in at least one direction."""
+        """Mask (motions, bodies) of unscaled records or pairs that overturn the body in at least one direction."""
         return self.motions.in_any_direction(self["outcome"] == Outcome.OVERTURNS)
 
     @property
     def unresolved(self) -> list[int]:
-        """Number of motions, for each body, without a result in at least one direction."""
+        """Number of records or pairs, for each body, without a result in at least one direction."""
         silent = self.motions.in_any_direction(self["outcome"] == Outcome.UNRESOLVED)
         return [int(count) for count in silent.sum(axis=0)]
 
@@ -254,14 +254,14 @@ class Answers:
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
     def overturnings(self, of: Of = "body") -> list[int]:
-        """Return the number of overturning motions for each body or block, or of overturned blocks for each motion."""
+        """Return how many records overturn each body or block, or how many blocks each record overturns."""
         fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion, as a scale factor or as its ratio to a demand.
+        """Return the margin of every body, block or record, as a scale factor or as its ratio to a demand.
 
-        For margins of bodies, motions with all directions in the mask `left_out` (records, bodies) are excluded.
+        For margins of bodies, records or pairs with all directions in `left_out` (records, bodies) are excluded.
         """
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
@@ -338,7 +338,7 @@ def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
 
 
 def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
-    """Return the margin of every column of the given tables, which have one row for each motion."""
+    """Return the margin of every column of the given tables, which have a row for each record or pair."""
     known = ~np.isnan(least)
     # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)

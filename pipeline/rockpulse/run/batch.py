@@ -78,10 +78,10 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
 
 
 def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate`) and write the file.
+    """Derive the design spectrum of a site from all records of some files (:func:`rockpulse.calibrate`); write it.
 
     Arguments, result and errors are as in :func:`assess_files`; a table of weights that does not match the records
-    raises ConfigError, and records without a design raise RecordRefused.
+    raises ConfigError, and records that give no design spectrum raise RecordRefused.
 
     >>> report = rp.calibrate_files("records", config, "design.h5", rp.BatchOptions(overwrite=True))
     >>> rp.load_design(report.path).restitution.tolist()

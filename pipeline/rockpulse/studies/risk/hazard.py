@@ -297,7 +297,7 @@ class SiteHazards:
 
     @classmethod
     def distinct(cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None) -> Self:
-        """Return the hazards of bodies, given by a row of `keys` for each; `hazard` makes one from each different row."""
+        """Return the hazards of bodies, given by a row of `keys` for each; `hazard` makes a hazard from a row."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
         return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)

@@ -20,7 +20,7 @@ from rockpulse.views.text.site import site_warnings
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
-    """Draw the design of a site: the overturning spectra of its records, and the sequences of equal effect.
+    """Draw the calibration of a site: overturning spectra of its records, and sequences with equal effect on a body.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     -------
     (1,) or (2,) ndarray of Axes
         The spectra, and the main impulse over I_s/I with which a sequence overturns the body with the largest main
-        impulse at the same scale factor, for several N; without a design only the spectra.
+        impulse at the same scale factor, for several N; without a design spectrum only the spectra.
 
     Examples
     --------

@@ -108,7 +108,7 @@ class _Scenes:
         self._plain = set(plain_bodies(answers.summary))
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
-        """Return a scene for each record shown for a body; if motions are missing, the scene contains the reason."""
+        """Return a scene for each of a body's selected records; without motions, it contains the reason."""
         found = []
         for row, why in selected_records(self._answers, lane).items():
             reasons = [self._words[one] for one in why]
@@ -208,7 +208,7 @@ def _outline(block: Block) -> dict[str, Any]:
 
 
 def selected_records(answers: Answers, lane: int) -> dict[int, list[str]]:
-    """Return the records shown for a body, by row of /summary, each with the reasons why it is shown."""
+    """Return the records selected for a body, by row of /summary, each with the reasons for its selection."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))
     half = answers["factor_50" if answers.probable else "safety_factor"][:, lane]
@@ -221,7 +221,7 @@ def selected_records(answers: Answers, lane: int) -> dict[int, list[str]]:
 
 
 def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
-    """Return the five scale factors shown for a record, in ascending order, each with its label or an empty text."""
+    """Return five scale factors for a record, in ascending order, each with its label or an empty text."""
     meaning = tuple(SHARES.values()) if answers.probable else ("safety_factor",)
     named = [(1.0, words["as_recorded"])]
     named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
