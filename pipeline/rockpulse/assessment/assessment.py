@@ -107,7 +107,7 @@ class Assessment(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays of the results of no record: the names, types and shapes of every part."""
+        """Arrays without rows, with the names, types and further dimensions of every part."""
         return empty_rows(self.bodies, self.config)
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:

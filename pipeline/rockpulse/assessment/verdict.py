@@ -269,7 +269,7 @@ def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
 
 
 def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
-    """Return the index of the record with the smallest scale factor, otherwise of the most severe one, else -1."""
+    """Return the index of the record with the smallest scale factor, or else of the most severe one; -1 if unknown."""
     if np.isfinite(factor).any():
         return int(np.argmin(np.where(np.isnan(factor), np.inf, factor)))
     known = np.nan_to_num(severity, nan=0.0, posinf=np.inf)
@@ -297,7 +297,7 @@ def slides_first(answers: Answers) -> np.ndarray:
 
 
 def _sliding(answers: Answers, demand: str | None, kept: np.ndarray) -> np.ndarray:
-    """Return, for each body, the largest share of a motion in the mask `kept` that requires more than its friction."""
+    """Return, for each body, the largest share of its motion under a record in `kept` that exceeds its friction."""
     if np.isnan(answers.summary["friction"].values).all() or answers.motions.kind == "sequence":
         return np.full(kept.shape[1], np.nan)
     shares = answers["sliding_share"] if demand is None else answers.of_demand("demand_sliding_share", demand)

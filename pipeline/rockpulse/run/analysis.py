@@ -72,7 +72,7 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def empty_part(self) -> Part:
-        """Return a part for no record, whose arrays have the same names, types and further dimensions as every part."""
+        """Return arrays without rows, with the names, types and further dimensions of every part."""
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:

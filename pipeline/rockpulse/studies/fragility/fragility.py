@@ -101,7 +101,7 @@ class FragilityAnalysis(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays of the capacities under no record: the names, types and shapes of every part."""
+        """Arrays without rows, with the names, types and further dimensions of every part."""
         return empty_capacity(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:

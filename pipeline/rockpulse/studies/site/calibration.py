@@ -116,7 +116,7 @@ class SiteCalibration(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Arrays of the results of no record: the names, types and shapes of every part."""
+        """Arrays without rows, with the names, types and further dimensions of every part."""
         return empty_spectrum_record()
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
