@@ -173,7 +173,7 @@ def _facts_of(entry: Section) -> list[Any]:
 
 
 def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
-    """Read the pairs of files of a table (CSV) with the columns north and east; raise ConfigError for another file."""
+    """Read pairs of files from a CSV table with the columns north and east; raise ConfigError for any other table."""
     path = located(table, folder)
     where = f"[records] pair_table: {path}"
     if not path.is_file():

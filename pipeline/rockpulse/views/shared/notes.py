@@ -51,8 +51,8 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     notes = [f"SF: smallest scale factor on {of} at which the body overturns by the {answers.model} model.{none}"]
     if missed := missed_step(answers):
         notes[0] += (
-            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: its second digit is "
-            f"not reliable ([search] {MODELS[answers.model].grid})."
+            f" Ranges of overturning scale factors narrower than the step of the search (up to {missed:.1%}) may lie "
+            f"below it, undetected: its second digit is not reliable ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
