@@ -72,7 +72,7 @@ class Finding:
 
     @property
     def status(self) -> str:
-        """The name of the verdict in lower case: that of the grade, or "no_margin" or "not_lifted" for ROCKS.
+        """The verdict as a lower-case name: the name of the grade or, for some ROCKS, "no_margin" or "not_lifted".
 
         "no_margin": capacity/demand is below 1; "not_lifted": no record lifts the nominal body.
         """
@@ -90,7 +90,7 @@ class Finding:
 
     @property
     def severity(self) -> float:
-        """The grade as a number, in which the kinds of ROCKS differ by half a grade."""
+        """The grade as a number; "no_margin" is half a grade worse, "not_lifted" half a grade better than ROCKS."""
         return self.grade + {"not_lifted": -0.5, "no_margin": 0.5}.get(self.status, 0.0)
 
     @property

@@ -86,7 +86,7 @@ def by_severity(one: BodyVerdict) -> tuple[float, float, float]:
 
 
 def priorities(answers: Answers, found: Sequence[BodyVerdict], checked: xr.Dataset | None = None) -> Table | None:
-    """Return the table of the objects in the order in which they need action; None without a verdict.
+    """Return the table of the bodies in the order in which they need action; None without a verdict.
 
     A body and the same body with its pedestal are one object with the worse verdict; `checked` are the code checks.
     """

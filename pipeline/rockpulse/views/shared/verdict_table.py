@@ -42,7 +42,7 @@ def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Colu
 
 
 def _apart(found: Finding) -> bool:
-    """Return whether the share of records that overturn the nominal body is far from the probability."""
+    """Return whether the share of records that overturn the nominal body differs much from the probability."""
     return bool(abs(found.overturned / max(found.motions, 1) - found.share.value) > APART)
 
 
