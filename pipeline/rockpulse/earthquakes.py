@@ -30,7 +30,7 @@ def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
 
 
 def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return weights (g, n) of n records in the means of each of g earthquakes."""
+    """Return weights (g, n): row i averages the values of n records over the records of earthquake i."""
     own = members(events)
     return np.asarray(own / own.sum(axis=1, keepdims=True))
 

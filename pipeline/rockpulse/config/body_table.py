@@ -53,7 +53,7 @@ class BodyColumns(NamedTuple):
 
 @cache
 def _keys() -> dict[str, str]:
-    """Return the unit of each column: the keys of [[block]], such as "width" and "tie.height", and of the site."""
+    """Return the unit of each known column: keys of [[block]] such as "width" and "tie.height", keys of the site."""
     found: dict[str, str] = {}
     for item in fields(BlockSettings):
         entry = item.metadata.get("entries")

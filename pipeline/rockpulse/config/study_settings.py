@@ -122,7 +122,7 @@ class UncertaintySettings(Section):
     spectrum: str = choice("auto", ("auto", "none", "all"))
 
     def of_draws(self) -> Uncertainty:
-        """Return the uncertainties as an object of :mod:`rocking`."""
+        """Return the uncertainties as a :class:`rocking.Uncertainty`."""
         from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)

@@ -183,7 +183,7 @@ def _runs(mask: np.ndarray) -> np.ndarray:
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on the longest constant part, and on the longest straight line between curved parts."""
+    """Return warnings on the longest constant part, and the longest straight line between curved parts, of a record."""
     bend = np.abs(np.diff(centred, 2))
     peak = largest(centred)
     straight = max(2.1 * resolution, 1e-6 * peak)

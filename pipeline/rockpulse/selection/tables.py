@@ -101,7 +101,7 @@ def selection_of(config: Config) -> SelectedRecords | None:
 
 
 def demand_selections(config: Config) -> dict[str, dict[str, float]]:
-    """Return the scale factors of a demand's selected records by id, for each demand with a selection, by its name."""
+    """Return, by name of each demand with a selection, the scale factors of its records by id."""
     found = {}
     for demand in config.demands:
         if demand.selection is not None:

@@ -226,7 +226,7 @@ def counts_rows(table: np.ndarray, headings: Sequence[ColumnHeading]) -> bool:
 
 
 def jitters(times: np.ndarray) -> bool:
-    """Return whether rising times (n,) come from a clock with jitter or drift, with no row missing or damaged.
+    """Return whether rising times (n,) come from a clock with jitter or drift, and no row is missing or damaged.
 
     True if every step is shorter than at a missing row and longer than at an additional row, and many steps differ
     from the median.
