@@ -97,7 +97,7 @@ def _plain(name: str) -> str:
 
 
 def path_spellings(name: str) -> list[str]:
-    """Return the absolute path of a file, for a member also those of archive and member, each also without ``.gz``."""
+    """Return the absolute path of a file, for a member also the paths of archive and member, and all without .gz."""
     path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
     archive, _, member = path.partition("!")
     parts = [path, archive, f"/{member}"] if member else [path]
