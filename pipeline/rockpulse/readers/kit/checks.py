@@ -74,7 +74,7 @@ def contradictory(said: Direction, other: Direction) -> bool:
 
 
 def doubted_direction(said: Direction, other: Direction, note: str) -> str:
-    """Return the warning `note` about two different directions; if only one is vertical, the record must be confirmed."""
+    """Return warning `note` about two different directions; if only one is vertical, the record must be confirmed."""
     one_vertical = {said.orientation, other.orientation} == {"vertical", "horizontal"}
     return WarningText("may_be_vertical", stated=note, decides=True) if one_vertical else note
 
