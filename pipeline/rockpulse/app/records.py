@@ -1,12 +1,12 @@
-"""The records of the project: what was read, what was not used and why, with the remedy in place."""
+"""The section of the page on records: the records read, and the files not used, with reasons and remedies."""
 
-from pathlib import Path
 from typing import Any
 
 from nicegui import events, run, ui
 
 from rockpulse.app.fields import file_input, refused, value_of
 from rockpulse.app.project import samples
+from rockpulse.app.table import Table
 from rockpulse.app.window import Window
 from rockpulse.errors import Failure, last_part
 from rockpulse.readers import UNITS
@@ -22,12 +22,15 @@ NUMBERS = ("pga", "pgv", "length")
 #: Cell of a station: a button that opens the picture of the record.
 STATION = """<q-td :props="props"><q-btn flat dense no-caps color="primary" :label="props.value"
  :aria-label="props.value + ' {picture}'" @click="$parent.$emit('picture', props.row.id)" /></q-td>"""
+#: Cell with the button that removes a file.
+REMOVE = """<q-td :props="props" auto-width><q-btn flat dense icon="delete" color="secondary"
+ :aria-label="'{remove} ' + props.value" @click="$parent.$emit('remove', props.value)" /></q-td>"""
 #: Remedies: key of the configuration, and the option that a reason names for it.
 REMEDIES = {"units": "--units", "dt": "--dt", "confirm": "--confirm"}
 
 
 class RecordPart:
-    """The first part of the page."""
+    """The section of the page on records, the first one."""
 
     name = "records"
 
@@ -36,7 +39,7 @@ class RecordPart:
         self.records: list[Record] = []
 
     def show(self) -> None:
-        """Build the part, and read the records."""
+        """Build the section on the page, and read the records."""
         page = self.page
         file_input(say("app.records.drop"), "/upload", page.handler(self._taken))
         self.unused = ui.label().classes("fault").props('role="alert"')
@@ -49,7 +52,7 @@ class RecordPart:
         ui.timer(0.05, page.handler(self.read), once=True)
 
     def show_error(self, error: str) -> None:
-        """Do nothing, as errors of records are shown beside their files."""
+        """Do nothing: errors of records are shown beside their files."""
 
     async def _taken(self, event: events.GenericEventArguments) -> None:
         self.page.sending = bool(event.args["sending"])
@@ -64,7 +67,7 @@ class RecordPart:
         await self.read()
 
     async def read(self) -> None:
-        """Read all records anew, and show them."""
+        """Read all records again, and show them."""
         self.state.text = say("app.records.reading")
         found = await self.page.after(run.io_bound(self.project.read_records))
         self.records, failures = found or ([], [])
@@ -101,10 +104,9 @@ class RecordPart:
         ]
         with self.table:
             rows = [{"id": place, **_row(record)} for place, record in enumerate(self.records)]
-            table = ui.table(columns=columns, rows=rows, pagination=10).props("dense flat").classes("list")
-            table.props(f'aria-label="{say("app.records.title")}"')
-            table.add_slot("body-cell-station", STATION.format(picture=say("app.records.picture")))
-            table.on("picture", self.page.handler(self._picture))
+            shown = Table(say("app.records.title"), columns, rows)
+            shown.add_slot("body-cell-station", STATION.format(picture=say("app.records.picture")))
+            shown.on("picture", self.page.handler(self._picture))
             ui.label(say("app.records.click")).classes("soft")
 
     async def _picture(self, event: events.GenericEventArguments) -> None:
@@ -165,24 +167,21 @@ class RecordPart:
 
     def _show_files(self) -> None:
         self.files.clear()
-        self.files.visible = bool(self.project.record_files())
+        paths = self.project.record_files()
+        self.files.visible = bool(paths)
+        columns = [{"name": name, "label": "", "field": "id", "align": "left"} for name in ("id", "remove")]
         with self.files:
-            for path in self.project.record_files():
-                with ui.row().classes("file"):
-                    ui.label(path.name)
-                    button = ui.button(icon="delete", on_click=self.page.handler(self._removing(path)))
-                    button.props(f'flat dense color=secondary aria-label="{say("app.records.remove")} {path.name}"')
+            shown = Table(say("app.records.files"), columns, [{"id": path.name} for path in paths]).props("hide-header")
+            shown.add_slot("body-cell-remove", REMOVE.format(remove=say("app.records.remove")))
+            shown.on("remove", self.page.handler(self._remove))
 
-    def _removing(self, path: Path) -> Any:
-        async def remove() -> None:
-            self.project.remove(path)
-            await self.read()
-
-        return remove
+    async def _remove(self, event: events.GenericEventArguments) -> None:
+        self.project.remove(next(path for path in self.project.record_files() if path.name == event.args))
+        await self.read()
 
 
 def _counts(channels: int, events: int) -> str:
-    """Return the numbers of channels and earthquakes as text, and the number that a verdict needs if it is larger."""
+    """Return the numbers of channels and earthquakes as text, with the number needed for a verdict if it is larger."""
     from rockpulse.assessment.verdict import FEWEST_AT_DEMAND
 
     key = "app.records.few" if events < FEWEST_AT_DEMAND else "app.records.counts"
@@ -191,7 +190,6 @@ def _counts(channels: int, events: int) -> str:
 
 
 def _row(record: Record) -> dict[str, Any]:
-    """Return the cells of a record in the table."""
     when = record.origin_time or record.start_time
     vertical = f"({say('left_out.vertical')})" if record.orientation == "vertical" else ""
     return {
@@ -206,7 +204,7 @@ def _row(record: Record) -> dict[str, Any]:
 
 
 def _drawn(record: Record) -> str:
-    """Return the picture of a record with its intense phase and half-waves, as SVG."""
+    """Return a picture (SVG) of a record, its intense phase and its half-waves."""
     from rockpulse.views.plots import plot, svg
 
     return f"{svg(plot(record))}<p>PGA {three_digits(record.pga / STANDARD_GRAVITY, 'g')}</p>"

@@ -1,4 +1,4 @@
-"""Serves the page to the browser of this machine until it is closed."""
+"""Serves the page to the browser of this machine until the page is closed."""
 
 import asyncio
 import secrets
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from fastapi import HTTPException, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
-from nicegui import Client, app, ui
+from nicegui import Client, app, run, ui
 from nicegui.server import Server
 
 from rockpulse.app.guard import Guard
@@ -30,8 +30,8 @@ SHOWN = (".html", ".pdf")
 def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callable[[str], object]) -> None:
     """Serve the page of a project folder on 127.0.0.1 until Ctrl-C, or `close_after` [s] after its last window closed.
 
-    `port` 0 is a free port; `show` opens the browser; `tell` prints the address. Raises ConfigError for an invalid
-    configuration in the folder, and OSError if the port is in use.
+    With `port` 0 any free port is used; `show` opens the browser; `tell` prints the address. Raises ConfigError for an
+    invalid configuration in the folder, and OSError if the port is in use.
     """
     folder.mkdir(parents=True, exist_ok=True)
     project, token = Project(folder), secrets.token_urlsafe(32)
@@ -85,10 +85,12 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         tell(f"{address}\nfolder: {project.folder}; Ctrl-C ends the page")
         if show:
             webbrowser.open(address)
+        ahead = asyncio.gather(run.io_bound(project.read_records), return_exceptions=True)  # a window shows a fault
         seen = time.monotonic()
         while time.monotonic() - seen < close_after:
             await asyncio.sleep(min(LOOK, 0.25 * close_after))
-            if project.command.running or any(one.has_socket_connection for one in [*Client.instances.values()]):
+            open_windows = any(one.has_socket_connection for one in [*Client.instances.values()])
+            if project.command.running or open_windows or not ahead.done():
                 seen = time.monotonic()
         tell("the page was closed")
         app.shutdown()

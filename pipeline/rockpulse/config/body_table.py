@@ -152,7 +152,7 @@ def unused_columns(path: str | Path, names: Iterable[str]) -> str:
 
 
 def read_bodies(path: str | Path) -> tuple[tuple[BlockSettings, ...], tuple[str, ...]]:
-    """Return the bodies of a table and the columns that are not used; errors are those of :func:`load_bodies`."""
+    """Return the bodies of a table and the columns that are not used; raise the errors of :func:`load_bodies`."""
     cells, unused = read_body_columns(path)
     bodies = []
     for number, row in enumerate(cells.to_dict("records"), start=1):

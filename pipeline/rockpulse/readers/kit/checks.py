@@ -12,7 +12,7 @@ from rockpulse.warning_text import WarningText
 
 #: Tolerance of a stated length [steps], which may count the samples or the steps between them.
 LENGTH_STEPS = 2.0
-#: Ratio of a stated length to that of the samples from which the interval or the number of samples is in doubt.
+#: Ratio of the stated length to the length of the samples from which interval or number of samples is in doubt.
 LENGTH_RATIO = 1.5
 #: Number of samples on either side of the stated time of the peak, and share of the peak that one of them must reach.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9

@@ -21,7 +21,7 @@ from rockpulse.readers.kit.text import (
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.warning_text import WarningText
 
-#: Largest ratio of the number of samples of a resampled record to that of the file.
+#: Largest ratio of the number of samples of a resampled record to the number in the file.
 GROWTH_LIMIT = 10
 #: Largest share of a step that rounding may explain; a missing row changes times by half a step or more.
 ROUNDING_SHARE = 0.2
