@@ -36,7 +36,7 @@ def _has_result(answers: Answers, model: str) -> bool:
 
 
 class AnswerCells:
-    """Makes table cells for records and bodies from their indices; ``names`` are cells with record ids and marks."""
+    """Makes table cells for a record or body, given by its index; ``names`` are the cells with record ids."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
@@ -54,10 +54,9 @@ class AnswerCells:
 
     @property
     def marks(self) -> set[CellMark]:
-        """Marks of the results of every model, and of the scale factors."""
-        return col.marks_of(
-            cell for table in (*(self.of_models[name] for name in self.shown), self._factors) for cell in table
-        )
+        """Marks that appear in the results of the shown models or in the scale factors."""
+        tables = (*(self.of_models[name] for name in self.shown), self._factors)
+        return col.marks_of(cell for table in tables for cell in table)
 
     def record(self, record: int) -> Cell:
         """Return a cell with the id of a record and a link to its section."""
@@ -69,7 +68,7 @@ class AnswerCells:
         return Cell(body.block, link=f"body-{body.place}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """Return a cell with the probability of overturning or, if the results have none, the result as a word."""
+        """Return a cell with the probability of overturning or, if it was not computed, the result as a word."""
         if self.answers.probable:
             (cell,) = self.cells(col.columns("overturning_probability"), [record], [lane])[0]
             return cell
@@ -85,7 +84,7 @@ class AnswerCells:
         return int(np.argmax(np.nan_to_num(table[record])))
 
     def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
-        """Return rows of cells of the columns `of`; row k is for record `records[k]` and body `lanes[k]`."""
+        """Return a row of cells for each record `records[k]` and body `lanes[k]`; `of` are the columns."""
         places = (np.array(one, dtype=int) for one in (records, lanes))
         return col.filled(of, col.AnswerRows(self.answers, *places))
 
