@@ -49,7 +49,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
     if beside:
         raise ResultsError(
-            f"--worst has its own order and cannot be combined with {', '.join(beside)}; use --sort "
+            f"--worst lists results in its own order and cannot be combined with {', '.join(beside)}; use --sort "
             "VARIABLE --limit N instead"
         )
     selection = read_selection(args)

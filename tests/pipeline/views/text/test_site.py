@@ -42,7 +42,7 @@ def test_the_effective_impulse_is_shown_before_the_sequence():
 
 def test_a_body_outside_the_fit_of_the_rule_is_marked():
     tree = usual_site().copy()
-    assert "outside the range" not in site_overview(tree)
+    assert "outside the range of this model" not in site_overview(tree)
     site = tree["site"].to_dataset()
     tree["site"] = site.assign(p=site["p"].where(site["block"] != "pier", 9.0))
     text = site_overview(tree)
