@@ -13,10 +13,12 @@ from rockpulse.views.shared.words import writing
 T = TypeVar("T")
 #: Number of calls of :meth:`Window.follow` during which the other window pauses.
 PAUSE = 4
+#: Commands that end with exit code 1 if only some of the records could be used.
+SOME = ("assess", "fragility", "select")
 
 
 class Closed(Exception):
-    """A window was closed or loaded again while its work went on; another window shows the state."""
+    """Nothing more is to be shown: the window was closed or loaded again, or a command was cancelled."""
 
 
 class Window:
@@ -53,6 +55,18 @@ class Window:
         if self.client.is_deleted:
             raise Closed
         return found
+
+    async def run(self, *arguments: str) -> None:
+        """Run a command of rockpulse to its end.
+
+        Raises ValueError with its message if it fails, and Closed if it was cancelled or another one is running.
+        """
+        command = self.project.command
+        code = 130 if command.running else await self.after(command.run(arguments))
+        if code == 130:
+            raise Closed
+        if code > (arguments[0] in SOME):
+            raise ValueError(command.reason)
 
     def changed(self) -> None:
         """Write the configuration after a change on the page, and show whether it is valid."""
