@@ -24,6 +24,10 @@ WEAK = 0.64
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
+#: Verdicts whose name alone is not clear.
+_WORDS = {"no_margin": "rocks, no margin"}
+
+
 class Standing(IntEnum):
     """The result for a body under one record, from best to worst."""
 
@@ -43,11 +47,6 @@ class Grade(IntEnum):
     NOT_KNOWN = auto()  #: the grade depends on records without a result
     SLIDES_FIRST = auto()  #: the friction is too small for the body to rock; there is no verdict on rocking
     OVERTURNS = auto()  #: the probability of overturning is 0.5 or more
-
-    @property
-    def word(self) -> str:
-        """The verdict in words; empty without a verdict."""
-        return "" if self == Grade.NO_VERDICT else self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)
@@ -72,6 +71,29 @@ class Finding:
     governing: int  # row of the most severe record in /summary; -1 if there is none
 
     @property
+    def status(self) -> str:
+        """The name of the verdict in lower case: that of the grade, or "no_margin" or "not_lifted" for ROCKS.
+
+        "no_margin": capacity/demand is below 1; "not_lifted": no record lifts the nominal body.
+        """
+        if self.grade == Grade.ROCKS and self.demand:
+            if self.margin.smallest < 1.0:
+                return "no_margin"
+            if self.largest_rotation == 0.0:
+                return "not_lifted"
+        return self.grade.name.lower()
+
+    @property
+    def word(self) -> str:
+        """The verdict in words; empty without a verdict."""
+        return "" if self.grade == Grade.NO_VERDICT else _WORDS.get(self.status, self.status.replace("_", " "))
+
+    @property
+    def severity(self) -> float:
+        """The grade as a number, in which the kinds of ROCKS differ by half a grade."""
+        return self.grade + {"not_lifted": -0.5, "no_margin": 0.5}.get(self.status, 0.0)
+
+    @property
     def few(self) -> bool:
         """True if the earthquakes are too few for a verdict."""
         return self.earthquakes < FEWEST_AT_DEMAND
@@ -93,7 +115,7 @@ class BodyVerdict:
     @property
     def deciding(self) -> Finding:
         """The worst of the findings, which determines the verdict."""
-        return max(self.findings, key=lambda one: (one.grade, one.share.value))
+        return max(self.findings, key=lambda one: (one.severity, one.share.value))
 
     @property
     def grade(self) -> Grade:

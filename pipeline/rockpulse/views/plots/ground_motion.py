@@ -22,9 +22,10 @@ from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, INSTANT
 from rockpulse.views.shared.formatting import fixed, three_digits
 from rockpulse.views.shared.record_facts import Known, RecordFacts
 from rockpulse.views.shared.words import say
+from rockpulse.warning_text import with_codes
 
 #: Advice if the samples of a record are not in the file.
-STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
+STORE = 'the file does not hold the accelerograms; assess again with [records] store = "all"'
 #: Stored variables whose name differs from that of the field of a record.
 _FIELDS = {"event_title": "event"}
 _ACCELERATION = real("ground acceleration", "m s^-2", dims=("sample",))
@@ -106,8 +107,9 @@ def motion_of_record(
             **{name: RECORD[name].variable(value, ()) for name, value in scalars.items()},
         }
     )
-    words = RecordFacts(lambda name: getattr(record, _FIELDS.get(name, name))).described
-    return motion.assign_attrs(record=record.id, words=words)
+    codes = with_codes(record.warnings)[1]
+    facts = RecordFacts(lambda name: codes if name == "warning_codes" else getattr(record, _FIELDS.get(name, name)))
+    return motion.assign_attrs(record=record.id, words=facts.described)
 
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:

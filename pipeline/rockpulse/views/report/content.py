@@ -38,6 +38,7 @@ from rockpulse.views.report.verdict import (
     by_severity,
     cards,
     counted_by,
+    priorities,
     ties,
 )
 from rockpulse.views.shared.files_used import files_used
@@ -104,6 +105,7 @@ def page_content(
         cards=cards(answers, found, drawn),
         drawings=drawn,
         limits=limits(said, found, answers),
+        priorities=priorities(answers, found, checked if isinstance(checked, xr.Dataset) else None),
         verdict=(shown := body_table(answers, found)),
         cases=body_table(answers, found, every=True) if shown.footnotes else None,
         ties=ties(answers, found),
@@ -145,7 +147,9 @@ def _code_checks(checked: xr.Dataset | str, found: Sequence[BodyVerdict]) -> Rep
     return ReportSection((), (), (replace(check_table(checked, order), footnotes=notes),))
 
 
-def code_checks(tree: xr.DataTree, config: Config | None = None) -> xr.Dataset | str | None:
+def code_checks(
+    tree: xr.DataTree, config: Config | None = None, code: str | Sequence[str] | None = None
+) -> xr.Dataset | str | None:
     """Return the code checks of the bodies of the results by [check] of `config`, else by the one in the results.
 
     Returns None if no spectrum or no body is given, and the name of a table of the spectrum that does not exist.
@@ -158,7 +162,7 @@ def code_checks(tree: xr.DataTree, config: Config | None = None) -> xr.Dataset |
     file = chosen.check.file
     if file is not None and not (chosen.folder / file).exists():
         return file
-    return check(tree, chosen)
+    return check(tree, chosen, code)
 
 
 def _fact(key: str) -> Fact:

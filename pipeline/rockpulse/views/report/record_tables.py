@@ -70,11 +70,13 @@ def used_table(answers: Answers) -> Table:
         groups.setdefault(key if key[0] and key[1] else (record, "", ""), []).append(row)
     order = sorted(groups.values(), key=lambda rows: -float(np.max(pga[rows])))
     titles = ("earthquake", "magnitude", "station", "direction", "records", PGA, "worst")
-    headings = tuple(Heading(say(f"head.{title}"), "g" if title == PGA else "") for title in titles)
-    rows = tuple(_used(answers, rows) for rows in order[:ROWS])
+    rows = [_used(answers, rows) for rows in order[:ROWS]]
+    kept = [place for place, title in enumerate(titles) if title != "magnitude" or any(row[place].text for row in rows)]
+    headings = tuple(Heading(say(f"head.{titles[place]}"), "g" if titles[place] == PGA else "") for place in kept)
+    rows = [tuple(row[place] for place in kept) for row in rows]
     caption_key = "caption.used" if len(order) <= ROWS else "caption.strongest"
     caption = say(caption_key, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
-    return Table("used", caption, headings, rows)
+    return Table("used", caption, headings, tuple(rows))
 
 
 def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:

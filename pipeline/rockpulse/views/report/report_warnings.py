@@ -56,8 +56,7 @@ def warnings(
     if answers.demands or motions.kind == "sequence":
         said.append(_confidence(found, motions, site))
     else:
-        how = say("legend.state_demand")
-        said.append(_limit("limits", "no_demand", how=how, unknown=of_unknown_event(motions)))
+        said.append(_limit("limits", "no_demand", unknown=of_unknown_event(motions)))
     said.append(_at_rest(found, motions))
     if files.line:
         counted = files.counted or say("warning.files.none")
@@ -65,6 +64,8 @@ def warnings(
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
         said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
+    if given := sum(has_warning(str(codes), "direction_given") for codes in summary["warning_codes"].values):
+        said.append(_limit("limits", "given", count=counted_words(given, "record")))
     blocks = {one.body.block for one in found}
     if len(blocks) < len(found):
         words = {"blocks": counted_words(len(blocks), "block"), "bodies": counted_words(len(found), "body")}
@@ -207,7 +208,8 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
     idle, total = (sum(getattr(one.deciding, name) for one in found) for name in ("at_rest", "motions"))
     if not idle or motions.kind == "sequence":
         return None
-    never = sum(0 < one.deciding.at_rest == one.deciding.motions for one in found)
+    every = [one.deciding for one in found]
+    never = sum(0 < one.at_rest == one.motions or (bool(one.demand) and one.largest_rotation == 0.0) for one in every)
     if never:
         bodies = counted_words(len(found), "body")
         return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)

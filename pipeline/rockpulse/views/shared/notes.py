@@ -129,7 +129,7 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
             notes.append(say("crushed.note", name=name, **words))
     for alone, worst in worse_with_pedestal(answers, found):
         value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
-        outcome = ", ".join(filter(None, (worst.grade.word, value)))
+        outcome = ", ".join(filter(None, (worst.deciding.word, value)))
         notes.append(
             f"{alone}: assessed alone and as one body with its pedestal; the worse result governs: {worst.body.name} "
             f"({outcome}); simultaneous motions of both parts are not modelled."

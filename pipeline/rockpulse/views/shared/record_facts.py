@@ -14,6 +14,7 @@ from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.formatting import ABSENT, six_digits, three_digits
 from rockpulse.views.shared.words import counted_words, in_dates, numerals, say
+from rockpulse.warning_text import has_warning
 
 #: Pattern of a date or year, and pattern of a magnitude, which are not repeated if the title contains them.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
@@ -94,7 +95,9 @@ class RecordFacts:
         if math.isnan(azimuth):
             return self.text("component")
         line = {0.0: "north_south", 90.0: "east_west"}.get(azimuth % 180.0)
-        return say(f"direction.{line}") if line else say("direction.azimuth", angle=six_digits(azimuth))
+        words = say(f"direction.{line}") if line else say("direction.azimuth", angle=six_digits(azimuth))
+        given = has_warning(self.text("warning_codes"), "direction_given")
+        return say("direction.given", direction=words) if given else words
 
 
 class Known(RecordFacts):

@@ -169,14 +169,15 @@ def grade_cell(found: Finding, before: str = "") -> Cell:
     """Return the verdict on a body, after the text `before`, as a cell that is sortable from best to worst."""
     # No record overturns it, but half of such earthquakes might: not graded as good, nor as a worse verdict.
     unsure = found.grade == Grade.ROCKS and found.share.high >= OVERTURNS
-    verdict = ABSENT if found.grade == Grade.NO_VERDICT else say(f"grade.{found.grade.name.lower()}")
-    return Cell(before + verdict, float(found.grade), grade="" if unsure else GRADES[found.grade])
+    verdict = ABSENT if found.grade == Grade.NO_VERDICT else say(f"grade.{found.status}")
+    grade = "fair" if found.status == "no_margin" else "" if unsure else GRADES[found.grade]
+    return Cell(before + verdict, found.severity, grade=grade)
 
 
 def _sliding(found: Finding) -> Cell:
     """Return whether a body slides: first, in a share of the time of a motion, or not; a dash if it is unknown."""
     if found.slides_first:
-        return Cell(say("grade.slides_first"), 2.0)
+        return Cell(say("slides_first"), 2.0)
     if found.sliding == 0.0:
         return Cell(say("no"), 0.0)
     return Cell(f"<{share(0.01)}" if found.sliding < 0.01 else share(found.sliding), found.sliding)

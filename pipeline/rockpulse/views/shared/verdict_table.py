@@ -15,8 +15,12 @@ from rockpulse.views.shared.formatting import ABSENT, six_digits
 from rockpulse.views.shared.table import Cell
 from rockpulse.views.shared.words import counted_words, say
 
+#: Largest difference of P and the share of records that overturn the nominal body that is not explained.
+APART = 0.1
 #: Meaning of each verdict, as a key of [legend] in the texts.
-_MEANINGS = ("overturns", "may_overturn", "rocks", "at_rest", "not_known", "slides_first")
+_MEANINGS = (
+    *("overturns", "may_overturn", "rocks", "no_margin", "not_lifted", "at_rest", "not_known", "slides_first"),
+)
 
 
 def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Column, ...]:
@@ -35,6 +39,11 @@ def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Colu
     if not all(math.isnan(one.median_rotation) for one in rows):
         names += ["median_rotation", "others_rotation", "top_displacement"]
     return col.columns(*names, *sliding, "governing")
+
+
+def _apart(found: Finding) -> bool:
+    """Return whether the share of records that overturn the nominal body is far from the probability."""
+    return bool(abs(found.overturned / max(found.motions, 1) - found.share.value) > APART)
 
 
 def _may_slide(found: Finding) -> bool:
@@ -71,15 +80,16 @@ def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
     sliding = f" {say('legend.sliding')}" if any(map(_may_slide, rows)) else ""
     factor = f" {say(f'legend.{answers.factor}')}" if answers.has_factor else ""
     if not answers.demands:
-        return [say("legend.as_recorded") + factor + sliding, *_not_counted(rows), say("legend.state_demand")]
-    grades = {row.grade.name.lower() for row in rows}
+        return [say("legend.as_recorded") + factor + sliding, *_not_counted(rows)]
+    found = {row.status for row in rows}
     levels = {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
-    words = [say(f"legend.{name}", **levels) for name in _MEANINGS if name in grades]
+    words = [say(f"legend.{name}", **levels) for name in _MEANINGS if name in found]
     what = say("legend.probability" if answers.probable else "legend.share")
     capacity = f" {say('legend.capacity', factor=say(f'factor.{answers.factor}'))}" if answers.has_factor else ""
     turned = any(not math.isnan(row.median_rotation) for row in rows)
     return [
         " ".join(filter(None, (what, *words))) + capacity + (f" {say('legend.rotation')}" if turned else "") + sliding,
+        *([say("legend.nominal")] if answers.probable and any(map(_apart, rows)) else []),
         *_not_counted(rows),
     ]
 

@@ -41,13 +41,13 @@ def _columns(of_records: bool) -> tuple[Column, ...]:
     return (
         titled("", lambda code: Cell(code_words(code)), "code"),
         titled("alpha_0", _value, "multiplier"),
-        titled("a_0*", _value, "activation"),
-        titled(demand, _value, "activation_demand"),
+        titled("a_0*", _value, "activation", unit="m/s2"),
+        titled(demand, _value, "activation_demand", unit="m/s2"),
         titled(share, _value, "activation_ratio"),
         titled("", _word, "activation_ratio"),
-        titled("d_u", _value, "displacement"),
-        titled("T", _value, "period"),
-        titled(demand, _moved, "displacement_demand"),
+        titled("d_u", _value, "displacement", unit="m"),
+        titled("T", _value, "period", unit="s"),
+        titled(demand, _moved, "displacement_demand", unit="m"),
         titled(share, _value, "displacement_ratio"),
         titled("", _word, "displacement_ratio"),
         *([counted] if of_records else []),
@@ -122,6 +122,8 @@ def check_notes(check: xr.Dataset) -> list[str]:
     """Explain the columns of the checks, the directions that govern, and missing values."""
     names, codes = (check[dim].values.tolist() for dim in ("block", "code"))
     notes, periods = [say("check.columns")], check["initial_period"].values
+    if {"circolare_2009", "circolare_2019"} <= set(codes):
+        notes.append(say("check.replaced"))
     if any(code.startswith("circolare_2019") for code in codes):
         notes += [
             say("check.vibrates", name=name, period=three_digits(period))

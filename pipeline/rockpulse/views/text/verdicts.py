@@ -29,6 +29,8 @@ from rockpulse.views.shared.verdict_table import of_unknown_event, verdict_colum
 #: Columns of every table by record, and columns of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "factor_mean", "source")
+#: How a demand is given.
+STATE_DEMAND = 'To state a demand: --demand pga=0.35g, [site] pga = "0.35 g" or ag and ground, or [[demand]].'
 #: Largest number of governing records, and of bodies that are named for each.
 NAMED = 3
 
@@ -153,7 +155,8 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     judged = any(row.grade != Grade.NO_VERDICT for row in every)
     title = f"Verdict on {each}" if judged else each[:1].upper() + each[1:]
     unknown = of_unknown_event(answers.motions)
-    notes = [*verdict_legend(answers, every), *filter(None, [unknown]), *body_notes(answers, found)]
+    asked = STATE_DEMAND if not answers.demands and answers.motions.kind != "sequence" else ""
+    notes = [*verdict_legend(answers, every), *filter(None, [asked, unknown]), *body_notes(answers, found)]
     return "\n".join(
         [
             paragraph(f"{title}, {_under(answers)} ({answers.model} model):"),

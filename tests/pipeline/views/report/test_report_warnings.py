@@ -89,10 +89,8 @@ def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing
     summary = probable([0.0] * 12, at_demand=[0.0] * 12, demand=1.0)
     said = heads(summary, "record")["the results rest on 12 earthquakes"]
     assert "cannot be estimated" not in said.text
-    assert (
-        "--demand pga=0.35g"
-        in heads(probable([0.0] * 12), "record")["there is no verdict, because no demand is stated"].text
-    )
+    said = heads(probable([0.0] * 12), "record")["there is no verdict, because no demand is stated"]
+    assert "A verdict needs the demand at the site" in said.text
     found = heads(probable([0.0, 0.2], uplift=np.array([0.0, 1.0])), "record")
     assert "are counted with probability 0" in found["in 1 of 2 cases (motion and body) the body is not lifted"].text
     found = heads(probable([0.0, 0.0], uplift=0.0, outcomes=[Outcome.AT_REST] * 2), "record")

@@ -287,4 +287,4 @@ def test_a_body_without_a_demand_has_counts_and_how_to_state_one(summary):
     text = " ".join(body_verdicts(Answers(summary)).split())
     assert text.startswith("Each body, 3 records of 2 earthquakes, as recorded (nonlinear model):")
     assert "verdict " not in text.split("No verdict")[0]
-    assert 'To state a demand: --demand pga=0.35g, [[demand]] with value = "0.35 g", or [site] ag and ground.' in text
+    assert 'To state a demand: --demand pga=0.35g, [site] pga = "0.35 g" or ag and ground, or [[demand]].' in text
