@@ -33,7 +33,7 @@ class Progress:
         self.stop.visible = self.bar.visible = own
         if own:
             self.bar.value = command.done / command.total if command.total else 0.0
-            self.bar.props(*(("", "indeterminate") if command.total else ("indeterminate",)))
+            self.bar.props(f":indeterminate={'false' if command.total else 'true'}")
             key = "app.results.at" if command.total else f"app.results.{command.verb}"
             self.state.text = say(key, done=command.done, total=command.total, left=command.left)
         else:

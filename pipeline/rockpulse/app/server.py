@@ -79,8 +79,8 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
             return PlainTextResponse(str(error), 400)
         return Response()
 
-    for address in ("/table", "/hazard"):
-        app.post(address)(taken)
+    for one in ("/table", "/hazard"):
+        app.post(one)(taken)
 
     async def attend() -> None:
         while not Server.instance.started:

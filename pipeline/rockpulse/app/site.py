@@ -70,7 +70,7 @@ class SitePart:
         self.draw = ui.button(say("app.site.spectra"), on_click=self.page.handler(self._select))
         self.draw.props("outline no-caps")
         self.progress = Progress(self.page, "select")
-        self.picture = ui.element("div").classes("wide picture")
+        self.picture = ui.element("div").classes("picture")
         self._look()
         ui.timer(0.5, self._look)
 

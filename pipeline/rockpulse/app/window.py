@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from nicegui import ui
 
 from rockpulse.app.project import Project
-from rockpulse.views.shared.words import writing
+from rockpulse.views.shared.words import say, writing
 
 T = TypeVar("T")
 #: Number of calls of :meth:`Window.follow` during which the other window pauses.
@@ -59,10 +59,12 @@ class Window:
     async def run(self, *arguments: str) -> None:
         """Run a command of rockpulse to its end.
 
-        Raises ValueError with its message if it fails, and Closed if it was cancelled or another one is running.
+        Raises ValueError with its message if it fails or if another one is running, and Closed if it was cancelled.
         """
         command = self.project.command
-        code = 130 if command.running else await self.after(command.run(arguments))
+        if command.running:
+            raise ValueError(say("app.results.busy"))
+        code = await self.after(command.run(arguments))
         if code == 130:
             raise Closed
         if code > (arguments[0] in SOME):
