@@ -1,4 +1,4 @@
-"""Inputs for the keys of a section of the configuration, with their units, and errors at the key that they name."""
+"""The inputs of one section of the configuration, with units; an error is shown at the input that it concerns."""
 
 import re
 from collections.abc import Callable
@@ -22,7 +22,7 @@ SEND = """async (event) => { const input = event.target, faults = [];
 
 
 def file_input(label: str, address: str, handle: Callable[..., Any]) -> None:
-    """Show an input of files, which can be dropped on it; they are sent to an address of the server."""
+    """Show a file input, on which files can also be dropped; they are sent to `address` on the server."""
     with ui.element("label").classes("drop"):
         ui.label(label)
         ui.element("input").props('type="file" multiple').on(
@@ -31,13 +31,13 @@ def file_input(label: str, address: str, handle: Callable[..., Any]) -> None:
 
 
 def refused(faults: list[str]) -> None:
-    """Show why files were not accepted."""
+    """Show the reasons why files were not accepted."""
     for fault in faults:
         ui.notify(fault, type="negative", multi_line=True, close_button=True, timeout=0)
 
 
 def value_of(text: str | None) -> Any:
-    """Return the value that was typed: a number, with point or comma, a text, or None for an empty input."""
+    """Convert a typed text to a value: a number (with point or comma), a text, or None for an empty input."""
     typed = (text or "").strip()
     try:
         return int(typed) if typed.isdecimal() else float(typed.replace(",", ".")) if typed else None
@@ -46,7 +46,7 @@ def value_of(text: str | None) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """Return the text of a value in an input."""
+    """Return the text that an input shows for a value."""
     if isinstance(value, int | float):
         return numerals(f"{value:g}")
     return "" if value is None else str(value)
@@ -60,7 +60,7 @@ def _shown(word: str) -> str:
 
 
 class Fields:
-    """The inputs of one section: they change `values`, whose keys are those of TOML, and then call `changed`."""
+    """The inputs of one section: a change is stored in `values` by its TOML key; then `changed` is called."""
 
     def __init__(self, cls: type[Section], values: dict[str, Any], changed: Callable[[], object]) -> None:
         self.cls, self.values, self.changed = cls, values, changed
@@ -68,7 +68,7 @@ class Fields:
         self.inputs: dict[str, Any] = {}
 
     def add(self, *names: str, texts: tuple[str, ...] = ("name",)) -> None:
-        """Add an input for each key: a choice, a check box or text; numbers typed for `texts` remain text."""
+        """Add an input for each key: a choice, a check box or a text field; in `texts`, typed numbers remain text."""
         for name in names:
             item = self.items[name]
             allowed = item.metadata["values"]
@@ -101,7 +101,7 @@ class Fields:
         return change
 
     def show(self, error: str) -> bool:
-        """Show an error at the input of the key that it names, and return whether there is one."""
+        """Show an error at the input of the key that it names; return whether such an input exists."""
         words = re.findall(r"[a-z_0-9]+", error.partition(": ")[0])
         at = next((word for word in reversed(words) if word in self.inputs), "")
         for name, made in self.inputs.items():

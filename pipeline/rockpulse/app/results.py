@@ -1,4 +1,4 @@
-"""The results: the run with its progress, the report with its pictures, and the files to save."""
+"""The section of the page on results: the progress of the assessment, the report, and the files to download."""
 
 import csv
 import math
@@ -26,7 +26,7 @@ FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
 
 
 class ResultPart:
-    """The last part of the page."""
+    """The section of the page on results, the last one."""
 
     name = "results"
 
@@ -35,7 +35,7 @@ class ResultPart:
         self._assessed = page.project.assessed
 
     def show(self) -> None:
-        """Build the part."""
+        """Build the section on the page."""
         handler = self.page.handler
         self.start = ui.button(say("app.results.start"), on_click=handler(self.assess)).props("no-caps")
         self.start.mark("assess")
@@ -48,7 +48,7 @@ class ResultPart:
         ui.timer(0.5, self._look)
 
     async def assess(self) -> None:
-        """Assess the records, keeping the finished records of an interrupted run, and write the report."""
+        """Assess the records and write the report; finished records of an interrupted assessment are not repeated."""
         if self.command.running or self.project.save():
             return
         code = await self.command.run((*ASSESS, "--resume", "--overwrite"))
@@ -78,7 +78,7 @@ class ResultPart:
         return save
 
     def _look(self) -> None:
-        """Show the progress of the command if it has changed, and what another window has changed."""
+        """Show the progress of the command and the changes made by other windows, if there are any."""
         self.page.follow()
         if self.project.assessed != self._assessed:  # by any window
             self._assessed = self.project.assessed
@@ -92,7 +92,7 @@ class ResultPart:
                     self._show_risk()
 
     def _show_found(self) -> None:
-        """Show the files, the commands and the report of the results, if there are any."""
+        """Show links to the files, the commands that repeat the run, and the report, once there are results."""
         self.found.clear()
         results = self.project.folder / RESULTS
         if not results.is_file():
@@ -143,7 +143,7 @@ class ResultPart:
                     ui.label(f"{row['block']}: {notes}").classes("soft")
 
     def show_error(self, error: str) -> None:
-        """Allow an assessment only of a valid configuration with bodies."""
+        """Enable the start button only if the configuration is valid and contains bodies and records."""
         lacking = "" if self.project.document.get("block") else say("app.results.no_body")
         if (
             not lacking
@@ -167,5 +167,4 @@ def _frequency(row: dict[str, str]) -> dict[str, str]:
 
 
 def _link(words: str, name: str) -> None:
-    """Show a link that saves or opens a file of the project."""
     ui.button(words).props(f'href="/files/{name}" target="_blank" outline no-caps')

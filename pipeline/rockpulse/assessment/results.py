@@ -109,7 +109,6 @@ class Results(Shown):
         return pd.DataFrame(rows, index=self._bodies())
 
     def _place(self, demand: str | None) -> int | None:
-        """Return the index of a demand; None without a demand."""
         if demand is None:
             return None
         names = list(self._answers.demands)

@@ -173,7 +173,7 @@ def _facts_of(entry: Section) -> list[Any]:
 
 
 def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
-    """Read the pairs of files of a table (CSV) with the columns north and east; raise ConfigError for another file."""
+    """Read pairs of files from a CSV table with the columns north and east; raise ConfigError for any other table."""
     path = located(table, folder)
     where = f"[records] pair_table: {path}"
     if not path.is_file():
@@ -275,7 +275,7 @@ def load_config(path: str | Path) -> Config:
 
 
 def _require_one_demand(config: Config) -> None:
-    """Raise ConfigError if the PGA of [[demand]] in the limit state of the checks differs from the one of [site]."""
+    """Raise ConfigError if the PGA of [[demand]] in the limit state of the checks differs from the PGA of [site]."""
     state, of_site = config.check.limit_state, config.site_demand
     given = [one for one in config.demands if one.measure == PGA and one.value is not None]
     given = [one for one in given if one.limit_state.casefold() in ("", state)]

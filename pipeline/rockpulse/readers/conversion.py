@@ -168,7 +168,7 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
         ends, advice = WRITERS[key].suffix, "correct the name, or create the folder first if it is to be one"
         raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
     if not folder and by_suffix != key:
-        raise ConfigError(f"{out}: the name says {by_suffix}, the format {key}; correct the wrong one")
+        raise ConfigError(f"{out}: the file name means {by_suffix}, but the format is {key}; correct one of them")
     if folder and out.exists() and not out.is_dir():
         raise ConfigError(
             f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"
@@ -284,7 +284,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of direction or processing by a file, with `whole` also a loss; empty without a change."""
+    """Return how direction or processing differ after reading `again`; a missing value counts only if `whole`."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -299,7 +299,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of the state of processing by a file; with `whole` also a loss; empty without a change."""
+    """Return how the processing state differs after reading `again`; a missing state counts only if `whole`."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

@@ -78,7 +78,7 @@ class Neighbours:
                 self._of_source[record.together].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Return the channels that share file or time or, if the record has no time, event and folder with a record."""
+        """Return the channels with the file or time of a record; if it has no time, with its event and folder."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -187,7 +187,7 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Return the vertical acceleration (n,) [m/s2], positive up, at the sample times of a record; 0 if unknown."""
+    """Return the vertical acceleration (n,) [m/s2], positive up, at the times of a record; 0 outside the channel."""
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 
@@ -268,7 +268,7 @@ def _together(record: Record, other: Record) -> bool:
 
 
 def _occasion(record: Record) -> tuple[object, ...]:
-    """Return the properties that the files of one recording without times have in common."""
+    """Return the properties that identify the recording of a file that states no time."""
     return record.event, record.station_name, record.dt, PurePath(record.source).parent
 
 

@@ -70,7 +70,7 @@ def spectral_acceleration(record: Record, period: float) -> float:
 
 @lru_cache(maxsize=4096)
 def _oscillator(rate: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return numerator and denominator of the filter from ground acceleration to displacement."""
+    """Return numerator and denominator of the filter from ground acceleration to the oscillator's displacement."""
     from scipy.signal import cont2discrete
 
     upper, lower, _ = cont2discrete(([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate]), dt, method="foh")
@@ -128,7 +128,7 @@ def intense_phase(
     ConfigError
         For an unknown method, or an argument that is invalid or does not belong to the method.
     RecordRefused
-        If the record is zero throughout, never exceeds the level, or ends before the window begins.
+        If the record is zero throughout, never exceeds `level`, or ends before the window begins.
 
     References
     ----------
@@ -200,7 +200,7 @@ def _bracketed_phase(record: Record, start_s: float | None, end_s: float | None,
     above = np.flatnonzero(magnitude > bracket)
     if above.size == 0:
         raise RecordRefused(
-            f"{record.id}: never exceeds the bracket of {bracket:.4g} m/s2, its PGA is {record.pga:.4g} m/s2; "
+            f"{record.id}: the acceleration never exceeds level = {bracket:.4g} m/s2 (PGA {record.pga:.4g} m/s2); "
             "give a lower level or choose method 'D5-95'"
         )
     first, last = int(above[0]), int(above[-1])

@@ -124,6 +124,34 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
     assert sorted(ordered)[4] < 200.0
 
 
+def test_spectra_over_that_of_the_code_and_the_annual_frequency(browser, tmp_path):
+    folder = tmp_path / "project"
+    (folder / "records").mkdir(parents=True)
+    for name, content in records().items():
+        (folder / "records" / name).write_bytes(content)
+    check = "[check]\nag = 0.2\nf0 = 2.5\ntc_star = 0.3\n[selection]\nfactors = [0.1, 10]\nperiods = [0.7, 1.5]\n"
+    block = '[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n'
+    (folder / "site.toml").write_text(f'[records]\npaths = ["records"]\n[hazard]\nk0 = 0.01\n{check}{block}')
+    (tmp_path / "curve.csv").write_text("pga [g],rate\n0.1,0.01\n0.4,0.0005\n")
+    with served(folder) as page:
+        window = Window(browser, page).open()
+        window.says("records", "5 channels, 5 earthquakes")
+        opened = "document.querySelectorAll('#site .q-expansion-item__container > .q-item').forEach((one) => one.click())"
+        browser.execute_script(opened)
+        window.says("site", "Hazard curve: CSV", "k0 x^-k needs both keys")
+        window.find("#site input[type=file]")[0].send_keys(str(tmp_path / "curve.csv"))
+        window.says("site", "Remove: hazard.csv")
+        window.type("site", "number of records", "3")
+        window.press("site", "Draw the spectra of records over it")
+        window.wait(lambda: window.find("#site img"))
+        window.wait(lambda: browser.execute_script("return document.querySelector('#site img').naturalWidth > 500"))
+        window.press("results", "Compute fragility and annual frequency")
+        window.says("results", "return period", "wall")
+        assert window.console() == []
+    assert "records = 3" in (folder / "site.toml").read_text()
+    assert len((folder / "risk.csv").read_text().splitlines()) == 2
+
+
 def children(pid):
     """Processes that a process has started, as the system lists them."""
     return [int(word) for word in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]

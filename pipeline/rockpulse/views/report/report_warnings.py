@@ -1,4 +1,4 @@
-"""The warnings of the report in three grades: may change a verdict, limits its use, or explains it."""
+"""The warnings of the report in three grades: those that may change a verdict, limit its use, or explain it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ GRADES = ("decides", "limits", "notes")
 
 @dataclass(frozen=True)
 class Limit:
-    """A warning in the report: its grade, a heading, and one or two sentences."""
+    """A warning in the report: its severity (``grade``), a heading, and one or two sentences."""
 
     grade: Literal["decides", "limits", "notes"]
     head: str
@@ -46,7 +46,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Return the warnings on the verdicts, the most serious first; `components` is an option of [records]."""
+    """Return the warnings on the verdicts, the most serious first; `components` is the option in [records]."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -76,7 +76,7 @@ def warnings(
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers) -> list[str]:
-    """Return the lines on the limits of the verdicts: decisive warnings, missing data, and effects not covered."""
+    """Return the lines on the limits of the verdicts: serious warnings, missing data, and effects not considered."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
@@ -92,7 +92,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers
 
 
 def _not_covered(summary: xr.Dataset) -> list[str]:
-    """Return the effects that the results leave out, with the number of bodies whose data do not state them."""
+    """Return the effects that are not considered, with the number of bodies for which their data are missing."""
     count = summary.sizes["block"]
 
     def without(*names: str) -> int:
@@ -110,7 +110,7 @@ def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: obj
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """Warn if the verdicts do not follow from the full equation of motion."""
+    """Warn if the verdicts are not computed with the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -121,7 +121,7 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if too few earthquakes have records that can be scaled to a demand."""
+    """Warn if records of too few earthquakes can be scaled to a demand."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.demand] = max(demand.earthquakes, most.get(demand.demand, 0))
@@ -133,12 +133,12 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _most(events: int) -> str:
-    """Return the upper confidence limit of the probability as text if P is 0 for all of the earthquakes."""
+    """Return the upper confidence limit of the probability, as text, if none of the earthquakes overturns a body."""
     return share(float(probability_interval(np.zeros(events))[1]))
 
 
 def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
-    """Return the smallest number of earthquakes that a verdict is based on."""
+    """Return the smallest number of earthquakes on which the verdict of any body is based."""
     counts = [one.deciding.earthquakes for one in found]
     return min(counts, default=motions.event_count)
 
@@ -162,7 +162,7 @@ def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if a body that the design does not overturn may overturn within the uncertainty of the design."""
+    """Warn of bodies that do not overturn under the design spectrum, but may within its confidence interval."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     names = [str(name) for name in site["block"].values]
@@ -181,7 +181,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of bodies that may slide, whose ties never break, or with a worse verdict on their pedestal."""
+    """Warn of bodies that may slide, with ties of unlimited elongation, or with a worse verdict on their pedestal."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.share.value)
@@ -196,7 +196,6 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """Warn if the result of a body is unknown under some records."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
@@ -217,7 +216,6 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
 
 
 def _doubtful(summary: xr.Dataset) -> Limit | None:
-    """Warn if records have doubtful samples."""
     named = [cell for cell in record_cells(summary) if cell.marks]
     if not named:
         return None

@@ -1,4 +1,4 @@
-"""Makes the verdicts in the report: a card for each body, the table of bodies, and their explanations."""
+"""Makes the verdicts in the report: a card for each body, the table of bodies, and explanations."""
 
 import math
 from collections.abc import Sequence
@@ -53,7 +53,7 @@ class Drawing(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """The card of a body on the first page: drawing, restraints, verdict and sentence; ``key`` is a section id."""
+    """The card of a body on the first page: drawing, verdict and sentence; ``key`` is the id of the body's section."""
 
     key: str
     name: str
@@ -64,7 +64,7 @@ class Card:
 
 
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
-    """Return the cards of the bodies with the worst verdicts, the worst first."""
+    """Return the cards of the bodies with the worst verdicts; the worst comes first."""
     worst: dict[int, BodyVerdict] = {}
     for one in sorted(found, key=by_severity):
         worst.setdefault(one.body.place, one)
@@ -77,7 +77,7 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
 def by_severity(one: BodyVerdict) -> tuple[float, float, float]:
     """Return the sort key: worst verdict first, then largest probability, then smallest scale factor.
 
-    A body that slides first comes last, as its rocking is not judged.
+    Bodies that slide first come last, as their rocking is not assessed.
     """
     factor, value = one.deciding.margin.smallest, one.share.value
     likely = 0.0 if math.isnan(value) else value
@@ -86,7 +86,7 @@ def by_severity(one: BodyVerdict) -> tuple[float, float, float]:
 
 
 def priorities(answers: Answers, found: Sequence[BodyVerdict], checked: xr.Dataset | None = None) -> Table | None:
-    """Return the table of the objects in the order in which they need action; None without a verdict.
+    """Return the table of the bodies in the order in which they need action; None without a verdict.
 
     A body and the same body with its pedestal are one object with the worse verdict; `checked` are the code checks.
     """
@@ -171,7 +171,7 @@ def body_drawings(tree: xr.DataTree) -> list[Drawing]:
 
 
 def sentence(answers: Answers, one: BodyVerdict) -> str:
-    """Return the results for a body at its worst demand, or under the records as recorded, as a sentence."""
+    """Return a sentence with the results for a body at its worst demand or, without demands, under the records."""
     found, motions = one.deciding, answers.motions
     smallest = unexplained(margin_cells(found.margin)[0]).marked
     if motions.kind == "sequence":
@@ -208,7 +208,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
 
 
 def basis(answers: Answers, unused: str) -> str:
-    """Describe what the verdicts are based on: model, records, unused files and demands."""
+    """Describe what the verdicts are based on: model, records, files that were not used, and demands."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
     said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
@@ -230,7 +230,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def counted_by(answers: Answers) -> str:
-    """Explain how probability or share is computed, and which values separate the verdicts."""
+    """Explain how the probability, or the share of records, is computed, and which values separate the verdicts."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
@@ -251,9 +251,9 @@ def acceleration_in_words(value: float) -> str:
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = False) -> Table:
-    """Return the table of the bodies, the worst verdict first.
+    """Return the table of the bodies; the worst verdict comes first.
 
-    Each body has one row, for its governing demand and restitution, or with `every` a row for each of them.
+    Each body has one row, for its governing demand and restitution; with `every`, a row for each of them.
     """
     ordered = sorted(found, key=by_severity)
     worst = {one.body.place: one for one in reversed(ordered)}
@@ -275,13 +275,13 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = Fal
 
 
 def ties(answers: Answers, found: Sequence[BodyVerdict]) -> Table | None:
-    """Return the table of the ties; None without ties."""
+    """Return the table of the ties; None if no body has ties."""
     records = [_governing(answers, record) for record in range(len(answers.records))]
     return tie_table(answers, found, records)
 
 
 def _governing(answers: Answers, record: int) -> Cell:
-    """Return the name of a record (a row of /summary) with a link to its section."""
+    """Return a cell with the name of a record, given by its row in /summary, and a link to its section."""
     name = record_cells(answers.summary)[record]
     label = record_named(Known(answers.summary, record=answers.records[record]), name.text)
     return unexplained(name)._replace(text=label, link=f"record-{record}")

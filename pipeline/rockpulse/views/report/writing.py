@@ -162,7 +162,7 @@ def report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a report to be written; raise ResultsError if it cannot or must not be written."""
+    """Return the path of a report to be written; raise ResultsError if it must not or cannot be written."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -322,7 +322,7 @@ def _folders(tree: xr.DataTree, results: xr.DataTree | str | Path | None) -> tup
 
 
 def with_symbols(words: str) -> str:
-    """Replace names such as alpha_c and m/s2 in a text by Greek letters and powers."""
+    """Replace names such as alpha_c and m/s2 in a text by Greek letters and superscripts."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 
@@ -373,7 +373,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """Print an HTML page with a browser and return the PDF; raise ResultsError if this fails."""
+    """Convert an HTML page to a PDF with a browser, and return the PDF; raise ResultsError if this fails."""
     program = browser()
     # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

@@ -1,4 +1,4 @@
-"""The table of the verdicts on the bodies, which all views share: its columns, rows and legend."""
+"""The table of the verdicts on the bodies, used by all views: its columns, rows and legend."""
 
 import math
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ _MEANINGS = (
 
 
 def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Column, ...]:
-    """Return the columns of the table after the names of the bodies; with demands, all columns refer to a demand."""
+    """Return the columns after the names of the bodies; if there are demands, all columns refer to a demand."""
     if answers.motions.kind == "sequence":
         return col.columns("verdict", "smallest_safety_factor")
     sliding = ("sliding",) if any(map(_may_slide, rows)) else ()
@@ -42,7 +42,7 @@ def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Colu
 
 
 def _apart(found: Finding) -> bool:
-    """Return whether the share of records that overturn the nominal body is far from the probability."""
+    """Return whether the share of records that overturn the nominal body differs much from the probability."""
     return bool(abs(found.overturned / max(found.motions, 1) - found.share.value) > APART)
 
 
@@ -53,7 +53,7 @@ def _may_slide(found: Finding) -> bool:
 def verdict_rows(
     answers: Answers, found: Sequence[tuple[BodyVerdict, Finding]], governing: Sequence[Cell]
 ) -> dict[str, list[Any]]:
-    """Return the values of the columns, one row for each finding; `governing` are the cells of the records."""
+    """Return the values of the columns, a row for each finding; `governing` are the cells with the record names."""
     summary, places = answers.summary, [one.body.place for one, _ in found]
     rows = [row for _, row in found]
     turn = np.array([row.others_rotation for row in rows]) * summary["alpha_c"].values[places]
@@ -74,7 +74,7 @@ def verdict_rows(
 
 
 def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
-    """Explain columns and words of the table, and the records that it does not count."""
+    """Explain the columns and words of the table, and which records are not counted."""
     if answers.motions.kind == "sequence":
         return [say("legend.sequence")]
     sliding = f" {say('legend.sliding')}" if any(map(_may_slide, rows)) else ""
@@ -95,7 +95,7 @@ def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
 
 
 def _not_counted(rows: Sequence[Finding]) -> list[str]:
-    """State how many motions are too far from a demand or too weak, and which demands have too few earthquakes."""
+    """State how many records are too far from a demand or too weak, and which demands have too few earthquakes."""
     notes = []
     for demand in dict.fromkeys(row.demand for row in rows):
         own = [row for row in rows if row.demand == demand]

@@ -209,7 +209,7 @@ def test_a_stronger_effect_is_a_smaller_factor_and_the_ends_go_together():
 
 def test_a_body_outside_the_spectrum_has_no_design_and_is_named():
     site = usual_site()["site"].to_dataset()
-    assert str(site["site_warnings"].item()) == "outside the spectrum, and without a design: chest"
+    assert str(site["site_warnings"].item()) == "no design outside the range of the spectrum: chest"
     chest = site.sel(block="chest")
     assert np.isnan([chest[name] for name in ("effective_impulse", "design_factor", "main", "overturned_share")]).all()
     assert float(chest["p"]) == BLOCKS["chest"].p
@@ -266,5 +266,5 @@ def test_the_stored_design_is_the_one_that_bodies_are_assessed_under(tmp_path):
     rp.save(usual_site(), tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")
     np.testing.assert_allclose(design.effective_impulse(WALL), DESIGNED * base_at(WALL), rtol=1e-12)
-    with pytest.raises(ResultsError, match=r"few: no design: not enough earthquakes \(3; at least 7"):
+    with pytest.raises(ResultsError, match=r"few: no design spectrum: not enough earthquakes \(3; at least 7"):
         design_of(site_of(STRENGTHS[:3]), "few")

@@ -49,7 +49,7 @@ def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said
     )
     assert "the demand of the site is not checked" not in heads(with_codes([1.6]))
     found = heads(with_codes([1.6]), site=site(0.25))
-    assert found["records of the site, scaled as they were calibrated, overturn b (25 %)"].grade == "decides"
+    assert found["some records of the site, scaled as in the calibration, overturn b (25 %)"].grade == "decides"
     assert not [head for head in heads(with_codes([1.6]), site=site()) if "overturn" in head]
 
 
