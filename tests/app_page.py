@@ -112,6 +112,9 @@ class Window:
     def drop(self, *paths):
         self.find("#records input[type=file]")[0].send_keys("\n".join(map(str, paths)))
 
+    def drop_folder(self, path):
+        self.find("#records input[webkitdirectory]")[0].send_keys(str(path))
+
     def press(self, part, label):
         def pressed():
             found = [one for one in self.find(f"#{part} button") if one.text == label and one.is_enabled()]
@@ -156,8 +159,11 @@ def walls(window):
     window.type("bodies", "name", "wall")
     window.type("bodies", "width [m]", "550")
     window.type("bodies", "height [m]", "4200")
-    window.says("bodies", "are these millimetres?")
+    window.says("bodies", "are these millimetres?", "must be confirmed")
     assert "To be corrected first" in window.text("results")
+    window.press("bodies", "Confirm this size")
+    window.wait(lambda: "millimetres" not in window.text("bodies"))
+    assert window.find("#bodies [aria-expanded=true]") == []
     window.type("bodies", "width [m]", "0.3")
     window.type("bodies", "height [m]", "2,4")
     window.says("bodies", "uplift PGA 0.125 g")
