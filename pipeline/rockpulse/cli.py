@@ -96,9 +96,7 @@ def _run(argv: Sequence[str] | None) -> int:
         for name in WRITTEN:
             if getattr(args, name, None) == "":
                 option = f"--{name.replace('_', '-')}"
-                raise ConfigError(
-                    f"{option}: expected the name of a file, found nothing; is a variable of the shell unset?"
-                )
+                raise ConfigError(f"{option}: expected the name of a file, found nothing; is a shell variable unset?")
         with kernel_messages(getattr(args, "quiet", False)):
             code = args.run(args)
         sys.stdout.flush()

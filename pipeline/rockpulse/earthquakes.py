@@ -41,7 +41,7 @@ def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> 
 
 
 def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
-    """Return the weighted quantile at a level from 0 to 1; NaN if no value with a weight is finite."""
+    """Return the weighted quantile at the probability `level`; NaN if no value with a weight is finite."""
     known = np.isfinite(values) & (weights > 0.0)
     if not np.any(known):
         return math.nan
@@ -51,7 +51,7 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(values: Any, count: Any = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return both ends of the interval of the mean of probabilities (g, ...) of g earthquakes; NaN if unknown.
+    """Return the ends of the interval of the mean of the probabilities (g, ...) of g earthquakes; NaN if unknown.
 
     The Bayesian bootstrap (Rubin 1981, doi:10.1214/aos/1176345338) gives the earthquakes random weights, with two prior
     earthquakes of weight PRIOR, of probability 0 and 1, so that equal values do not give a certain mean. The ends are
@@ -114,7 +114,7 @@ def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float
 
 
 class Quantiles(NamedTuple):
-    """One quantile of each of k quantities over records, with confidence limits (NaN for a single earthquake)."""
+    """A quantile of each of k quantities over records, with confidence limits (NaN for a single earthquake)."""
 
     value: np.ndarray  # (k,)
     lower: np.ndarray  # (k,)
@@ -131,7 +131,7 @@ def record_quantiles(
     draws: np.ndarray,
     confidence: float,
 ) -> list[Quantiles]:
-    """Return quantiles of n records at each level: weighted ones that occur, or predictive ones, all positive.
+    """Return quantiles of n records at the probabilities `levels`; predictive quantiles need positive values.
 
     The q-quantile of the values of g earthquakes is exceeded by a further earthquake with a probability above 1 - q.
     The i-th smallest of g independent values is exceeded with the probability 1 - i/(g + 1) (Gumbel 1958, section
@@ -161,7 +161,7 @@ def record_quantiles(
 
 
 def _interpolated(ordered: np.ndarray, below: np.ndarray, level: float) -> np.ndarray:
-    """Return values (b,) interpolated in ascending values (n,) at a level, from cumulative weights (b, n)."""
+    """Return the weighted quantile of ascending values (n,) in each of b resamples with cumulative weights (b, n)."""
     rows, most = np.arange(below.shape[0]), below.shape[1] - 1
 
     def start(place: np.ndarray) -> np.ndarray:
@@ -175,7 +175,7 @@ def _interpolated(ordered: np.ndarray, below: np.ndarray, level: float) -> np.nd
 
     target = level * below[:, -1]
     at = np.minimum(first_above(target), most)
-    # The record drawn before this one, and the one after it: records that are not drawn leave the sum as it is.
+    # Previous and next drawn record; a record that is not drawn leaves the cumulative weight unchanged.
     before = np.where(start(at) > 0.0, first_above(start(at) * (1.0 - ROUNDING)), at)
     after = first_above(below[rows, at] * (1.0 + ROUNDING))
     after = np.where(after <= most, after, at)

@@ -224,7 +224,7 @@ def some(names: Sequence[str], most: int) -> str:
 
 
 def unread(rows: Iterable[Failure]) -> bool:
-    """Return whether a file could not be read; a name that matches no record may then refer to this file."""
+    """Return whether a file could not be read; a name that matches no record may then be the name of its record."""
     return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
 
 

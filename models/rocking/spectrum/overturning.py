@@ -206,10 +206,12 @@ class OverturningSpectrum:
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
         if np.any(np.isfinite(states)) and np.any(np.isnan(self.lanes.peak)):
             raise ValueError(f"rotation: expected inf, as the lanes were computed without rotations, got {rotation!r}")
+        parts = self._parts(restitution)
+        least, most = (np.concatenate(ends) for ends in list(zip(*parts, strict=True))[1:])
         found = np.zeros((states.size, self.p.size, np.size(restitution), self.level.size))
-        for part, least, most in self._parts(restitution):
-            for place in range(self.p.size):
-                found[:, place] += part * self._at(place, least, most, states.ravel())[0]
+        for place in range(self.p.size):
+            of_parts = np.split(self._at(place, least, most, states.ravel())[0], len(parts), axis=1)
+            found[:, place] = sum(part[0] * own for part, own in zip(parts, of_parts, strict=True))
         return found.reshape(*states.shape, *found.shape[1:])
 
     def spectrum(self, restitution: ArrayLike, rotation: ArrayLike = np.inf) -> np.ndarray:

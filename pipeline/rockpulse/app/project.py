@@ -8,6 +8,7 @@ from dataclasses import fields
 from filecmp import cmp
 from importlib.resources import files
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from rockpulse.app.child import Command
@@ -16,7 +17,7 @@ from rockpulse.config.configuration import Config, config_of, document_as_text, 
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
 from rockpulse.option import Section
-from rockpulse.readers.folders import read_all
+from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.views.shared.files_used import failure_rows
@@ -77,6 +78,9 @@ class Project:
         self.command = Command(self.folder)
         self.document: dict[str, Any] = {}
         self.error, self.written, self.assessed = "", "", 0
+        self._reading = Lock()
+        self._state: Any = None  # of the configuration and the files when the records were read
+        self._records: tuple[list[Record], list[Failure]] = [], []
         self.load()
 
     @property
@@ -195,12 +199,22 @@ class Project:
         return self.save()
 
     def read_records(self) -> tuple[list[Record], list[Failure]]:
-        """Read all records as the commands do; raise ConfigError if a pattern of the configuration matches no file."""
+        """Read all records as the commands do; raise ConfigError if a pattern of the configuration matches no file.
+
+        All windows share the records, which are read again if a file in their folders or the configuration has changed.
+        """
         given = self.config().records
         paths = [str(path) for path in self.config().record_paths()]
         if not self.record_files() and given.paths in ((), (RECORDS,)):
             return [], []
-        return read_all(paths, given.units, None, given.dt, given.response, given.files, given.pairs)
+        with self._reading:
+            folders = sorted({one.path.parent for one in find_files(paths)[0]})
+            stats = [(path, path.stat()) for folder in folders for path in sorted(folder.iterdir()) if path.exists()]
+            state = given, [(path, found.st_size, found.st_mtime_ns) for path, found in stats]
+            if self._state != state:
+                self._records = read_all(paths, given.units, None, given.dt, given.response, given.files, given.pairs)
+                self._state = state
+            return self._records
 
     def earthquakes(self, records: list[Record], failures: list[Failure]) -> int:
         """Return the number of earthquakes of records; raise ConfigError if the given table of them is wrong."""

@@ -12,6 +12,7 @@ from nicegui import events, run, ui
 
 from rockpulse.app.fields import file_input, refused, value_of
 from rockpulse.app.project import RECORDS, samples
+from rockpulse.app.table import Table
 from rockpulse.app.window import Window
 from rockpulse.config.configuration import Config
 from rockpulse.errors import NO_RECORD, Failure, Remedy, last_part
@@ -35,6 +36,9 @@ SHAPE = """<q-td :props="props"><svg class="shape" viewBox="0 0 80 24" aria-hidd
  @click="$parent.$emit('picture', props.row.id)"><path :d="props.value" /></svg></q-td>"""
 #: Number of strokes of a thumbnail, and largest number of files to choose a partner from.
 STROKES, PARTNERS = 40, 50
+#: Cell with the button that removes a file.
+REMOVE = """<q-td :props="props" auto-width><q-btn flat dense icon="delete" color="secondary"
+ :aria-label="'{remove} ' + props.value" @click="$parent.$emit('remove', props.value)" /></q-td>"""
 
 
 class RecordPart:
@@ -117,11 +121,10 @@ class RecordPart:
         ]
         with self.table:
             rows = [{"id": place, **_row(record)} for place, record in enumerate(self.records)]
-            table = ui.table(columns=columns, rows=rows, pagination=10).props("dense flat").classes("list")
-            table.props(f'aria-label="{say("app.records.title")}"')
-            table.add_slot("body-cell-station", STATION.format(picture=say("app.records.picture")))
-            table.add_slot("body-cell-shape", SHAPE)
-            table.on("picture", self.page.handler(self._picture))
+            shown = Table(say("app.records.title"), columns, rows)
+            shown.add_slot("body-cell-station", STATION.format(picture=say("app.records.picture")))
+            shown.add_slot("body-cell-shape", SHAPE)
+            shown.on("picture", self.page.handler(self._picture))
             ui.label(say("app.records.click")).classes("soft")
 
     async def _picture(self, event: events.GenericEventArguments) -> None:
@@ -212,21 +215,22 @@ class RecordPart:
 
     def _show_files(self) -> None:
         self.files.clear()
-        self.files.visible = bool(self.project.record_files())
+        paths = self.project.record_files()
+        self.files.visible = bool(paths)
+        columns = [{"name": name, "label": "", "field": "id", "align": "left"} for name in ("id", "remove")]
         with self.files:
-            for path in self.project.record_files():
-                with ui.row().classes("file"):
-                    name = path.relative_to(self.project.folder / RECORDS).as_posix()
-                    ui.label(name)
-                    button = ui.button(icon="delete", on_click=self.page.handler(self._removing(path)))
-                    button.props(f'flat dense color=secondary aria-label="{say("app.records.remove")} {name}"')
+            rows = [{"id": path.relative_to(self.project.folder / RECORDS).as_posix()} for path in paths]
+            shown = Table(say("app.records.files"), columns, rows).props("hide-header")
+            shown.add_slot("body-cell-remove", REMOVE.format(remove=say("app.records.remove")))
+            shown.on("remove", self.page.handler(self._remove))
 
-    def _removing(self, path: Path) -> Any:
-        async def remove() -> None:
-            self.project.remove(path, {one.id for one in self.records if one.source.startswith(str(path))})
-            await self.read()
-
-        return remove
+    async def _remove(self, event: events.GenericEventArguments) -> None:
+        path = self.project.folder / RECORDS / event.args
+        if path in self.project.record_files():
+            inside = (str(path), f"{path}!")
+            ids = {one.id for one in self.records if one.source == inside[0] or one.source.startswith(inside[1])}
+            self.project.remove(path, ids)
+        await self.read()
 
 
 def _counts(channels: int, events: int) -> str:

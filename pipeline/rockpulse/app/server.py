@@ -10,7 +10,7 @@ from pathlib import Path
 
 from fastapi import HTTPException, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
-from nicegui import Client, app, ui
+from nicegui import Client, app, run, ui
 from nicegui.server import Server
 
 from rockpulse.app.guard import Guard
@@ -85,10 +85,12 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
         tell(f"{address}\nfolder: {project.folder}; Ctrl-C ends the page")
         if show:
             webbrowser.open(address)
+        ahead = asyncio.gather(run.io_bound(project.read_records), return_exceptions=True)  # a window shows a fault
         seen = time.monotonic()
         while time.monotonic() - seen < close_after:
             await asyncio.sleep(min(LOOK, 0.25 * close_after))
-            if project.command.running or any(one.has_socket_connection for one in [*Client.instances.values()]):
+            open_windows = any(one.has_socket_connection for one in [*Client.instances.values()])
+            if project.command.running or open_windows or not ahead.done():
                 seen = time.monotonic()
         tell("the page was closed")
         app.shutdown()

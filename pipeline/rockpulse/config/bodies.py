@@ -59,7 +59,7 @@ class Bodies:
     tie_count: int
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
-        """Group the indices of bodies by the motion under them; directions `within` degrees of `azimuth` are equal."""
+        """Group bodies (indices) by the motion under them; directions `within` degrees of `azimuth` count as equal."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
@@ -78,7 +78,7 @@ class Bodies:
         return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, tie_count=self.tie_count, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
-        """Reshape the values of all blocks (..., b x cases) to b bodies with their restitutions (..., b, cases)."""
+        """Reshape the values of all blocks (..., b x c), for b bodies with c restitutions each, to (..., b, c)."""
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
     def apart(self) -> tuple[list[str], Block, np.ndarray]:
@@ -154,7 +154,7 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
     if whole is not None:
         parts.append(whole.take(np.repeat(np.arange(len(alike)), cases)))
     kept = np.array([block is not None for block in named.values()])
-    place = np.where(kept, np.cumsum(kept) - 1, len(single) + np.cumsum(~kept) - 1)  # of each body in `parts`
+    place = np.where(kept, np.cumsum(kept) - 1, len(single) + np.cumsum(~kept) - 1)  # index in `parts`
     lanes = (place[:, np.newaxis] * cases + np.arange(cases)).reshape(-1)
     stacked = Block.stack(parts)
     blocks_in_order = stacked if whole is None else stacked.take(lanes)
@@ -182,7 +182,7 @@ _DEFAULTS = {one.name: one.default for one in fields(BlockSettings) if one.name 
 
 
 def _is_plain(body: BlockSettings) -> bool:
-    """Return whether a body is a free rectangle of usual size with Housner's restitution, which has no warning."""
+    """Return whether a body is a free rectangle of usual size and Housner's restitution, so that it has no warning."""
     width, height = body.width, body.height
     if width is None or height is None or height < LEAST_PLAIN * width or size_problem(width, height):
         return False
@@ -190,7 +190,7 @@ def _is_plain(body: BlockSettings) -> bool:
 
 
 def _rectangles(bodies: Sequence[BlockSettings]) -> Block | None:
-    """Return plain bodies of one gravity as an array; None if there are none, or if their gravities differ."""
+    """Return plain bodies as one array of blocks; None if there are no bodies, or if their gravities differ."""
     gravities = {body.gravity for body in bodies}
     if len(gravities) != 1:
         return None

@@ -116,7 +116,7 @@ class Config:
             )
 
     def _apply_site(self, ag: float, soil: float) -> None:
-        """Set the demand and the soil factor from a_g [g] and S of the site, unless they are given."""
+        """Set the default demand and the soil factor from a_g [g] and S of the site, unless they are given."""
         if not self.demands:
             demand = settings.DemandSettings("a_g S", value=ag * soil * STANDARD_GRAVITY)
             object.__setattr__(self, "demands", (demand,))
@@ -153,7 +153,7 @@ SECTIONS: dict[str, type[Section]] = {
 
 
 def _facts_of(entry: Section) -> list[Any]:
-    """Return the values of an entry and of the entries in it, except whether its size is confirmed."""
+    """Return the values of an entry and of the entries in it, except whether the user has confirmed its size."""
     facts: list[Any] = []
     for name, value in vars(entry).items():
         if isinstance(value, tuple) and value and isinstance(value[0], Section):
@@ -297,7 +297,7 @@ def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: 
 
 
 def section_of(cls: type[Section], values: Any) -> Any:
-    """Make a section from its keys in TOML; raise ConfigError for an unknown, a missing or a wrong one."""
+    """Make a section from its keys in TOML; raise ConfigError for an unknown or a missing key, or a wrong value."""
     if not isinstance(values, Mapping):
         raise ConfigError(f"{cls.heading}: expected a section with keys, found {values!r}")
     known = {toml_key(item): item for item in dataclasses.fields(cls)}

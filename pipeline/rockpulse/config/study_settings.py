@@ -213,8 +213,8 @@ class HazardSettings(Section):
     """The hazard of the site, as a file of hazard curves or a power law k0 x^-k, and the exposure time.
 
     `longitude` and `latitude` select the site in a file of several sites. `measure` and `unit` (by default SI) apply to
-    the power law; a file states both. `soil_factor` converts levels on rock to levels on the ground of the site; the
-    default is S of [site] ag and ground, or 1.
+    the power law; a file states both. `soil_factor` converts values of the measure on rock to values on the ground of
+    the site; the default is S of [site] ag and ground, or 1.
 
     Raises
     ------

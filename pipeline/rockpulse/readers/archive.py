@@ -118,7 +118,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
 def _station_files(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: PurePosixPath
 ) -> list[tuple[str, bytes]]:
-    """Return the name and the content of each XML member in a folder of the archive."""
+    """Return the name and the content of each XML file in a folder of the archive."""
     xml = (entry for entry in entries if entry.filename.lower().endswith(".xml"))
     beside = (entry for entry in xml if PurePosixPath(entry.filename).parent == folder)
     named = ((f"{archive.filename}!{entry.filename}", entry) for entry in beside)

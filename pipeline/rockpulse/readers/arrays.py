@@ -61,7 +61,7 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
 
 
 def _workbook(file: SourceFile) -> Iterable[str]:
-    """Yield each sheet of a workbook with enough rows for samples as text."""
+    """Yield each sheet of a workbook as text, except sheets with too few rows for samples."""
     try:
         sheets = sheet_texts(file.content)
     except ImportError as fault:

@@ -154,7 +154,7 @@ def check_output(out: str | os.PathLike[str], format: str | None = None) -> Writ
 
 
 def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
-    """Return the writer of the format, and whether `out` is a folder."""
+    """Return the writer of the format, and whether `out` is a folder rather than a file."""
     by_suffix = next((key for key, row in WRITERS.items() if out.suffix.lower() in row.suffixes), None)
     folder = out.is_dir() or by_suffix is None
     key = name or (None if out.is_dir() else by_suffix)
@@ -179,7 +179,6 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
 
 
 def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool) -> dict[Path, list[Record]]:
-    """Return the path of each file to write, with its records."""
     if writer.one is None or (len(records) == 1 and not folder):
         return {out: list(records)}
     ids = [record.id.lstrip(".") for record in records]  # a file that begins with a point is hidden
@@ -254,7 +253,7 @@ def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[di
 
 
 def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str, Record], writer: Writer) -> None:
-    """Read a written file again, as a user would; raise an error if a record differs from the original."""
+    """Read a written file again, as a user would; raise an error if a record differs from the written record."""
 
     def station_files() -> list[tuple[str, bytes]]:
         own = {str(name): content for name, content in contents.items() if name != path}
@@ -265,27 +264,27 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
     try:
         back = read_source(SourceFile(str(path), content[:HEAD], lambda: content, station_files), ReadOptions("m/s2"))
     except RockpulseError as fault:
-        found = f"would not be read again ({fault}); nothing was kept, write into another folder"
+        found = f"would not be read again ({fault}); no file was kept, write into another folder"
         raise RecordRefused(f"{path}: {found}") from fault
     if len(back) != len(records):
-        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} would be read; nothing was kept")
+        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} would be read; no file was kept")
     for again in back:
         # A file of one record has no name for it.
         code = f"{again.network}.{again.station}.{again.location}.{again.channel}"
         record = records[code if writer.one is None else ""]
         tolerance = writer.digits * np.abs(record.acceleration) + (_UNDERFLOW if writer.digits else 0.0)
         if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
-            raise RecordRefused(f"{path}: the samples of {record.id} would differ after reading; nothing was kept")
+            raise RecordRefused(f"{path}: the samples of {record.id} would differ after reading; no file was kept")
         if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
             reason = f"the sampling interval of {record.id}, {record.dt!r} s, would be read again as {again.dt!r} s"
             raise RecordRefused(f"{path}: {reason}; use another format, or resample the record")
         lost = _wrong(record, again, writer.whole)
         if lost:
-            raise RecordRefused(f"{path}: {record.id}: {lost}; nothing was kept, use another format")
+            raise RecordRefused(f"{path}: {record.id}: {lost}; no file was kept, use another format")
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Describe how reading changes direction or processing, or with `whole` loses them; empty without a change."""
+    """Describe a change of direction or processing by a file, with `whole` also a loss; empty without a change."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -300,7 +299,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Describe how reading changes the state of processing; empty without a change."""
+    """Describe a change of the state of processing by a file; with `whole` also a loss; empty without a change."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

@@ -99,7 +99,7 @@ def _plain(name: str) -> str:
 
 
 def path_spellings(name: str) -> list[str]:
-    """Return the absolute path of a file, and of an archive and its member, also without ``.gz``, as in patterns."""
+    """Return the absolute path of a file, for a member also those of archive and member, each also without ``.gz``."""
     path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
     archive, _, member = path.partition("!")
     parts = [path, archive, f"/{member}"] if member else [path]
@@ -107,7 +107,7 @@ def path_spellings(name: str) -> list[str]:
 
 
 def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
-    """Raise ConfigError unless each name of each pair is exactly one of the files `names`, and no file is in two."""
+    """Raise ConfigError unless each name in `pairs` matches exactly one of the files, and no file is in two pairs."""
     taken: dict[str, str] = {}
     for pair in pairs:
         for side in SIDES:

@@ -223,7 +223,7 @@ def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
     items: list[Found] = []
     faults: list[Failure] = []
     if not text:
-        return [], [Failure(text, "find", "an empty path was given; is a variable of the shell unset?", "failed")]
+        return [], [Failure(text, "find", "an empty path was given; is a shell variable unset?", "failed")]
     if path.is_dir():
         items, faults = _walk(path)
         lacking = "no file to read in the folder; check it" if not faults else ""
@@ -243,7 +243,7 @@ def _files_of_path(text: str) -> tuple[list[Found], list[Failure]]:
 
 
 def check_patterns(found: Sequence[Found], options: ReadOptions) -> None:
-    """Raise ConfigError if a pattern of `files` matches no file or member, or a file of `pairs` is not exactly one."""
+    """Raise ConfigError if a pattern of `files` matches no file, or a name in `pairs` not exactly one file."""
     names = [str(item.path) for item in found]
     missed = [row for row in options.files if not any(map(row.chooses, names))]
     if missed or options.pairs:

@@ -83,7 +83,7 @@ class ReadOptions:
     dt: float | None = None  # sampling interval [s], for columns without a time column
     # "sensitivity": counts are divided by the sensitivity; "remove": the full instrument response is removed
     response: str = "sensitivity"
-    # for some files, in place of the above; a property is taken from the last row that gives it and matches the file
+    # unit and interval of some files, in place of the above; of several that match a file, the last one applies
     files: tuple[FileSettings, ...] = ()
     pairs: tuple[PairSettings, ...] = ()  # files that are the two components of a recording
 
@@ -109,12 +109,12 @@ class ReadOptions:
         )
 
     def said_by(self, key: str) -> str:
-        """Return where a property was given, for a message: "the option units" or a row of the configuration."""
+        """Return where the property `key` was given, for a message: "the option units" or a [[records.file]] entry."""
         row = self._last(key)
         return f"the option {key}" if row is None else row.where
 
     def advice(self, key: str) -> str:
-        """Return the advice, for a message, on a file that contradicts a given property."""
+        """Return the advice in a message about a file that contradicts the given property `key`."""
         value = getattr(self, key)
         if self._last(key) is not None:
             return "correct the wrong one, or the pattern"
@@ -136,7 +136,7 @@ class ReadOptions:
                 raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}", remedy)
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
-        """Return the last FileSettings that give the property `key` and match the file `name` (None for any file)."""
+        """Return the last FileSettings that give the property `key` and match the file `name` (any file if None)."""
         found = (row for row in reversed(self.files) if row[key] is not None)
         return next((row for row in found if name is None or row.chooses(name)), None)
 

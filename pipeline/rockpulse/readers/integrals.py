@@ -35,7 +35,7 @@ def with_slopes(record: Record) -> Record:
 
 
 def without_integrals(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
-    """Return the records that are not the integral of another in their folder, and a failure for each integral."""
+    """Return the records that are not integrals of another record in their folder, and a failure for each integral."""
     groups: dict[tuple[object, ...], list[ColumnRecord]] = defaultdict(list)
     for record in records:
         if isinstance(record, ColumnRecord):

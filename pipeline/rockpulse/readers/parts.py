@@ -190,7 +190,7 @@ def _channel(record: Record) -> tuple[object, ...]:
 
 
 def _chains(records: Sequence[Record]) -> list[list[Record]]:
-    """Group the records of a channel so that each in a group begins one step after the end of the previous record."""
+    """Group the records of one channel; in a group, each record begins one step after the end of the previous one."""
     chains: list[list[Record]] = []
     for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
         before = chains[-1][-1] if chains else None

@@ -34,7 +34,7 @@ def _text(words: str) -> str:
 
 
 def azimuth_of(record: Record) -> float:
-    """Return the azimuth of a record in [0, 360) degrees; NaN if it is unknown."""
+    """Return the azimuth of a record from 0 to below 360 degrees; NaN if it is unknown."""
     return record.azimuth % 360.0 % 360.0  # the remainder of a tiny negative azimuth is 360
 
 

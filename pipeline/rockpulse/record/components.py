@@ -78,7 +78,7 @@ class Neighbours:
                 self._of_source[record.together].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Return the channels with the file or time of a record or, if the record has no time, its event and folder."""
+        """Return the channels that share file or time or, if the record has no time, event and folder with a record."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -212,7 +212,7 @@ def concurrent(record: Record, other: Record) -> bool:
 
 
 def sensor_level(record: Record) -> float:
-    """Return the depth of the sensor [m]: 0 up to :data:`SHALLOW` or if unknown, inf at the bottom of a borehole."""
+    """Return the depth of the sensor [m]; 0 if unknown or at most :data:`SHALLOW`, inf at the bottom of a borehole."""
     if np.isfinite(record.sensor_depth):
         return 0.0 if record.sensor_depth <= SHALLOW else record.sensor_depth
     return float("inf") if _BOTTOM.fullmatch(record.channel) else 0.0

@@ -160,7 +160,8 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
     """Return a warning on a channel that is dead or contains only noise; None for other channels."""
     span = float(np.ptp(samples))
     if span <= DEAD_STEPS * resolution:
-        return WarningText("noise_only", reason=f"the samples span {span / resolution:.0f} steps only", decides=True)
+        reason = f"the samples span only {span / resolution:.0f} steps of the resolution"
+        return WarningText("noise_only", reason=reason, decides=True)
     length = max(round(1.0 / dt), 20)
     count = samples.size // length
     if count < NOISE_WINDOWS:
@@ -171,7 +172,7 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | N
     white = np.sum(np.diff(samples) ** 2) > WHITE * np.sum((samples - np.mean(samples)) ** 2)
     weak = 0.5 * span < WEAK
     if (white and contrast < NOISE_CONTRAST["white"]) or (weak and contrast < NOISE_CONTRAST["weak"]):
-        reason = f"the strongest second has {contrast:.2g} times the level of the median one"
+        reason = f"the strongest second is {contrast:.2g} times as strong as the median second"
         return WarningText("noise_only", reason=reason, decides=True)
     return None
 

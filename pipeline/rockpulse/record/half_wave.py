@@ -175,7 +175,7 @@ def _lobes(record: Record) -> HalfWaves:
 
 
 def _lobes_between(record: Record, crossing: np.ndarray, first: int | None, last: int | None) -> tuple[np.ndarray, ...]:
-    """Return the arrays `COLUMNS` of the lobes between two crossings, given by index, or the record's ends (None)."""
+    """Return the arrays `COLUMNS` of the lobes between two crossings (indices; None for an end of the record)."""
     dt, begin = record.dt, 0 if first is None else int(crossing[first])
     acceleration = record.acceleration[begin : None if last is None else crossing[last] + 2]
     crossing = crossing[first : None if last is None else last + 1] - begin
@@ -223,7 +223,7 @@ def _merge(lobes: HalfWaves, floor: float, min_duration: float) -> HalfWaves:
     gross = np.abs(lobes.impulse).tolist()
     size = [1] * count
     before, after = list(range(-1, count - 1)), [*range(1, count), -1]
-    stamp = [0] * count  # a queue entry with an old stamp is void
+    stamp = [0] * count  # an entry of the queue with an old stamp is ignored
     queue: list[tuple[float, int, int]] = []
 
     def offer(wave: int) -> None:
@@ -233,7 +233,7 @@ def _merge(lobes: HalfWaves, floor: float, min_duration: float) -> HalfWaves:
 
     for wave in range(count):
         offer(wave)
-    while queue:  # every merger removes two waves and offers at most three
+    while queue:  # ends, as every merger removes two waves and queues at most three
         _, middle, valid = heapq.heappop(queue)
         if stamp[middle] != valid:
             continue

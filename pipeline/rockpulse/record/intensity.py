@@ -16,7 +16,7 @@ WINDOW_LENGTH = 20.0
 DAMPING, PERIODS = 0.05, np.linspace(0.1, 2.5, 49)
 #: Smallest number of points per period at which the response of an oscillator is computed.
 POINTS = 16
-#: Default level of the bracketed duration [m/s2] (Bolt 1973).
+#: Default acceleration that limits the bracketed duration [m/s2] (Bolt 1973).
 BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
 
 
@@ -116,7 +116,7 @@ def intense_phase(
     start_s, end_s : float, optional
         Limits of the window [s] from the first sample.
     level : float, optional
-        Level of the bracketed duration [m/s2], by default 0.05 g.
+        Acceleration that limits the bracketed duration [m/s2], by default 0.05 g.
 
     Returns
     -------
@@ -170,7 +170,7 @@ def _nonzero_energy(record: Record) -> np.ndarray:
 
 
 def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
-    """Return the first time [s] at which the integral of the squared acceleration reaches a level."""
+    """Return the first time [s] at which the integral of the squared acceleration reaches `level` [m2/s3]."""
     after = max(int(np.searchsorted(energy, level)), 1)
     before = after - 1
     left, right = record.acceleration[before : after + 1].tolist()

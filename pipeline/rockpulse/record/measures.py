@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rocking.march.demand import Demand
     from rockpulse.record.half_wave import HalfWaves
 
-#: Units in which levels of a measure may be given (the displayed unit first) with factors to SI, by SI unit.
+#: Units in which values of a measure may be given (the displayed unit first) with factors to SI, by SI unit.
 UNITS = {
     "m s^-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
     "m s^-1": {"m/s": 1.0, "cm/s": 0.01},
@@ -47,7 +47,7 @@ class RecordOnBodies:
 
     @property
     def demand(self) -> Demand:
-        """Return the lobes of E (:mod:`rocking.march.demand`), each divided by the value that overturns the body."""
+        """Return the demand of the record on the bodies; see :class:`rocking.march.demand.Demand`."""
         from rocking.march.demand import ground_demand  # compiled
 
         return ground_demand(self.block, self.record.acceleration, self.record.dt)
@@ -81,7 +81,7 @@ class Measure:
 
     @property
     def known_units(self) -> dict[str, float]:
-        """The units in which levels of the measure may be given, with factors to SI."""
+        """The units in which values of the measure may be given, with factors to SI."""
         return UNITS.get(self.unit, {self.unit: 1.0})
 
     @property

@@ -200,7 +200,7 @@ def _name(record: Record, code: str) -> str:
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
-    """Return the warnings or steps of both channels; a text of only one channel begins with its channel code."""
+    """Return the warnings or steps of both channels; a text of only one channel begins with the channel's code."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
         text if text in mine and text in others else WarningText("of_channel", channel=record.channel, warning=text)

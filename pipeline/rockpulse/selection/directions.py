@@ -1,4 +1,4 @@
-"""Plans the motions that are assessed, without their samples: channels as recorded, or rotated pairs of channels."""
+"""Chooses the ground motions to assess, without reading samples: channels as recorded, or pairs to be rotated."""
 
 import logging
 import math
@@ -38,34 +38,34 @@ FACING_WITHIN = 1.0
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PlannedMotion:
-    """A channel, or a pair of channels to be rotated, and the vertical channel used with it."""
+    """A record to be assessed: a channel or a pair of channels to be rotated, and the vertical channel used with it."""
 
     name: str  # id of the channel, or name of the pair; unique
     channels: tuple[Record, ...]  # one channel, or both channels of a pair, as read
     vertical: Record | None = None  # as read
     partner: Record | None = None  # the other channel of a single channel's pair, as read, for the intensity of both
-    warnings: tuple[str, ...] = ()  # warnings for each motion made from the channels
+    warnings: tuple[str, ...] = ()  # warnings for each record made from the channels
     copy: int = 1  # number, from 1, among pairs whose rotated records would have the same id
     comparisons: tuple[Comparison, ...] = ()  # other records with which the channels are compared
 
     @property
     def rotated(self) -> bool:
-        """Whether the motion is a pair to be rotated."""
+        """Whether the record is a pair of channels to be rotated."""
         return len(self.channels) > 1
 
     def direction_id(self, azimuth: float) -> str:
-        """Return the id of the pair's motion in one direction [degrees]."""
+        """Return the id of the pair's record in one direction [degrees]."""
         name = rotated_id(self.channels[0], azimuth)
         return name if self.copy == 1 else f"{name}~{self.copy}"
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A conditioned horizontal motion, with its vertical acceleration."""
+    """A conditioned horizontal record to be assessed, with its vertical acceleration."""
 
     record: Record  # a channel or a rotated pair, conditioned
     vertical: Record | None = None  # the vertical channel that acts too, conditioned
-    channels: tuple[Record, ...] = ()  # the channel or pair from which the motion is made, conditioned
+    channels: tuple[Record, ...] = ()  # the channel or pair from which the record is made, conditioned
     partner: Record | None = None  # the other channel of a single channel's pair, conditioned
 
     @property
@@ -75,13 +75,13 @@ class Motion:
 
 
 class VerticalRefused(RecordRefused):
-    """Error: the vertical channel used with a motion cannot be conditioned."""
+    """Error: the vertical channel used with a horizontal record cannot be conditioned."""
 
 
 def plan_motions(
     records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
 ) -> tuple[list[PlannedMotion], list[Failure]]:
-    """Return the channels and pairs that section [records] requests, and a failure row for each other channel.
+    """Return the channels and pairs to be assessed by section [records], and a failure row for each other channel.
 
     A single channel is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is an intensity
     measure, each channel gets the other channel of its pair, if there is one.
@@ -156,7 +156,7 @@ def _warned(record: Record, warnings: Iterable[str]) -> Record:
 
 
 def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
-    """Return the ids of the planned motions; empty for the strongest direction, which depends on the samples."""
+    """Return the ids of the records to be assessed; empty for the strongest direction, which depends on the samples."""
     if not planned.rotated:
         return [planned.name]
     if config.records.components == "strongest":
@@ -165,14 +165,14 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
-    """Return the ids of the motions in all directions by the name of their pair; None if directions are not swept."""
+    """Return, by name of the pair, the ids of its records in all directions; None if `components` is not "sweep"."""
     return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
 def _with_comparisons(
     planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
 ) -> list[PlannedMotion]:
-    """Return the planned motions, each with the other records that its channels are compared with."""
+    """Add to each record to be assessed the other records with which its channels are compared."""
     by_id: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
         by_id[twin.accepted.id].append(twin)
@@ -192,7 +192,7 @@ def _with_comparisons(
 
 
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
-    """Return the planned motion of a channel without a pair if the channel is along the azimuth; otherwise None."""
+    """Return a channel without a pair as a record to be assessed if it is along the azimuth, else None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
@@ -265,7 +265,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> RecordRefused | 
 def unconfirmed_channels(
     planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
 ) -> list[Failure]:
-    """Return a failure row for each channel that is not used because a channel of the motion is doubtful."""
+    """Return a failure row for each channel that is not used because it, or a channel used with it, is doubtful."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""

@@ -69,7 +69,7 @@ def without_duplicates(
 def unmatched_patterns(
     option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """Return a failure row if a pattern matches no record id; raise ConfigError instead if all files were read."""
+    """Return a failure row if a pattern matches no record id; if all files were read, raise ConfigError instead."""
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
@@ -164,7 +164,7 @@ class _DuplicateSelection:
                         self._decide(record, recording, following)
 
     def _decide(self, record: Record, recording: _Recording, following: bool = False) -> None:
-        """Accept a record, or reject it as a duplicate of an accepted one; with `following` true, always accept it."""
+        """Accept a record, or reject it as a duplicate of an accepted one; if `following` is true, always accept it."""
         rivals = [(one, other) for one, other in self.accepted if self._same(record, one, other, recording)]
         if following or not rivals:
             self.accepted.append((record, recording))

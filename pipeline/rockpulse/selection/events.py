@@ -40,7 +40,7 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield pairs of indices of records of one earthquake, enough to connect all its records among `free`."""
+    """Yield pairs (indices) of records of one earthquake, enough to connect all its records among those in `free`."""
     for members in _grouped(free, lambda index: records[index].source or None):
         yield from pairwise(members)
     for members in _grouped(free, lambda index: records[index].together or None):
@@ -62,7 +62,6 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
 
 
 def _grouped(members: Iterable[int], key: Callable[[int], Hashable]) -> list[list[int]]:
-    """Group the members by key; omit members whose key is None."""
     groups: dict[Hashable, list[int]] = defaultdict(list)
     for index in members:
         if (found := key(index)) is not None:
@@ -76,7 +75,7 @@ def _near(
     within: float,
     agree: Callable[[Record, Record], bool],
 ) -> Iterator[tuple[int, int]]:
-    """Yield enough pairs of indices to connect all records that are `within` seconds of each other and that `agree`."""
+    """Yield enough pairs of indices to connect all records at most `within` seconds apart for which `agree` is true."""
     # Records with equal origin time and magnitude agree with the same records: only the latest one is compared.
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
@@ -102,7 +101,7 @@ def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield all pairs among the indices `ends` that may be of one earthquake, and some that cannot be."""
+    """Yield all pairs among the indices `ends` that may be of one earthquake, and some pairs that cannot be."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):

@@ -1,4 +1,4 @@
-"""Compares used records with rejected duplicates of the same ground motion, and components of one instrument."""
+"""Compares records with rejected duplicates of the same ground motion, and the two components of one instrument."""
 
 import math
 from collections import defaultdict
@@ -46,11 +46,11 @@ CAUSES = {
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Comparison:
-    """Another record with which a channel of a planned motion is compared."""
+    """Another record with which a channel that will be assessed is compared."""
 
     # a duplicate; a record that may be the same motion with a wrong clock, or scaled; the other component
     kind: Literal["duplicate", "clock", "copy", "component"]
-    channel: int  # index of the channel in the planned motion
+    channel: int  # index of the channel among the channels of the record to be assessed
     other: Record  # as read
     beside: tuple[Record, ...] = ()  # the channels recorded together with the other record, as read
 
@@ -96,7 +96,7 @@ def likeness(record: Record, other: Record) -> Likeness:
 
 
 def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
-    """Return channels as read; a channel that a comparison makes doubtful gets a warning."""
+    """Return the channels as read, with a warning on each channel that a comparison makes doubtful."""
     found = list(channels)
     for one in comparisons:
         channel = channels[one.channel]
@@ -179,7 +179,7 @@ def _cause(ratio: float) -> str:
 
 
 def _components(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if one component copies the other, or their intervals or (without a defect) peaks differ."""
+    """Return a warning if a component copies the other, or if intervals or (without a defect) peaks differ too much."""
     if abs(channel.dt / other.dt - 1.0) > INTERVALS_APART:
         return WarningText("interval_apart", interval=channel.dt, other=other.id, stated=other.dt, decides=True)
     mine, others = (outline_of(one) for one in (channel, other))
@@ -193,7 +193,7 @@ def _components(channel: Record, other: Record) -> WarningText | None:
 
 
 def _copy(channel: Record, other: Record) -> WarningText | None:
-    """Return a warning if a channel is another one multiplied by a number."""
+    """Return a warning if a channel is another channel multiplied by a number."""
     correlation = likeness(channel, other).correlation
     if abs(correlation) < COPY_CORRELATION:
         return None
@@ -206,7 +206,7 @@ def _apart(mine: Sequence[float], others: Sequence[float]) -> bool:
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
-    """Yield a comparison of a channel with its partner if peaks or intervals differ, or one may copy the other."""
+    """Yield a comparison of channel and partner if peaks differ strongly, intervals differ, or one may be a copy."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
         if other is None or _between(channel, other) < LEAST_TURN:
@@ -232,7 +232,7 @@ def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
 
 
 def uneven_partners(horizontal: Sequence[Record], partner: dict[int, Record]) -> dict[int, Record]:
-    """Return, as `partners`, channels without times that are no pair only because their sampling intervals differ."""
+    """Return the partners of channels without times that are no pair only because their intervals differ."""
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
         if id(record) not in partner and record.start_time is None and record.event:

@@ -1,4 +1,4 @@
-"""The design of a site as an overturning spectrum, and the equivalent impulse sequence of each body.
+"""The design spectrum of a site (an overturning spectrum), and the equivalent impulse sequence of each body.
 
 .. note:: S(p, C) [m/s] is the effective impulse on a slender block, which overturns if S >= g tan(alpha)/p. The
    sequence of a body has the I_s/I, dT and number N of main impulses of the site, and the main impulse I with which the
@@ -25,13 +25,13 @@ from rocking.pictures import short_repr
 from rocking.search.capacity import sequence_critical_scale
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
 
-#: Range and step of the search for the critical main impulse, divided by that of the closed form.
+#: Range and step (as ratios) of the search for the critical main impulse about the value of the closed form.
 MOST, STEP = 2.0, 1.002
 
 
 @dataclass(frozen=True, eq=False)
 class DesignSpectrum:
-    """The design of a site as an overturning spectrum, as :func:`rockpulse.load_design` reads it.
+    """The design spectrum and the sequence parameters of a site, as :func:`rockpulse.load_design` reads them.
 
     Attributes
     ----------
@@ -86,12 +86,12 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Return the scale factor (m,) on the design at which each block overturns; ValueError outside the spectrum."""
+        """Return the scale factor (m,) on the spectrum that overturns each block; ValueError outside the spectrum."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """Return for each of (m,) blocks a sequence with the effect of the design; ValueError outside the spectrum.
+        """Return for each of (m,) blocks a sequence with the effect of the spectrum; ValueError outside the spectrum.
 
         The sequence model overturns a block at the scale factor of the spectrum. Use the sequences with
         ``sequence_response(..., paired=True)``.

@@ -90,7 +90,7 @@ def record_sequence(
     m : int
         Number of half-waves of "mean-largest", at least 1.
     quantile : float
-        Level of "quantile" [-], 0 to 1, interpolated linearly between half-waves.
+        Probability of "quantile" [-], 0 to 1; the quantile is interpolated linearly between half-waves.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def record_sequence(
     if not _is_count(m):
         raise ConfigError(f"record_sequence: m: expected a whole number from 1, got {m!r}")
     if not 0.0 <= quantile <= 1.0:
-        raise ConfigError(f"record_sequence: quantile: expected a level from 0 to 1, got {quantile!r}")
+        raise ConfigError(f"record_sequence: quantile: expected a probability from 0 to 1, got {quantile!r}")
     inside = waves if phase is None else waves.between(phase.start, phase.end)
     where = waves.record_id or "half-waves"
     if len(inside) < FEWEST_WAVES:

@@ -110,7 +110,7 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """Return for each of (m,) blocks a sequence equivalent to the record; its impulses are zero without uplift.
+        """Return for each of (m,) blocks a sequence equivalent to the record; without uplift its impulses are zero.
 
         Use with ``sequence_response(..., paired=True)``; the spacing is "continuous". In the limit n -> infinity
         (VALIDATION F4) half-cycle i overturns the block if v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 -
@@ -122,7 +122,7 @@ class Rule:
     def spectrum_lanes(
         self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None, *, rotations: bool = True
     ) -> SpectrumLanes:
-        """Return the lanes of the overturning spectrum at ascending p (a,) [1/s], with all demands times `factor`.
+        """Return the blocks of the overturning spectrum at ascending p (a,) [1/s], with all demands times `factor`.
 
         No block overturns below x = p/PGA (:class:`rockpulse.models.SpectrumLanes`), at which the PGA lifts it. The
         random critical angles are on average 4 % smaller than the nominal angle, so that the spectrum is at most
@@ -197,7 +197,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
     section = table.get("range")
     if not isinstance(section, Mapping) or not section or not set(section) <= set(TRAITS):
         raise ConfigError(
-            f"{source}: expected [range] with some of {', '.join(TRAITS)}, as in {SHIPPED} of the package"
+            f"{source}: expected [range] with one or more of {', '.join(TRAITS)}, as in {SHIPPED} of the package"
         )
     for name, ends in section.items():
         numeric = isinstance(ends, list) and [type(end) for end in ends] in ([float, float], [int, int])
@@ -245,7 +245,6 @@ _DEMANDS: WeakKeyDictionary[HalfWaves, dict[Block, HalfWaveDemand]] = WeakKeyDic
 
 
 def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
-    """Return the demand of half-waves on blocks; the result is cached for these objects."""
     known = _DEMANDS.setdefault(waves, {})
     if block not in known:
         known[block] = demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -113,6 +114,39 @@ def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, 
     assert 'confirm = ["strong.90"]' in written
     assert 'north = "records/hall/inside/a.csv"\neast = "records/hall/inside/b.csv"' in written
     assert not (folder / "records" / "hall" / "hidden").exists()
+
+
+#: Clicks on the heading of a column, and returns the time until the browser has shown another order [ms].
+SORTED = """const [column, done] = arguments, start = performance.now();
+const rows = () => document.querySelector('#records tbody').innerText, before = rows();
+[...document.querySelectorAll('#records th')].find((one) => one.innerText.includes(column)).click();
+const look = () => rows() === before ? requestAnimationFrame(look) : setTimeout(() => done(performance.now() - start));
+look();"""
+
+
+def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_path):
+    (tmp_path / "records").mkdir()
+    moments = 0.01 * np.arange(4000)
+    for n in range(200):
+        motion = (0.5 - 0.002 * n) * np.exp(-(((moments - 8.0) / 4.0) ** 2)) * np.sin((5.0 + 0.05 * n) * moments)
+        name = f"{chr(65 + n // 26)}{chr(65 + n % 26)}" * 2
+        title = f"{name}, {n % 12 + 1}/{n % 28 + 1}/{1950 + n % 60}, Bagnoli, {n}"
+        (tmp_path / "records" / f"{n:03}.AT2").write_bytes(at2(motion, title=title))
+    blocks = "".join(f'[[block]]\nname = "b{n}"\nwidth = {0.3 + 0.01 * n}\nheight = 2.4\n' for n in range(50))
+    (tmp_path / "site.toml").write_text(f'[records]\npaths = ["records"]\n{blocks}')
+    shown, ordered = [], []
+    with served(tmp_path) as page:
+        window = Window(browser, page)
+        for _ in range(3):
+            begin = perf_counter()
+            window.open()
+            window.wait(lambda: len(window.find("#records tbody tr")) >= 10)
+            shown.append(perf_counter() - begin)
+            window.says("records", "200 channels, 200 earthquakes")
+            ordered += [browser.execute_async_script(SORTED, column) for column in ("PGA", "direction", "PGV")]
+    print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
+    assert min(shown) < 6.0  # on a busy machine
+    assert sorted(ordered)[4] < 200.0
 
 
 def children(pid):

@@ -299,7 +299,7 @@ def test_the_digits_of_a_format_tell_how_far_samples_may_be_off(tmp_path, monkey
     if kept:
         rp.write(EAST, tmp_path / f"out.{format}")
         return
-    with pytest.raises(RecordRefused, match="would differ after reading; nothing was kept"):
+    with pytest.raises(RecordRefused, match="would differ after reading; no file was kept"):
         rp.write(EAST, tmp_path / f"out.{format}")
 
 
@@ -320,7 +320,7 @@ def test_samples_and_records_come_back_in_their_number(tmp_path, monkeypatch):
     monkeypatch.undo()
     rows = "".join(f"{0.01 * k:.2f},{k % 7},{k % 5}\n" for k in range(300)).encode()
     changed("csv", monkeypatch, lambda one, record: b"time,acc_E,acc_N\n" + rows)
-    with pytest.raises(RecordRefused, match="1 records were written, 2 would be read; nothing was kept"):
+    with pytest.raises(RecordRefused, match="1 records were written, 2 would be read; no file was kept"):
         rp.write(EAST, tmp_path / "out.csv")
     assert names(tmp_path) == []
 
@@ -339,7 +339,7 @@ def test_what_a_format_of_few_digits_may_lose_near_zero(tmp_path, monkeypatch, f
 
 def test_a_file_that_would_not_be_read_again_is_not_kept(tmp_path, monkeypatch):
     changed("csv", monkeypatch, lambda one, record: b"no table")
-    with pytest.raises(RecordRefused, match=r"out\.csv: would not be read again .*; nothing was kept"):
+    with pytest.raises(RecordRefused, match=r"out\.csv: would not be read again .*; no file was kept"):
         rp.write(EAST, tmp_path / "out.csv")
     assert names(tmp_path) == []
 

@@ -170,9 +170,9 @@ def test_mean_of_all_half_waves_leaves_none_for_the_secondary_impulse():
         ({"main_count": True}, "main_count: expected"),
         ({"duration_s": 0.0}, "duration_s: expected a positive duration"),
         ({"duration_s": math.nan}, "duration_s: expected a positive duration"),
-        ({"quantile": -0.1}, "quantile: expected a level from 0 to 1"),
+        ({"quantile": -0.1}, "quantile: expected a probability from 0 to 1"),
         ({"m": 0}, "m: expected a whole number from 1"),
-        ({"quantile": math.nan}, "quantile: expected a level from 0 to 1"),
+        ({"quantile": math.nan}, "quantile: expected a probability from 0 to 1"),
     ],
 )
 def test_wrong_arguments_are_named(wrong, message):

@@ -68,7 +68,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the last header line, which states the number of points and the interval, else None."""
+    """Return the index of the last header line, with number of points and interval; None without such a line."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -78,7 +78,7 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def _names_both(lines: Sequence[str]) -> int | None:
-    """Return the index of the line with the values of both the number of points and the interval, else None."""
+    """Return the index of the line with the values of both number of points and interval; None without such a line."""
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
@@ -283,7 +283,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.ndarray | None:
-    """Return the samples of rows with fields of equal width; None if no usual width fits."""
+    """Return the samples of rows with fields of equal width; None if the rows fit no usual width."""
     length = len(block[0].rstrip())
     for width in _WIDTHS:
         if length < width or length % width or -(-count // (length // width)) != len(block):

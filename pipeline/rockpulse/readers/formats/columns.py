@@ -32,7 +32,7 @@ from rockpulse.readers.kit.stamps import without_stamps
 from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # number of rows that are checked to recognise a table
-#: Largest number of columns without headings, besides the time, that are read as one station, and this number plus 1.
+#: Largest number of columns without headings that are read as one station, without and with a column of times.
 _COMPONENTS, _NO_STATION = 3, 4
 #: Largest number of characters of a line, and of a list, in a message.
 _SHOWN, _LISTED = 60, 200
@@ -56,7 +56,6 @@ class _Columns:
 
     @property
     def width(self) -> int:
-        """Return the number of columns."""
         return self.table.shape[1]
 
     def picked(self, order: Sequence[int], *warnings: str) -> "_Columns":
@@ -122,7 +121,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
             expected = f"{first.kind} in the column {first.name!r}"
-            raise kit.unexpected(where, expected, "that it runs like time", _name_them(columns.width, True))
+            raise kit.unexpected(where, expected, "that it increases like times", _name_them(columns.width, True))
         columns = columns.picked(range(1, columns.width))
     if times is not None:
         table, remark = at_even_times(times, columns.table)
@@ -180,7 +179,7 @@ def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
 
 
 def _check_above(name: str, lines: Sequence[str], layout: Layout) -> None:
-    """Raise an error for a row with a damaged cell above the table, if headings or another row precede it."""
+    """Raise an error if a damaged row precedes the table, below its headings or below another row of numbers."""
     filled = [index for index, line in enumerate(lines[: layout.start]) if line.strip()]
     for before, at in pairwise(filled):
         cells = [cell.strip(' "\r') for cell in lines[at][:LINE_LIMIT].strip().split(layout.delimiter or "\t")]
@@ -267,7 +266,7 @@ def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complet
         return ()
     stop = f"the numbers stop at {behind[0].strip()[:_SHOWN]!r}"
     if not any(rows):
-        return (f"line {line}: {stop}, and the header does not state how many there are; is the file whole?",)
+        return (f"line {line}: {stop}, and the header does not state how many there are; is the file complete?",)
     kinds = kit.stated_kinds(behind[: rows.index(True)])
     if complete or (kinds and "acceleration" not in kinds):
         return (f"line {line}: {stop}; {sum(rows)} rows of numbers after it were left out",)
@@ -279,7 +278,7 @@ def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complet
 
 
 def _other_count(said: Collection[int], found: int, what: str) -> str:
-    return f"the header mentions {min(said)} samples, the file has {found} {what}; is it whole?"
+    return f"the header mentions {min(said)} samples, the file has {found} {what}; is it complete?"
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
@@ -319,7 +318,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[R
     width = columns.width
     late = next((index for index in range(width) if climbs(columns.table[:, index])), None)
     if late is not None:
-        found, advice = f"that column {late + 1 + timed} runs like time", "write the times as the first column"
+        found, advice = f"that column {late + 1 + timed} increases like times", "write the times as the first column"
         raise kit.unexpected(where, "accelerations", found, advice)
     if columns.headings or width == 1:
         return

@@ -149,7 +149,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], header: CosmosHeader, e
 
 
 def _acceleration(name: str, lines: Sequence[str], header: CosmosHeader, end: int) -> _Series:
-    """Return the series of the channel that is an acceleration."""
+    """Return the heading of the channel's acceleration."""
     found: list[_Series] = []
     begins = header.end
     for at in range(header.end, end):

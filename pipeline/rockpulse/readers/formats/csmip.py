@@ -81,7 +81,7 @@ def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Rec
 
 
 def _held(length: str, real_length: str, count: int, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if the length stated in the text or in a real header value contradicts the samples."""
+    """Return warnings if the length in the text or among the floating-point header values contradicts the samples."""
     spare = _LENGTH_TOLERANCE * block.duration
     return kit.held_length(length, count, block.dt, spare) + kit.held_length(real_length, count, block.dt, spare)
 
@@ -168,7 +168,7 @@ def read_corrected(
 
 
 def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[layout.SeriesHeading, int]:
-    """Return the heading of the acceleration (or else of the first series), and the index of the line after it."""
+    """Return the heading of the acceleration (else of the first series), and the index of the line after the series."""
     found: list[layout.SeriesHeading] = []
     for at in range(start + _ALL_TEXT, end):
         heading = layout.heading_at(lines, at)

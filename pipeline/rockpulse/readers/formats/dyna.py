@@ -175,7 +175,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
 
 
 def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tuple[int, str]]]:
-    """Return the known entries above the title (key, value, line number), and the unknown lines with numbers."""
+    """Return the known entries above the title (key, value, line number), and other lines with their line numbers."""
     known, unknown = [], []
     for line, text in enumerate((text.lstrip("\ufeff").strip() for text in lines), 1):
         key, _, value = (part.strip() for part in text.partition(":"))
@@ -238,7 +238,6 @@ def _facing(stream: str, stem: str) -> kit.Direction:
 
 
 def _start_time(header: _Header, origin: datetime | None) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample, and warnings about this time."""
     written = header.text("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
     start = _moment(written)
     if start is None:

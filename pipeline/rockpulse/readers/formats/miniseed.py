@@ -50,7 +50,7 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
     stats = trace.stats
     where = f"{file.name}: {trace.id}"
     if len(traces) > 1:
-        advice = "cut a part without gaps, or download the record again"
+        advice = "extract a part without gaps, or download the record again"
         raise RecordRefused(f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; {advice}")
     channel, site, notes = bridge.station_channel(file, trace, full=options.response == "remove")
     found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)

@@ -95,7 +95,6 @@ def _moment(text: str) -> tuple[datetime | None, str]:
 
 
 def _start_time(header: kit.Entries) -> tuple[datetime | None, list[str]]:
-    """Return the UTC time of the first sample, and warnings about this time."""
     text = header.text("RECORD TIME")
     if not text:
         return None, []

@@ -129,7 +129,7 @@ def _block(
 
 
 def _held_extremes(reals: np.ndarray, block: kit.ChannelSamples) -> list[str]:
-    """Return warnings if real header values 29-32 (maximum, minimum and their times) contradict the samples."""
+    """Return warnings if floating-point values 29-32 (maximum, minimum and their times) contradict the samples."""
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # the fields were not filled in
         return notes

@@ -18,7 +18,7 @@ from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
 from rockpulse.warning_text import WarningText
 
-#: Relative tolerance of a stated peak; a difference from the samples larger than this and rounding gives a warning.
+#: Relative tolerance of a stated peak, in addition to its rounding; a larger difference gives a warning.
 PEAK_TOLERANCE = 0.02
 #: Ratio of the stated and the actual peak above which their units differ, or part of the file is missing.
 OTHER_PEAK = 1.5
@@ -34,20 +34,20 @@ _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 _FIRST, SIGNS = 1000, {1.0: "", -1.0: " with the opposite sign"}
 #: Number of equal consecutive samples at an extreme value that indicate clipping.
 RUN = 5
-#: The same for each of several flat crests, and the number of crests: a limit a little below the peaks cuts short tops.
+#: Number of equal samples at each of several flat crests, and number of such crests, that also indicate clipping.
 CREST, CRESTS = 3, 2
 #: Smallest distance of a clipped value from the mid-range [resolution steps]; nearer values may be equal by rounding.
 STEPS_TO_EXTREME = 100
 #: Smallest fall of the trace beside a run of equal samples, over half the length of the run [resolution steps]. A
 #: smooth crest that is flattened by rounding is a parabola, which falls by about 4 steps there.
 STEPS_BESIDE = 10
-#: Full scale of a 24-bit recorder [counts], and the share of it above which a peak is reported: an overdriven
-#: recorder need not stay at one value, and some wrap around.
+#: Full scale of a 24-bit recorder [counts], and the share of it above which a peak is reported: the samples of an
+#: overdriven recorder need not be equal, and may change sign.
 FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
 
 
 def odd_peak(peak: float, unit: str, factor: float) -> WarningText:
-    """Return the warning about a peak [m/s2] that is not credible; an empty `unit` means m/s2."""
+    """Return the warning about a peak [m/s2] that is too large or small to be credible; an empty `unit` means m/s2."""
     unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
     readings = other_readings(peak / factor, unit)
@@ -118,7 +118,7 @@ def build_record(
     per_peak = UNITS[unit] if peak_factor is None and unit in UNITS else peak_factor or 1.0
     stated_peak, rounding = (value * per_peak for value in header_peak)
     samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
-    # A reader that filters the samples has already given this warning, in the same words.
+    # A reader that filters the samples has already given this warning.
     clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
     notes = [*warnings, *clipped]
     dead = not np.ptp(samples)
@@ -208,7 +208,7 @@ def with_copy_warnings(records: Sequence[Record]) -> list[Record]:
 
 
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:
-    """Return warnings if a raw record seems clipped: it stays at an extreme or reaches the range of 24 bits."""
+    """Return a warning if a raw record seems clipped: equal samples at an extreme or a peak at the limit of 24 bits."""
     warnings: list[WarningText] = []
     step, crests = None, 0
     for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):

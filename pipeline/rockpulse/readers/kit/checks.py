@@ -37,7 +37,7 @@ def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[st
 
 
 def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str]:
-    """Return a warning if the samples are small at the time `text` [s] that the header states for the peak."""
+    """Return a warning if the samples are small at the time `text` [s] at which the header states the peak."""
     if not _NUMBER.fullmatch(text) or times.size < 2:
         return []
     stated, rounding = printed_number(text)
@@ -74,7 +74,7 @@ def contradictory(said: Direction, other: Direction) -> bool:
 
 
 def doubted_direction(said: Direction, other: Direction, note: str) -> str:
-    """Return warning `note` about two directions that differ; if only one is vertical, one that must be confirmed."""
+    """Return the warning `note` about two directions that differ; if only one is vertical, it must be confirmed."""
     one_vertical = {said.orientation, other.orientation} == {"vertical", "horizontal"}
     return WarningText("may_be_vertical", stated=note, decides=True) if one_vertical else note
 
@@ -91,7 +91,7 @@ def held_direction(said: Direction, other: Direction, note: str) -> Direction:
 def surplus(
     lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None, used: int = 0
 ) -> tuple[str, ...]:
-    """Return warnings about numbers beyond the declared count; raise an error if a second `title` follows."""
+    """Return warnings about numbers beyond the declared count; raise an error if a line like `title` follows."""
     notes = []
     if used and lines[first - 1][used:].strip():
         notes.append(f"line {first}: numbers beyond the declared count were left out")
@@ -112,7 +112,7 @@ def fixed_block(
     count: int,
     title: re.Pattern[str] | None = None,
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return the first `count` numbers of fixed width in a span of lines, and warnings about further numbers."""
+    """Return the first `count` numbers, in fields of equal width, of the lines `span`, and warnings about the rest."""
     first, end = span
     samples, rows = fixed_width(lines[first:end], first + 1, width, per_row, count, name), -(-count // per_row)
     return samples, surplus(lines, first + rows, end, name, title, width * (count - (rows - 1) * per_row))

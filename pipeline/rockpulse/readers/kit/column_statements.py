@@ -49,7 +49,7 @@ def same_directions(headings: Sequence[ColumnHeading], facing: Sequence[Directio
 
 
 def stated_peak(table: np.ndarray, units: Sequence[str], prose: Sequence[str]) -> dict[int, dict[str, Any]]:
-    """Return the peak stated in the header as arguments of `build_record`, by the number of the best-fitting column."""
+    """Return the stated peak as arguments of `build_record`, by the number (from 1) of the column that it fits best."""
     peaks: dict[int, dict[str, Any]] = {}
     for said in stated_peaks(prose)[:1]:
         value, rounding = printed_number(said.text)

@@ -60,7 +60,7 @@ class CosmosHeader:
         return None if np.isnan(value) else int(value)
 
     def real(self, number: int) -> float:
-        """Return real header value `number`, counted from 1; NaN if it is unknown or missing."""
+        """Return floating-point header value `number`, counted from 1; NaN if it is unknown or missing."""
         return float(self.reals[number - 1]) if number <= self.reals.size else float("nan")
 
     def codes(self) -> tuple[str, str, str, str]:

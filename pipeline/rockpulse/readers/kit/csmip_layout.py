@@ -134,7 +134,7 @@ class SeriesHeading:
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """Return the lines of a file, the span of lines of each channel, and warnings; a channel begins with a `title`."""
+    """Return the lines of a file, the span of each channel (which begins with a line like `title`), and warnings."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
@@ -256,7 +256,7 @@ def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
 
 
 def _row(behind: Sequence[str], number: int) -> str:
-    """Return row `number` (from 0) of the integers and reals in the lines `behind` the header text; "" if missing."""
+    """Return row `number` (from 0) of the header values in `behind`, the lines after the text; empty if missing."""
     rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[:LONGEST_LINE].rstrip()))
     at = next(rows, len(behind)) + number
     return behind[at] if at < len(behind) else ""
@@ -269,7 +269,7 @@ def direction_code(behind: Sequence[str]) -> int:
 
 
 def held_count(behind: Sequence[str], points: int) -> list[str]:
-    """Return a warning if integer 28 of the header, the number of points, contradicts the text."""
+    """Return a warning if integer 28 of the header, the number of points, differs from `points`, stated in the text."""
     text = _row(behind, 1)[_POINTS]
     if not re.fullmatch(r" *\d{1,5}", text, re.ASCII) or int(text) in (0, points) or points > _MOST_POINTS:
         return []
@@ -277,7 +277,7 @@ def held_count(behind: Sequence[str], points: int) -> list[str]:
 
 
 def real_header_value(behind: Sequence[str], number: int) -> str:
-    """Return real header value `number` (from 1) as text, from the lines `behind` the header text; empty if unknown."""
+    """Return floating-point header value `number` (from 1) as text, from the lines after the header text, or ""."""
     row, column = divmod(number - 1, 8)
     text = _row(behind, _INTEGER_ROWS + row)[_REAL_WIDTH * column : _REAL_WIDTH * (column + 1)]
     known = _REAL.fullmatch(text) and any(map(str.isdigit, text)) and float(text) not in _UNKNOWN
@@ -285,7 +285,7 @@ def real_header_value(behind: Sequence[str], number: int) -> str:
 
 
 def held_peak_real(behind: Sequence[str], number: int, block: ChannelSamples, per_unit: float) -> list[str]:
-    """Return a warning if real header value `number`, a peak whose unit is `per_unit` m/s2, contradicts the samples."""
+    """Return a warning if floating-point value `number`, a peak (unit: `per_unit` m/s2), contradicts the samples."""
     peak, rounding = printed_number(real_header_value(behind, number))
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:

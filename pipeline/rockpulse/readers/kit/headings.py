@@ -135,7 +135,6 @@ def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[ColumnHeading
 
 
 def _heading(name: str, unit: str) -> ColumnHeading:
-    """Return the heading with its kind of motion and its unit, from the words of `name` and from `unit`."""
     kinds = kinds_of(BRACKET.sub(" ", name))
     kind = kinds[0] if kinds else ""
     if kind == "acceleration" and _NO_GROUND.search(name):

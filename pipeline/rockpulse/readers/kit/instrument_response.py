@@ -166,7 +166,7 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
 
 
 def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
-    """Return the input unit of a response, its quantity and its size in SI units; raise an error if unusable."""
+    """Return the input unit of a response, its quantity and size in SI units; raise an error without usable stages."""
     from obspy.core.inventory.response import PolynomialResponseStage
 
     stages = response.response_stages

@@ -87,7 +87,7 @@ def kinds_of(text: str) -> list[str]:
 
 
 def prose_kinds(text: str, name: bool = False) -> list[str]:
-    """Return the kinds of motion that a lower-case text names; in a file name (`name`), short words are read, too."""
+    """Return the kinds of motion that a lower-case text names; for a file name (`name`), short words count, too."""
     words = [word for word in _words(text) if name or not _NO_PROSE.fullmatch(word)]
     kinds = [kind for kind in kinds_of(" ".join(words)) if kind not in ("spectrum", "time", "rotation")]
     spectrum = any(_PROSE_SPECTRUM.fullmatch(word) for word in words)
@@ -132,7 +132,6 @@ def kind_of_name(file: SourceFile) -> str:
 
 
 def _kinds_of_words(words: list[str]) -> list[str]:
-    """Return the kinds of motion that the words of a file name state."""
     return list(dict.fromkeys(prose_kinds(folded_text(" ".join(words)), name=True)))
 
 

@@ -26,11 +26,11 @@ _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
 #: Number of rows from which the layout of samples is recognised, and smallest number of rows of a series in rows.
 _LOOK_AT, FEWEST_ROWS = 50, 20
-#: Largest ratio, for a series wrapped into rows, of the mean square of steps from value to value to that of steps from
-#: row to row; for independent channels the ratio exceeds 1.
+#: For a series wrapped into rows: largest ratio of the mean square of the steps between values in a row to the mean
+#: square of the steps from row to row in a column. For independent channels the ratio exceeds 1.
 SMOOTHER = 0.5
-#: For a series wrapped into rows, the ratio of mean squares of the steps between rows to those within rows is within
-#: this factor of 1. Channels that move together have small steps within a row and larger ones between rows.
+#: For a series wrapped into rows: largest ratio, in either sense, of the mean squares of the steps from the end of a
+#: row to the start of the next and of the steps within rows. For channels that move together the former are larger.
 ALIKE = 1.8
 
 
@@ -85,7 +85,7 @@ def find_layout(lines: Sequence[str]) -> Layout | None:
 
 
 def end_of_numbers(lines: Sequence[str], start: int) -> int:
-    """Return the index of the first line of words after the numbers; the number of lines if there is none."""
+    """Return the index of the first line of words after the numbers, or the number of lines if no words follow."""
     return next((at for at in range(start, len(lines)) if _WORDS.match(lines[at])), len(lines))
 
 

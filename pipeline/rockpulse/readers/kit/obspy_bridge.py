@@ -159,7 +159,7 @@ def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
 def _channels(
     name: str, content: bytes, network: str, station: str, location: str, channel: str
 ) -> Iterator[tuple[Any, str]]:
-    """Yield the channels with these codes that have a sensitivity, each with the name of its station."""
+    """Yield the StationXML channels with these codes and a sensitivity, each with the name of its station."""
     if station.encode() not in content:
         return
     for net in _inventory(name, content)[0].select(network, station, location, channel):

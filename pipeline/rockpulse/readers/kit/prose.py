@@ -222,7 +222,6 @@ def stated_peaks(header: Sequence[str]) -> list[Peak]:
 
 
 def _peak_unit(match: re.Match[str]) -> str:
-    """Return the unit of a stated peak; empty if no unit is beside the number."""
     words = [word for word in (match["before"], match["unit"]) if word]
     return next((word for word in words if quantity_of(word)), "")
 

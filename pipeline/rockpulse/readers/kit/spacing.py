@@ -37,7 +37,7 @@ LATEST = 1e13
 #: Seconds in each unit that a column of times may have.
 _SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MINUTES = 60.0
-_CLIMB = 20  # number of rows in which no acceleration rises in equal steps
+_CLIMB = 20  # number of rows over which an acceleration never rises in equal steps
 #: Share of decreasing steps below which the first column cannot be an acceleration.
 TIME_FALLS = 0.05
 PAIRS_PER_ROW = 5
@@ -69,7 +69,7 @@ def even_step(times: np.ndarray) -> float | None:
 
 
 def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
-    """Return the interval of times (n,) that begin at 0 and are rounded by at most `rounding`, else None."""
+    """Return the interval of equally spaced times (n,) from 0, rounded by at most `rounding`; None for other times."""
     steps = np.arange(times.size)
     mean = float(times[-1]) / (times.size - 1)
     tolerance = min(rounding, ROUNDING_SHARE * mean) + 0.01 * mean
@@ -93,7 +93,7 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
 
 
 def long_step(times: np.ndarray) -> int | None:
-    """Return the index of the first gap in times (n,) that are otherwise equally spaced; else None."""
+    """Return the index of the first gap in times (n,) that are otherwise equally spaced; None if there is no gap."""
     if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]
@@ -253,7 +253,7 @@ def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, War
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[ColumnHeading], start: int, declared: float | None
 ) -> tuple[float | None, np.ndarray | None]:
-    """Return the interval [s] if the first column contains times (else None), and the times of an uneven clock.
+    """Return the interval [s] if the first column contains times (else None), and the times if a clock ran unevenly.
 
     A column contains times if its heading says so, or if it hardly ever decreases. The second value is None, except
     for a clock with jitter or drift: then it contains the times [s], and the interval is their mean.
@@ -271,7 +271,7 @@ def time_column_step(
     other = next((index + 1 for index in range(1, table.shape[1]) if climbs(table[:, index])), None)
     if other:
         expected = "one column of times and accelerations beside it"
-        found = f"that columns 1 and {other} both run like time"
+        found = f"that columns 1 and {other} both increase like times"
         raise unexpected(f"{name}:{start + 1}", expected, found, "remove the one that does not contain times")
     rising = bool(np.all(steps > 0.0))
     step = even_step(first) if rising else None
@@ -282,7 +282,7 @@ def time_column_step(
     if rising and jitters(first):
         mean = float(first[-1] - first[0]) / (first.size - 1)
         return declared if declared and abs(declared / mean - 1.0) < _SAME_CLOCK else mean, first
-    column = f"column {headings[0].name!r}" if named else "first column, which runs like time"
+    column = f"column {headings[0].name!r}" if named else "first column, which increases like times"
     if falls or (declared is None and not rising):
         at, advice, remedies = int(np.argmin(steps)), "repair the times", []
         if not falls:

@@ -135,7 +135,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
 
 
 def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
-    """Return all fields as numbers; raise an error that names the first damaged field."""
+    """Return all fields as numbers; raise an error with the line of the first damaged field."""
     try:
         values = np.array(fields, dtype=float)
     except ValueError:

@@ -271,7 +271,7 @@ def test_unnamed_columns_of_acceleration_velocity_and_displacement_are_refused(w
 def test_a_column_that_is_headed_as_time_is_time_wherever_it_stands(write):
     (record,) = read(write(columns(PAIR[:, ::-1], "acc,time\n", ",")), units="m/s2")
     assert (record.dt, record.channel) == (STEP, "acc")
-    with pytest.raises(RecordFormatError, match="column 2 runs like time; write the times as the first column"):
+    with pytest.raises(RecordFormatError, match="column 2 increases like times; write the times as the first column"):
         read(write(columns(PAIR[:, ::-1])), units="m/s2", dt=STEP)
 
 

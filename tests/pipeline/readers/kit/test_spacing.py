@@ -332,7 +332,7 @@ def test_times_rounded_more_coarsely_than_the_interval_are_time(write, begin, dt
 @pytest.mark.parametrize("digits", [2, 3])
 def test_a_first_column_that_runs_like_time_but_fits_nothing_is_no_acceleration(write, digits):
     rows = "".join(f"{0.004 * i:.{digits}f} {value:.6f}\n" for i, value in enumerate(VALUES_TIME_COLUMN))
-    with pytest.raises(RecordFormatError, match=r"first column, which runs like time|intervals disagree"):
+    with pytest.raises(RecordFormatError, match=r"first column, which increases like times|intervals disagree"):
         read(write(rows), units="g", dt=0.01)
     damaged = rows.replace(f"\n{0.004 * 100:.{digits}f} ", f"\n{0.1:.{digits}f} ", 1)
     assert damaged != rows
@@ -402,7 +402,7 @@ def test_a_table_of_one_column_or_one_row_has_no_times():
 
 
 def test_another_column_that_runs_like_time_is_named():
-    with pytest.raises(RecordFormatError, match=r"^x.txt:5: .* columns 1 and 3 both run like time"):
+    with pytest.raises(RecordFormatError, match=r"^x.txt:5: .* columns 1 and 3 both increase like times"):
         step_of(TIMES_TIME_COLUMN, VALUES_TIME_COLUMN, 3.0 * TIMES_TIME_COLUMN)
 
 

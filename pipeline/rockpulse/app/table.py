@@ -1,0 +1,20 @@
+"""A table of many rows, which the browser sorts and shows in pages without the server."""
+
+from typing import Any
+
+from nicegui import ui
+
+
+class Table(ui.table):
+    """A table in pages of ten rows.
+
+    NiceGUI keeps the order and the page of a table on the server, and draws the whole window anew for each change of
+    them. Here they are kept by the browser alone.
+    """
+
+    pagination: Any = None  # what the browser reports; not a property of the table in the browser, as in the base class
+
+    def __init__(self, label: str, columns: list[dict[str, Any]], rows: list[dict[str, Any]]) -> None:
+        super().__init__(columns=columns, rows=rows)
+        self.props("dense flat rows-per-page-options=[10,50,0]", remove="pagination hide-pagination").classes("list")
+        self.props(f'aria-label="{label}"')
