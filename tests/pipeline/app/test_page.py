@@ -22,8 +22,10 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
     with served(tmp_path / "project") as page:
         window = Window(browser, page).open()
         assert "Enter a body first." in window.text("results")  # no bodies
-        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "columns.txt", "notes.txt")))
-        window.says("records", "5 channels, 5 earthquakes", "Not used (3)", "do not state their unit")
+        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "notes.txt")))
+        window.says("records", "5 channels, 5 earthquakes", "Not used (2)")
+        window.drag(agency / "columns.txt")
+        window.says("records", "Not used (3)", "do not state their unit")
         window.says("records", "Not used: columns.txt, damaged.zip, notes.txt.")
         window.choose("records", "unit", "m/s2")
         window.says("records", "6 channels", "Not used (2)")
@@ -103,13 +105,13 @@ def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, 
             (hall / name).parent.mkdir(exist_ok=True, parents=True)
             rows = (f"{0.01 * n:.2f},{value / 6.0:.5f}\n" for n, value in enumerate(motion))
             (hall / name).write_text("time [s],acc [g]\n" + "".join(rows))
-        window.drop_folder(hall)
+        window.choose_folder(hall)
         window.says("records", "4 channels")
         window.browser.execute_script("document.querySelectorAll('#site .q-item').forEach((one) => one.click())")
         window.choose("site", "directions", "the strongest direction of each pair")
-        window.says("records", "Not used (4)", "its azimuth is unknown")
+        window.says("records", "Not used (5)", "its azimuth is unknown")
         window.choose("records", "file of the other direction", "b.csv")
-        window.says("records", "Not used (2)")
+        window.says("records", "Not used (3)")
     written = (folder / "site.toml").read_text()
     assert 'confirm = ["strong.90"]' in written
     assert 'north = "records/hall/inside/a.csv"\neast = "records/hall/inside/b.csv"' in written
