@@ -11,7 +11,7 @@ from rockpulse.errors import ConfigError
 
 
 def _short_repr(section: Any) -> str:
-    """Return the repr of a section; the late import saves a help text from loading numpy."""
+    """Return the repr of a section; the late import keeps help texts from loading numpy."""
     from rocking.pictures import short_repr
 
     return short_repr(section)

@@ -53,6 +53,7 @@ WARNINGS = {
     # conditioning and scaling of a record
     "on_structure": "recorded on a structure, assessed as ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
+    "direction_given": "the file states no direction; {side} is the one that the user gave for the pair",
     "baseline_guessed": "the format does not state whether the record is processed: the mean was subtracted; set "
     "[conditioning] baseline to keep the offset or to remove it in another way",
     "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, its slow drift reaches "

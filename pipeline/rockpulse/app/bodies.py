@@ -1,4 +1,4 @@
-"""The bodies: a row of inputs for each, with a drawing to scale and the uplift PGA as one types."""
+"""The section of the page on bodies: a row of inputs for each body, with a drawing to scale and its uplift PGA."""
 
 import math
 from typing import Any
@@ -39,14 +39,14 @@ HEADINGS = "name,width [m],height [m]"
 
 
 class BodyRow:
-    """The inputs of one body; its values are those of its [[block]] in the configuration."""
+    """The row of inputs of one body; its values are the keys of the body's [[block]] in the configuration."""
 
     def __init__(self, page: Window, values: dict[str, Any]) -> None:
         self.page, self.values = page, values
         self.fields: list[tuple[str, Fields]] = []
 
     def show(self, remove: Any) -> None:
-        """Build the row."""
+        """Build the row on the page."""
         with ui.element("div").classes("body-row").props('role="group"') as self.frame:
             self.drawing = ui.html("", sanitize=False).classes("side")
             with ui.element("div").classes("main"):
@@ -124,7 +124,7 @@ class BodyRow:
         self.page.changed()
 
     def refresh(self) -> None:
-        """Draw the body and show its numbers, or show the error of its values at the input that the error names."""
+        """Draw the body and show its numbers or, if its values are wrong, the error at the input that is wrong."""
         fault = body_error(self.values)
         error = str(fault or "")
         self.size = self.values.get("width"), self.values.get("height")
@@ -144,7 +144,7 @@ class BodyRow:
 
 
 def _facts(body: BlockSettings) -> tuple[str, str]:
-    """Return uplift PGA, p and alpha_c of a body as text, and its drawing as SVG."""
+    """Return uplift PGA, p and alpha_c of a body as one text, and its drawing as SVG."""
     from rocking.body.outline import Outline
     from rocking.search.capacity import uplift_scale
 
@@ -165,7 +165,7 @@ def _facts(body: BlockSettings) -> tuple[str, str]:
 
 
 class BodyPart:
-    """The second part of the page."""
+    """The section of the page on bodies, below the records."""
 
     name = "bodies"
 
@@ -173,7 +173,7 @@ class BodyPart:
         self.page, self.project = page, page.project
 
     def show(self) -> None:
-        """Build the part."""
+        """Build the section on the page."""
         self.rows = ui.element("div").classes("wide")
         self._show_rows()
         with ui.row():

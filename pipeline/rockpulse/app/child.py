@@ -1,4 +1,4 @@
-"""Commands of rockpulse in a process of their own, which reports its progress and ends together with its parent."""
+"""Runs commands of rockpulse in a separate process, which reports its progress and ends together with the page."""
 
 import asyncio
 import os
@@ -18,7 +18,7 @@ LINES, PATIENCE = 400, 10.0
 
 
 def follow_parent() -> None:
-    """Interrupt this process, as Ctrl-C does, when its standard input ends: when the parent closes it or has ended."""
+    """Interrupt this process, as Ctrl-C does, when the program that started it closes its standard input or ends."""
 
     def wait() -> None:
         while os.read(0, 64):  # not sys.stdin, whose lock would block the end of the process
@@ -32,7 +32,7 @@ def follow_parent() -> None:
 
 
 class Command:
-    """Runs one command at a time, such as ``assess --config site.toml``, and keeps its progress and exit code."""
+    """Runs one command at a time, such as ``assess --config site.toml``, and stores its progress and exit code."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -44,17 +44,17 @@ class Command:
 
     @property
     def running(self) -> bool:
-        """Whether the command is running."""
+        """Whether a command is running."""
         return self._process is not None
 
     @property
     def reason(self) -> str:
-        """Last message of a command that failed, without the name of the program."""
+        """The last message of a command that failed, without the name of the program."""
         said = [line for line in self.lines if line.startswith("rockpulse: ")] or self.lines[-1:]
         return said[-1].removeprefix("rockpulse: ") if said else ""
 
     async def run(self, arguments: Sequence[str]) -> int:
-        """Run a command of rockpulse in the folder to its end, and return its exit code."""
+        """Run a command of rockpulse in the project folder until it ends, and return its exit code."""
         self.verb, self.doing, self.done, self.total, self.left = arguments[0], "", 0, 0, ""
         self.code, self.lines = None, []
         pipe = asyncio.subprocess.PIPE
@@ -89,7 +89,7 @@ class Command:
         self.version += 1
 
     async def cancel(self) -> None:
-        """Interrupt the command as Ctrl-C does, which keeps finished records, and wait until it has ended."""
+        """Interrupt the command as Ctrl-C does, so that finished records are kept, and wait until it has ended."""
         process = self._process
         if process is None or process.stdin is None:
             return

@@ -1,4 +1,4 @@
-"""Inputs for the keys of a section of the configuration, with their units, and errors at the key that they name."""
+"""The inputs of one section of the configuration, with units; an error is shown at the input that it concerns."""
 
 import re
 from collections.abc import Callable
@@ -29,7 +29,7 @@ SEND = """async (event) => { event.preventDefault(); const faults = [], files = 
 
 
 def file_input(label: str, address: str, handle: Callable[..., Any], folder: str = "") -> None:
-    """Show an input of files, and one of a folder if it has a label; files dropped on them go to the same address."""
+    """Show a file input, and one of a folder if it has a label; chosen and dropped files are sent to `address`."""
     send = SEND.replace("ADDRESS", address)
     with ui.element("div").classes("drop").on("dragover", js_handler="(event) => event.preventDefault()") as field:
         field.on("drop", handle, js_handler=send)
@@ -41,13 +41,13 @@ def file_input(label: str, address: str, handle: Callable[..., Any], folder: str
 
 
 def refused(faults: list[str]) -> None:
-    """Show why files were not accepted."""
+    """Show the reasons why files were not accepted."""
     for fault in faults:
         ui.notify(fault, type="negative", multi_line=True, close_button=True, timeout=0)
 
 
 def value_of(text: str | None) -> Any:
-    """Return the value that was typed: a number, with point or comma, a text, or None for an empty input."""
+    """Convert a typed text to a value: a number (with point or comma), a text, or None for an empty input."""
     typed = (text or "").strip()
     try:
         return float(typed.replace(",", ".")) if typed else None
@@ -56,14 +56,14 @@ def value_of(text: str | None) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """Return the text of a value in an input."""
+    """Return the text that an input shows for a value."""
     if isinstance(value, int | float):
         return numerals(f"{value:g}")
     return "" if value is None else str(value)
 
 
 class Fields:
-    """The inputs of one section: they change `values`, whose keys are those of TOML, and then call `changed`."""
+    """The inputs of one section: a change is stored in `values` by its TOML key; then `changed` is called."""
 
     def __init__(self, cls: type[Section], values: dict[str, Any], changed: Callable[[], object]) -> None:
         self.cls, self.values, self.changed = cls, values, changed
@@ -71,7 +71,7 @@ class Fields:
         self.inputs: dict[str, Any] = {}
 
     def add(self, *names: str, texts: tuple[str, ...] = ("name",)) -> None:
-        """Add an input for each key: a choice, a check box or text; numbers typed for `texts` remain text."""
+        """Add an input for each key: a choice, a check box or a text field; in `texts`, typed numbers remain text."""
         for name in names:
             item = self.items[name]
             allowed = item.metadata["values"]
@@ -104,7 +104,7 @@ class Fields:
         return change
 
     def show(self, error: str) -> bool:
-        """Show an error at the input of the key that it names, and return whether there is one."""
+        """Show an error at the input of the key that it names; return whether such an input exists."""
         words = re.findall(r"[a-z_0-9]+", error.partition(": ")[0])
         at = next((word for word in reversed(words) if word in self.inputs), "")
         for name, made in self.inputs.items():

@@ -1,4 +1,4 @@
-"""Refuses requests to the page that do not come from its own browser window: wrong host, origin or token."""
+"""Refuses requests that do not come from the browser window of the page: wrong host, origin or token."""
 
 import secrets
 from collections.abc import Awaitable, Callable, Iterator, Mapping, MutableMapping
@@ -22,7 +22,7 @@ POLICY = (
 
 
 class Guard:
-    """ASGI middleware that lets through requests with the token of the address, or of the cookie made from it."""
+    """ASGI middleware that accepts only requests with the secret token of the printed address, or its cookie."""
 
     def __init__(self, app: Application, token: str, port: int) -> None:
         self.app, self.token, self.cookie = app, token, f"rockpulse{port}"
@@ -56,7 +56,7 @@ class Guard:
         return await self.app(scope, receive, send_with_policy)
 
     def _foreign(self, headers: Mapping[str, str]) -> bool:
-        """Return whether a request goes to another host name (DNS rebinding) or comes from another page (CSRF)."""
+        """Return whether a request is for another host name (DNS rebinding) or comes from another page (CSRF)."""
         host = headers.get("host", "")
         origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
         return host not in self.hosts or origin not in (None, f"http://{host}") or site not in ("none", "same-origin")

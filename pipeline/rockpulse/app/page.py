@@ -46,7 +46,6 @@ def show_page(project: Project, language: str) -> None:
 
 
 def _style() -> str:
-    """Return the style of the page, with that of the drawings in the report."""
     report = files("rockpulse.views.report").joinpath("templates", "report.css").read_text(encoding="utf-8")
     drawings = [line for line in report.splitlines() if line.startswith((":root", ".drawing", ".strip"))]
     return "\n".join([*drawings, files("rockpulse.app").joinpath("page.css").read_text(encoding="utf-8")])

@@ -1,4 +1,4 @@
-"""A project folder: its configuration, its records and its results, as the command line has them."""
+"""A project folder, which contains the configuration, records and results, as for the commands."""
 
 import math
 import re
@@ -36,7 +36,7 @@ _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\.|$)")
 
 
 def safe_name(name: str) -> str:
-    """Return the last part of a file name without characters that have a meaning in paths, or else "file"."""
+    """Return a file name without folders and special characters; "file" if nothing remains."""
     last = _ODD.sub("_", re.split(r"[/\\]", name)[-1]).strip(" .")
     end = Path(last).suffix[:20]
     last = last if len(last) <= LONGEST else last[: LONGEST - len(end)] + end
@@ -50,27 +50,27 @@ def safe_path(name: str) -> Path:
 
 
 def samples() -> list[Path]:
-    """Return the sample records that come with the program; empty in an installation without them."""
+    """Return the sample records that come with the program; empty if they are not installed."""
     inside = Path(str(files("rockpulse.app"))) / "samples"
     folder = inside if inside.is_dir() else Path(__file__).parents[3] / "data" / "samples" / "records"
     return sorted(folder.iterdir()) if folder.is_dir() else []
 
 
 class Project:
-    """A folder with ``site.toml``, which the page changes and the commands read.
+    """A project folder with ``site.toml``, the configuration, which the page changes and the commands read.
 
     Attributes
     ----------
     document : dict
-        Sections and keys of the configuration as in TOML; without those that have their default.
+        Sections and keys of the configuration as in TOML, without keys that have their default value.
     error : str
-        Why the document is no valid configuration and was not written; empty if it was.
+        The reason why the document is not valid and was not written; empty if it is valid.
     written : str
-        Text of the configuration as it was read or written last.
+        Text of the configuration when it was last read or written.
     assessed : int
         Number of assessments that have ended with results.
     command : Command
-        The command that is running, or the last one.
+        The command that is running, or that ran last.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -89,7 +89,7 @@ class Project:
         return self.folder / CONFIG
 
     def load(self) -> None:
-        """Read the configuration, or begin a new one; raise ConfigError if it is not valid."""
+        """Read the configuration, or start an empty one if there is no file; raise ConfigError if it is not valid."""
         self.written = read_text(self.path, TOML_LIMIT, "a TOML file") if self.path.exists() else ""
         try:
             document = parse_toml(self.written, str(self.path))
@@ -100,21 +100,21 @@ class Project:
 
     @property
     def changed_outside(self) -> bool:
-        """Whether another program has changed the configuration since it was read or written."""
+        """Whether another program has changed the configuration since it was last read or written."""
         return self.written != (read_text(self.path, TOML_LIMIT) if self.path.exists() else "")
 
     def section(self, name: str) -> dict[str, Any]:
-        """Return the keys of a section, which may be changed."""
+        """Return the keys and values of a section; changes of this dict change the configuration."""
         found: dict[str, Any] = self.document.setdefault(name, {})
         return found
 
     def several(self, name: str) -> list[dict[str, Any]]:
-        """Return the sections of a list, [[block]] or [[demand]], which may be changed."""
+        """Return the list of all [[block]] or [[demand]] sections; changes of this list change the configuration."""
         found: list[dict[str, Any]] = self.document.setdefault(name, [])
         return found
 
     def save(self) -> str:
-        """Write the configuration if it is valid, and return why it is not, or an empty text."""
+        """Write the configuration if it is valid, and return an empty text; otherwise return the error."""
         kept = {name: values for name, values in self.document.items() if values}
         try:
             config_of(kept, self.folder)
@@ -130,17 +130,17 @@ class Project:
         return ""
 
     def config(self) -> Config:
-        """Return the configuration as it is written."""
+        """Return the configuration from its file."""
         return config_of(parse_toml(self.written, CONFIG), self.folder)
 
     # Records
 
     def record_files(self) -> list[Path]:
-        """Return the files in the folder of records and in its subfolders."""
+        """Return the paths of the files in the folder of records and in its subfolders."""
         return sorted(path for path in (self.folder / RECORDS).rglob("*") if path.is_file())
 
     def place_for(self, name: str) -> Path:
-        """Return an unused path for a file of records, and add their folder to the configuration."""
+        """Return an unused path for a new record file; the folder of records is added to the configuration."""
         first = path = self.folder / RECORDS / safe_path(name)
         path.parent.mkdir(parents=True, exist_ok=True)
         paths = self.section("records").setdefault("paths", [])
@@ -154,12 +154,12 @@ class Project:
         return path
 
     def keep_if_new(self, path: Path) -> None:
-        """Remove a file of records if the folder contains another file with the same content."""
+        """Delete a new record file if another file in the folder has the same content."""
         if any(cmp(path, other, shallow=False) for other in self.record_files() if other != path):
             path.unlink()
 
     def add_samples(self) -> None:
-        """Copy the sample records into the folder of records."""
+        """Copy the sample records to the folder of records."""
         for path in samples():
             self.keep_if_new(Path(shutil.copyfile(path, self.place_for(path.name))))
 
@@ -169,7 +169,7 @@ class Project:
         return (path.relative_to(self.folder) if path.is_relative_to(self.folder) else path).as_posix()
 
     def remove(self, path: Path, ids: Collection[str] = ()) -> None:
-        """Remove a file of records, and what was given for it and for its channels with some ids."""
+        """Delete a record file, and the keys that the configuration has for it and for channels with some ids."""
         name, records = self.name_of(str(path)), self.section("records")
         path.unlink(missing_ok=True)
         for key in ("file", "pair"):
@@ -217,11 +217,11 @@ class Project:
             return self._records
 
     def earthquakes(self, records: list[Record], failures: list[Failure]) -> int:
-        """Return the number of earthquakes of records; raise ConfigError if the given table of them is wrong."""
+        """Return the number of earthquakes of the records; raise ConfigError if the table of earthquakes is wrong."""
         return len(set(events_by_id(records, event_table(self.config()), failures)[0].values())) if records else 0
 
     def rejected(self) -> list[Failure]:
-        """Return the failures of the last assessment after reading, unless its inputs have changed since."""
+        """Return the failures after reading in the last assessment; empty if its inputs have changed since."""
         from rockpulse.storage.hdf5.results_file import open_results_file
 
         path = self.folder / RESULTS
@@ -234,7 +234,7 @@ class Project:
     # Bodies
 
     def add_table(self, name: str, content: bytes) -> str:
-        """Add the bodies of a table; return a sentence on columns that are not used; raise ConfigError if wrong."""
+        """Add the bodies of a table file; return a sentence on unused columns; raise ConfigError for a wrong table."""
         path = self.folder / f".{safe_name(name)}"
         try:
             path.write_bytes(content)
@@ -254,7 +254,7 @@ class Project:
 
     @property
     def outdated(self) -> bool:
-        """Whether the configuration or a file of records is newer than the results."""
+        """Whether the configuration or a record file is newer than the results."""
         results = self.folder / RESULTS
         made = results.stat().st_mtime if results.is_file() else math.inf
         return any(path.stat().st_mtime > made for path in (self.path, *self.record_files()) if path.exists())
@@ -264,19 +264,19 @@ class Project:
         return self.folder / f"report-{language}{suffix}"
 
     def downloads(self) -> Iterator[str]:
-        """Return the names of the files that the page offers."""
+        """Yield the names of the files that the page offers for download."""
         yield from (path.name for path in self.folder.glob("report-??.*") if path.suffix in (".html", ".pdf"))
         yield from (name for name in (RESULTS, TABLE, CONFIG) if (self.folder / name).is_file())
 
 
 def without_defaults(section: Section) -> dict[str, Any]:
-    """Return the values of a section that differ from their defaults, by their TOML keys."""
+    """Return the values of a section that differ from their defaults, by TOML key."""
     defaults = {item.name: item.default for item in fields(section)}
     return {key: value for key, value in section_values(section).items() if value != defaults.get(key)}
 
 
 def body_error(values: dict[str, Any]) -> ConfigError | None:
-    """Return the error of the keys of a body; None if they are right."""
+    """Return the error in the values of a body; None if they are correct."""
     from rockpulse.config.block_settings import BlockSettings
 
     try:

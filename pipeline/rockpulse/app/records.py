@@ -1,4 +1,4 @@
-"""The records of the project: what was read, what was not used and why, with the remedy in place."""
+"""The section of the page on records: the records read, and the files not used, with reasons and remedies."""
 
 import math
 from collections import Counter
@@ -42,7 +42,7 @@ REMOVE = """<q-td :props="props" auto-width><q-btn flat dense icon="delete" colo
 
 
 class RecordPart:
-    """The first part of the page."""
+    """The section of the page on records, the first one."""
 
     name = "records"
 
@@ -54,7 +54,7 @@ class RecordPart:
         self.components = ""  # the directions for which the channels without a partner were found
 
     def show(self) -> None:
-        """Build the part, and read the records."""
+        """Build the section on the page, and read the records."""
         page = self.page
         file_input(say("app.records.drop"), "/upload", page.handler(self._taken), say("app.records.folder"))
         self.unused = ui.label().classes("fault").props('role="alert"')
@@ -84,7 +84,7 @@ class RecordPart:
         await self.read()
 
     async def read(self) -> None:
-        """Read all records anew, and show them."""
+        """Read all records again, and show them."""
         self.state.text = say("app.records.reading")
         found = await self.page.after(run.io_bound(self.project.read_records))
         self.records, failures = found or ([], [])
@@ -234,7 +234,7 @@ class RecordPart:
 
 
 def _counts(channels: int, events: int) -> str:
-    """Return the numbers of channels and earthquakes as text, and the number that a verdict needs if it is larger."""
+    """Return the numbers of channels and earthquakes as text, with the number needed for a verdict if it is larger."""
     from rockpulse.assessment.verdict import FEWEST_AT_DEMAND
 
     key = "app.records.few" if events < FEWEST_AT_DEMAND else "app.records.counts"
@@ -243,7 +243,6 @@ def _counts(channels: int, events: int) -> str:
 
 
 def _row(record: Record) -> dict[str, Any]:
-    """Return the cells of a record in the table."""
     when = record.origin_time or record.start_time
     vertical = f"({say('left_out.vertical')})" if record.orientation == "vertical" else ""
     return {
@@ -288,7 +287,7 @@ def _eastward(one: Record, other: Record) -> bool:
 
 
 def _drawn(record: Record) -> str:
-    """Return the picture of a record with its intense phase and half-waves, as SVG."""
+    """Return a picture (SVG) of a record, its intense phase and its half-waves."""
     from rockpulse.views.plots import plot, svg
 
     return f"{svg(plot(record))}<p>PGA {three_digits(record.pga / STANDARD_GRAVITY, 'g')}</p>"

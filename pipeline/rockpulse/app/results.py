@@ -1,4 +1,4 @@
-"""The results: the run with its progress, the report with its pictures, and the files to save."""
+"""The section of the page on results: the progress of the assessment, the report, and the files to download."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
 
 
 class ResultPart:
-    """The last part of the page."""
+    """The section of the page on results, the last one."""
 
     name = "results"
 
@@ -26,7 +26,7 @@ class ResultPart:
         self._seen, self._assessed = -1, page.project.assessed
 
     def show(self) -> None:
-        """Build the part."""
+        """Build the section on the page."""
         handler = self.page.handler
         with ui.row():
             self.start = ui.button(say("app.results.start"), on_click=handler(self.assess)).props("no-caps")
@@ -42,7 +42,7 @@ class ResultPart:
         ui.timer(0.5, self._look)
 
     async def assess(self) -> None:
-        """Assess the records, keeping the finished records of an interrupted run, and write the report."""
+        """Assess the records and write the report; finished records of an interrupted assessment are not repeated."""
         if self.command.running or self.project.save():
             return
         code = await self.command.run((*ASSESS, "--resume", "--overwrite"))
@@ -56,7 +56,7 @@ class ResultPart:
         await self._run("report", RESULTS, "-o", name, "--language", language, "--overwrite")
 
     async def _run(self, *arguments: str) -> None:
-        """Run a command to its end; raise ValueError with its message if it fails."""
+        """Run a command until it ends; raise ValueError with its message if it fails."""
         code = 0 if self.command.running else await self.page.after(self.command.run(arguments))
         if code:
             raise ValueError(self.command.reason)
@@ -73,7 +73,7 @@ class ResultPart:
         return save
 
     def _look(self) -> None:
-        """Show the progress of the command if it has changed, and what another window has changed."""
+        """Show the progress of the command and the changes made by other windows, if there are any."""
         self.page.follow()
         if self.project.assessed != self._assessed:  # by any window
             self._assessed = self.project.assessed
@@ -101,7 +101,7 @@ class ResultPart:
         self._show_found()
 
     def _show_found(self) -> None:
-        """Show the files, the commands and the report of the results, if there are any."""
+        """Show links to the files, the commands that repeat the run, and the report, once there are results."""
         self.found.clear()
         results = self.project.folder / RESULTS
         if not results.is_file():
@@ -128,7 +128,7 @@ class ResultPart:
                 frame.props(f'src="/files/{report.name}?{report.stat().st_mtime_ns}"')
 
     def show_error(self, error: str) -> None:
-        """Allow an assessment only of a valid configuration with bodies."""
+        """Enable the start button only if the configuration is valid and contains bodies and records."""
         lacking = "" if self.project.document.get("block") else say("app.results.no_body")
         if (
             not lacking
@@ -142,5 +142,4 @@ class ResultPart:
 
 
 def _link(words: str, name: str) -> None:
-    """Show a link that saves or opens a file of the project."""
     ui.button(words).props(f'href="/files/{name}" target="_blank" outline no-caps')

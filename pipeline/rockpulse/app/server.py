@@ -1,4 +1,4 @@
-"""Serves the page to the browser of this machine until it is closed."""
+"""Serves the page to the browser of this machine until the page is closed."""
 
 import asyncio
 import secrets
@@ -30,8 +30,8 @@ SHOWN = (".html", ".pdf")
 def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callable[[str], object]) -> None:
     """Serve the page of a project folder on 127.0.0.1 until Ctrl-C, or `close_after` [s] after its last window closed.
 
-    `port` 0 is a free port; `show` opens the browser; `tell` prints the address. Raises ConfigError for an invalid
-    configuration in the folder, and OSError if the port is in use.
+    With `port` 0 any free port is used; `show` opens the browser; `tell` prints the address. Raises ConfigError for an
+    invalid configuration in the folder, and OSError if the port is in use.
     """
     folder.mkdir(parents=True, exist_ok=True)
     project, token = Project(folder), secrets.token_urlsafe(32)

@@ -1,4 +1,4 @@
-"""The site: the demand, the directions of the records, the code check and the head of the report."""
+"""The section of the page on the site: demand, directions of the records, code check, and title of the report."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ CHECK = ("spectrum", "ag", "f0", "tc_star", "ground", "topography", "limit_state
 
 
 class SitePart:
-    """The third part of the page."""
+    """The section of the page on the site, below the bodies."""
 
     name = "site"
 
@@ -27,7 +27,7 @@ class SitePart:
         self.groups: list[Fields] = []
 
     def show(self) -> None:
-        """Build the part."""
+        """Build the section on the page."""
         section = self.project.section
         with ui.element("div").classes("keys"):
             self._group(SiteSettings, section("site")).add("name", "description", texts=("name", "description"))
@@ -98,7 +98,7 @@ class SitePart:
             self._group(DemandSettings, row).add("period")
 
     def show_error(self, error: str) -> None:
-        """Show an error of the site at its input, or below the inputs."""
+        """Show an error in the values of the site at its input or, if no input is named, below the inputs."""
         own = error if error and not error.startswith("[[block") else ""
         heading = own.partition("]")[0]
         shown = [group.show(own if group.cls.heading.startswith(heading) else "") for group in self.groups if heading]

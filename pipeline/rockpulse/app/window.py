@@ -1,4 +1,4 @@
-"""One open window of the page: its language, its parts, and the events that change the project."""
+"""One open window of the page: its language, its sections, and the handlers of its events."""
 
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
@@ -11,12 +11,12 @@ from rockpulse.app.project import Project
 from rockpulse.views.shared.words import writing
 
 T = TypeVar("T")
-#: Number of calls of :meth:`Window.follow` during which the other window pauses.
+#: Number of calls of :meth:`Window.follow` from a change in another window to the reload of the page.
 PAUSE = 4
 
 
 class Closed(Exception):
-    """A window was closed or loaded again while its work went on; another window shows the state."""
+    """The window was closed or reloaded before its work ended; the new window shows the result."""
 
 
 class Window:
@@ -29,7 +29,7 @@ class Window:
     language : str
         Code of the language of the texts.
     parts : list
-        Records, bodies, site and results, each with a `name` and the methods `show` and `show_error`.
+        The sections on records, bodies, site and results, with a `name` and the methods `show` and `show_error`.
     """
 
     def __init__(self, project: Project, language: str) -> None:
@@ -40,7 +40,7 @@ class Window:
         self._seen, self._differs = project.written, 0
 
     def follow(self) -> None:
-        """Load the page again if another window has changed the project, and has paused; called twice a second."""
+        """Reload the page shortly after another window has changed the project; called twice a second."""
         if self.sending or self._working:
             self._seen = self.project.written
         self._differs = self._differs + 1 if self.project.written != self._seen else 0
@@ -48,7 +48,7 @@ class Window:
             ui.navigate.reload()
 
     async def after(self, work: Awaitable[T]) -> T:
-        """Return what some work has found; raise Closed if the window is gone by then, and has nothing to show it."""
+        """Wait for `work` and return its result; raise Closed if the window was closed in the meantime."""
         found = await work
         if self.client.is_deleted:
             raise Closed
@@ -65,13 +65,13 @@ class Window:
         self.shown_error()
 
     def shown_error(self) -> None:
-        """Show the error of the configuration at its input and at the button that begins the assessment."""
+        """Show the error in the configuration at its input and at the button that starts the assessment."""
         with writing(self.language):
             for part in self.parts:
                 part.show_error(self.project.error)
 
     def handler(self, work: Callable[..., Any]) -> Callable[..., Awaitable[None]]:
-        """Return a handler of events that does some work in the language of the page, and shows its errors."""
+        """Return an event handler that calls `work` with the language of the page set, and shows its errors."""
 
         @wraps(work)  # NiceGUI passes an event to a function that takes one
         async def handle(*given: Any) -> None:

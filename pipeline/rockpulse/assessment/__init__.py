@@ -1,1 +1,1 @@
-"""Assessment: the response of every body to every record with every model, and the verdicts."""
+"""Assessment: the response of every body to every record in every model, and the verdicts."""

@@ -1,4 +1,4 @@
-"""The results of one model for every body under every record, and the margin of each body."""
+"""The results of one model for every body under every record, and the safety margin of each body."""
 
 import math
 from dataclasses import dataclass
@@ -30,13 +30,13 @@ class Share(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The ground motions of the results, and functions that average over their earthquakes."""
+    """The records, or pairs of channels, of the results ("motions"), and means over their earthquakes."""
 
     names: list[str]  # ids of records or names of pairs
     index: np.ndarray  # (motions, directions) rows of /summary, -1 if a direction was not assessed
     events: list[str]  # earthquakes of the motions
     kind: str  # "record", "pair" or "sequence"
-    any_azimuth: bool = False  # whether a pair counts by its mean over directions (bodies of unknown direction)
+    any_azimuth: bool = False  # whether the mean over the directions of a pair is used (bodies of unknown direction)
 
     @property
     def event_count(self) -> int:
@@ -44,11 +44,11 @@ class Motions:
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
-        """Return a mask (motions, bodies): True if at least one direction of a motion is not in the mask `left_out`."""
+        """Return a mask (motions, bodies): True unless all directions of the record or pair are in `left_out`."""
         return np.asarray(~self.over(left_out, True).all(axis=1))
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
-        """Return, for each body, the number of earthquakes among the motions in the mask `kept` (motions, bodies)."""
+        """Return, for each body, the number of earthquakes of the motions in the mask `kept` (motions, bodies)."""
         return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
@@ -56,11 +56,11 @@ class Motions:
         return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def in_any_direction(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
-        """Return a mask (motions, ...): `so` (records, ...) is True in any direction, or `missing` if not assessed."""
+        """Return a mask (motions, ...), True if `so` (records, ...) is True in any direction of a motion."""
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def of_earthquakes(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean (earthquakes, ...) over the motions of each earthquake, without unknown values (NaN)."""
+        """Return the mean (earthquakes, ...) over the records of each earthquake, without unknown values (NaN)."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -68,7 +68,7 @@ class Motions:
             return np.asarray(sums / counts)
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean over the earthquakes of their means over motions, without unknown values (NaN)."""
+        """Return the mean over earthquakes of the mean over each earthquake's records, without unknown values (NaN)."""
         found = self.of_earthquakes(values)
         known = ~np.isnan(found)
         with np.errstate(invalid="ignore"):
@@ -77,7 +77,7 @@ class Motions:
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
         """Return the mean probability of overturning of each body, from its probabilities (records, bodies).
 
-        Motions whose directions are all in the mask `left_out` (records, bodies) are excluded. The interval applies to
+        Records or pairs with all directions in `left_out` (records, bodies) are excluded. The interval applies to
         other earthquakes of the same kind (:func:`rockpulse.earthquakes.probability_interval`).
         """
         table = self.over(probability, np.nan)
@@ -105,7 +105,7 @@ Of = Literal["body", "block", "motion"]
 
 
 class Body(NamedTuple):
-    """A block with one of its restitutions; ``place`` and ``case`` are the indices of block and restitution."""
+    """A block with one of its restitutions; ``place`` is the index of the block, ``case`` that of the restitution."""
 
     block: str
     place: int
@@ -115,12 +115,12 @@ class Body(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of the block, with the restitution if the block has several."""
+        """Name of the block; the restitution is added if the block has several."""
         return f"{self.block}, C = {self.restitution:.3f}" if self.several else self.block
 
 
 class Margin(NamedTuple):
-    """Smallest and median over the motions of the scale factor, or of its ratio to a demand [-]; inf if not found."""
+    """Smallest and median scale factor over the records, or their ratio to a demand [-]; inf if none was found."""
 
     smallest: float
     median: float
@@ -134,7 +134,7 @@ class Margin(NamedTuple):
 
 
 class Answers:
-    """The results of one model, read on demand; `answers[name]` is an array over records and usually bodies."""
+    """The results of one model, read on demand; `answers[name]` is an array over records and, mostly, bodies."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary
@@ -153,7 +153,7 @@ class Answers:
 
     @cached_property
     def motions(self) -> Motions:
-        """The ground motions over which margins are computed."""
+        """The records, or pairs of channels, over which margins are computed."""
         if self._motions is not None:
             return self._motions
         index, events = np.arange(len(self.records))[:, np.newaxis], [str(event) for event in self["event"]]
@@ -177,22 +177,22 @@ class Answers:
 
     @cached_property
     def source(self) -> np.ndarray:
-        """Source of each probability (records, bodies), in words."""
+        """How each probability (records, bodies) was computed, in words."""
         return flags_as_words(self["probability_source"], dict(enumerate(SOURCES)))
 
     @property
     def searched(self) -> bool:
-        """True if the model has safety factors."""
+        """True if smallest scale factors of overturning were searched with the model."""
         return not bool(np.isnan(self["safety_factor"]).all())
 
     @cached_property
     def probable(self) -> bool:
-        """True if the model has probabilities of overturning."""
+        """True if probabilities of overturning were computed with the model."""
         return is_full(self.model) and not bool(np.isnan(self["overturning_probability"]).all())
 
     @property
     def factor(self) -> str:
-        """Name of the variable with the scale factor of each body."""
+        """Name of the variable used as the scale factor of each body."""
         return "factor_10" if self.probable else "safety_factor"
 
     @property
@@ -212,23 +212,23 @@ class Answers:
 
     @cached_property
     def overturned(self) -> np.ndarray:
-        """Mask (motions, bodies) of unscaled motions that overturn the body in at least one direction."""
+        """Mask (motions, bodies) of unscaled records or pairs that overturn the body in at least one direction."""
         return self.motions.in_any_direction(self["outcome"] == Outcome.OVERTURNS)
 
     @property
     def unresolved(self) -> list[int]:
-        """Number of motions without a result in at least one direction, for each body."""
+        """Number of records or pairs, for each body, without a result in at least one direction."""
         silent = self.motions.in_any_direction(self["outcome"] == Outcome.UNRESOLVED)
         return [int(count) for count in silent.sum(axis=0)]
 
     def proven(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factor (records, bodies) below which no overturning was found, or its ratio to a demand."""
+        """Return the scale factor (records, bodies) up to which no overturning was found, or its ratio to a demand."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
         return reached if demand is None else reached / self.to_demand(demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """Return the scale factors (records, bodies), or their ratio to the scale factors of a demand."""
+        """Return the scale factors (records, bodies), or their ratio to the scale factors for a demand."""
         if demand is None:
             return self[self.factor]
         if self.probable:
@@ -236,12 +236,12 @@ class Answers:
         return self.of_demand("capacity_ratio", demand)
 
     def of_demand(self, name: str, demand: str) -> np.ndarray:
-        """Return the values (records, bodies) of a variable at a demand; (records, bodies, ties) of ties."""
+        """Return the values (records, bodies) of a variable at a demand; for ties (records, bodies, ties)."""
         return np.asarray(self[name][:, :, [*self.demands].index(demand)])
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
-        """Smallest scale factor over directions, and its row in /summary or -1; both (motions, bodies)."""
+        """Smallest scale factor over directions, and the row of /summary with it or -1; both (motions, bodies)."""
         factor = self.motions.over(self[self.factor], np.nan)
         place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
         finite = np.isfinite(factor).any(axis=1)
@@ -249,19 +249,19 @@ class Answers:
         return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
-        """Reduce a table (motions, bodies) to (motions, blocks); `worst` combines the restitutions of each block."""
+        """Reduce a table (motions, bodies) to (motions, blocks); `worst` selects among the restitutions of a block."""
         firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
     def overturnings(self, of: Of = "body") -> list[int]:
-        """Return the number of overturning motions for each body or block, or of overturned blocks for each motion."""
+        """Return how many records overturn each body or block, or how many blocks each record overturns."""
         fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None, left_out: np.ndarray | None = None) -> list[Margin]:
-        """Return the margin of every body, block or motion, as a scale factor or as its ratio to a demand.
+        """Return the margin of every body, block or record, as a scale factor or as its ratio to a demand.
 
-        Motions with all directions in the mask `left_out` (records, bodies) are excluded from the margins of bodies.
+        For margins of bodies, records or pairs with all directions in `left_out` (records, bodies) are excluded.
         """
         ratio = self.motions.over(self.ratios(demand), np.nan)
         bound = self.motions.over(self.bound, False)
@@ -301,7 +301,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """Return a stored variable for one model; the last dimensions are bodies and, in some variables, demands."""
+    """Return a stored variable for one model; its last dimensions are bodies and, for some variables, demands."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})
@@ -316,7 +316,7 @@ def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.
 
 
 def bodies_of(summary: xr.Dataset) -> list[Body]:
-    """Return the bodies of results: a block with several restitutions is several bodies."""
+    """Return the bodies of results; each restitution of a block is a body."""
     values = summary["restitution"].transpose("block", ...).values
     values = values.reshape(values.shape[0], -1)
     found = []
@@ -332,13 +332,13 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """Return the smallest scale factor at which a search ended without overturning; NaN if there is no such search."""
+    """Return the smallest scale factor at which a search ended without overturning; NaN if every search found one."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
 
 def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
-    """Return the margin of every column of the given tables, which have one row for each motion."""
+    """Return the margin of every column of the given tables, which have a row for each record or pair."""
     known = ~np.isnan(least)
     # A search that ended below 1 gives no information on the factors up to 1.
     weak = np.isinf(least) & (reached < 1.0)
@@ -367,7 +367,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
 
 
 def _median(values: np.ndarray) -> np.ndarray:
-    """Return the median of the known values in every column; NaN without known values."""
+    """Return the median of the known values in every column; NaN if a column has none."""
     count = (~np.isnan(values)).sum(axis=0)
     ordered = np.sort(values, axis=0)  # NaN is sorted last
     if not len(values):

@@ -88,7 +88,7 @@ def assess(
 
 
 class Assessment(Analysis):
-    """The assessment: computes the response of every body to every record with every model."""
+    """The assessment: computes the response of every body to every record in every model."""
 
     name = "assess"
     doing = "assessing"
@@ -107,11 +107,11 @@ class Assessment(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Empty variables in place of the results of a record, for records without results."""
+        """Arrays without rows, with the names, types and further dimensions of every part."""
         return empty_rows(self.bodies, self.config)
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plan all records, or those in the tables of the demands if every demand has a selection."""
+        """Return the plan of all records or, if every demand has a table of records, of those in the tables."""
         plan, tables = super().plan(records, failures), demand_selections(self.config)
         if not tables or len(tables) < len(self.config.demands):
             return plan
@@ -122,17 +122,17 @@ class Assessment(Analysis):
         return selected(plan, {name for table in tables.values() for name in table}, of_motion, "[[demand]] selection")
 
     def dimension_of(self, name: str) -> str:
-        """Return the first dimension of a variable; `name` is the path of the variable."""
+        """Return the first dimension of a variable, given by its path `name`."""
         group, _, name = name.rpartition("/")
         return ASSESSMENT_GROUPS[group][name].dims[0]
 
     @property
     def template(self) -> xr.DataTree:
-        """The tree of results without records."""
+        """The tree of results without any records."""
         return empty_tree(self.bodies, self.config)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Return the tree with the results of all records and, for a sweep, the statistics over direction."""
+        """Return the tree with the results of all records and, if pairs were rotated, the statistics over direction."""
         return build_tree(parts, self.bodies, self.config, failures, swept_directions(planned, self.config))
 
 
@@ -158,7 +158,7 @@ def assess_sequence(
     name: str = NAME,
     source: str = "",
 ) -> xr.DataTree:
-    """Assess bodies under the design of a site, an impulse sequence or a design spectrum, instead of under records.
+    """Assess bodies under a design sequence or a design spectrum of a site, instead of under records.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def assess_sequence(
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of the bodies of the configuration; full sizes in m.
     name, source : str
-        Name of the design, which replaces the id of a record in the results, and path of its file.
+        Name of the sequence or spectrum, which replaces the id of a record in the results, and path of its file.
 
     Returns
     -------
@@ -182,7 +182,7 @@ def assess_sequence(
     ------
     ConfigError
         If there is no body, for several sequences or an endless one, for bodies outside the spectrum, or if no model
-        in ``[models] use`` can use the design.
+        in ``[models] use`` can use the sequence.
 
     Examples
     --------

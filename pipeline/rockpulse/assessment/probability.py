@@ -1,4 +1,4 @@
-"""The probability of overturning of every body under one record, and the rotation of the body at each demand."""
+"""The probability of overturning of every body under one record, and the rotation of every body at each demand."""
 
 from collections.abc import Sequence
 
@@ -33,11 +33,11 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, OF_TIES, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-#: Variables of the nominal body: the larger of the rotations in its two senses counts, not the higher probability.
+#: Variables of the nominal body, taken from the direction of fall with the larger rotation, not higher probability.
 NOMINAL = ("demand_rotation_ratio", "demand_outcome", "demand_sliding_share", *OF_TIES)
 #: Restitutions (free bodies, 0) and rebounds (bodies on either side of a wall, 1 and -1) that a spectrum covers.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
-#: Lanes in the second stage of a spectrum that many bodies share, at each frequency parameter.
+#: Number of blocks marched in the second stage of a spectrum that many bodies share, at each frequency parameter.
 SHARED_LANES = 3200
 
 
@@ -47,7 +47,8 @@ def record_probability(
     """Compute the probability of overturning under a record, unscaled and at each demand, and the record's spectrum.
 
     Every variable of PROBABILITY and AT_DEMAND has a value for each block; NaN without a probability, or if the scale
-    factor to the demand is too large or small. It brings the mean intensity of `channels`, or of the record, to it.
+    factor for the demand is too large or small. The scale factor makes the mean intensity of `channels`, or of the
+    record, equal to the demand.
     """
     count = len(bodies.names) * bodies.cases
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -64,17 +65,17 @@ def record_probability(
 
 
 def _no_ties(shape: tuple[int, ...]) -> dict[str, np.ndarray]:
-    """Return the variables of ties (m, d, t), filled with missing values."""
+    """Return the variables of ties (bodies, demands, ties), filled with missing values."""
     return {name: np.full(shape, one.absent, dtype=one.kind) for name, one in OF_TIES.items()}
 
 
 def _near(factors: np.ndarray, config: Config) -> np.ndarray:
-    """Return a mask (m, d) of the scale factors at which a scaled record is assessed."""
+    """Return a mask (bodies, demands) of the scale factors that are near enough to 1 for an assessment."""
     return np.asarray((factors >= FARTHEST[0]) & (factors <= min(FARTHEST[1], config.search.factor_max)))
 
 
 def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the results (m, d) for the nominal bodies under the record times `factors`, if `near` is True."""
+    """Return results (bodies, demands) of the nominal bodies under the record times `factors`, if `near` is True."""
     sides, record = senses(bodies, scene.record), scene.record
     found = {"demand_rotation_ratio": np.full(near.shape, np.nan), "demand_outcome": np.full(near.shape, -1)}
     found |= _no_ties((*near.shape, bodies.tie_count))
@@ -99,7 +100,7 @@ def _at_demands(scene: Scene, bodies: Bodies, factors: np.ndarray, near: np.ndar
 
 
 def _of_ties(restraints: Restraints | None, rotation: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the variables (t,) of the ties of a body from its largest rotations about both corners."""
+    """Return the variables of the ties of a body, from its largest rotation about each corner."""
     assert restraints is not None
     demand, ultimate = restraints.tie_demand(rotation), np.array([tie.ultimate for tie in restraints.ties])
     share = np.where(np.isfinite(ultimate), demand.elongation / np.where(np.isfinite(ultimate), ultimate, 1.0), np.nan)
@@ -121,7 +122,7 @@ def sliding_shares(scene: Scene, bodies: Bodies, factors: np.ndarray) -> np.ndar
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
-    """Fill the arrays of `values` for all bodies; return the spectrum if the configuration asks for it."""
+    """Fill the arrays of `values` for all bodies; return the spectrum if the configuration requests one."""
     record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
     found = senses(bodies, record)
     rows = {name: own[np.concatenate([np.arange(found.count), found.both])] for name, own in values.items()}
@@ -170,7 +171,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
 
 
 def _spectrum(record: Record, block: Block, side: int, config: Config) -> OverturningSpectrum | None:
-    """Return the spectrum from which (m,) slender bodies read P; None if each has its own lanes."""
+    """Return a spectrum from which P of m slender bodies is read; None if P of each body is computed separately."""
     motion, uncertainty = (record.acceleration, record.dt), config.uncertainty.of_draws()
     if config.uncertainty.spectrum == "all":
         return (

@@ -30,7 +30,7 @@ class ModelRows(NamedTuple):
     """The rows that one model adds to a table of the results."""
 
     model: int  # index of the model in /summary
-    lane: np.ndarray  # lane of each row
+    lane: np.ndarray  # index of body and restitution of each row
     block: np.ndarray  # body of each row
     case: np.ndarray  # index of the restitution of each row
     source: Any  # object with the values of the rows
@@ -39,16 +39,16 @@ class ModelRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The responses of all bodies to one record; a lane is one body with one of its restitutions."""
+    """The responses of all bodies to one record; each restitution of a body has its own index (lane)."""
 
     scene: Scene  # the conditioned record with its half-waves and sequence
     bodies: Bodies
     config: Config
-    responses: dict[str, Response]  # by model, for all lanes
+    responses: dict[str, Response]  # by model, for all bodies and restitutions
     scales: dict[str, ScaleIntervals]
     applicable: dict[str, np.ndarray]
-    probability: dict[str, np.ndarray]  # probability of overturning by variable, for all lanes
-    strength: dict[str, np.ndarray]  # strength of the motion relative to the bodies by variable, for all lanes
+    probability: dict[str, np.ndarray]  # probability of overturning by variable
+    strength: dict[str, np.ndarray]  # strength of the motion relative to the bodies by variable
     spectrum: OverturningSpectrum | None = None  # None if no body uses it
     shaken: bool = True  # False if a sequence of impulses replaces the record
 
@@ -80,7 +80,7 @@ class RecordAssessment:
 
     @cached_property
     def half_cycles(self) -> list[ModelRows]:
-        """The rows of /half_cycles for each model that has half-cycles."""
+        """The rows of /half_cycles, for each model with half-cycles."""
         found = []
         for place, response in enumerate(self.responses.values()):
             if (table := response.half_cycles) is not None:
@@ -90,12 +90,12 @@ class RecordAssessment:
 
     @cached_property
     def intervals(self) -> list[ModelRows]:
-        """The rows of /overturning_intervals for each model."""
+        """The rows of /overturning_intervals, for each model."""
         return [self._rows(place, one.lane, one) for place, one in enumerate(self.scales.values())]
 
     @cached_property
     def histories(self) -> list[ModelRows]:
-        """The rows of the response histories for each model that has them."""
+        """The rows of the response histories, for each model with histories."""
         return [
             self._rows(place, np.arange(len(self.bodies.names) * self.bodies.cases), response)
             for place, response in enumerate(self.responses.values())
@@ -127,7 +127,7 @@ def assess_scene(
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(table: str) -> dict[str, np.ndarray]:
-        """Join a table of all parts into one table, in the order of the lanes."""
+        """Join a table of all parts into one table, in the order of the bodies and restitutions."""
         tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
         return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 
@@ -153,7 +153,7 @@ def assess_scene(
 def _assess_at(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
 ) -> RecordAssessment:
-    """Assess bodies that feel the same motion; `stronger` is the peak of this motion over that of the ground motion."""
+    """Assess bodies under the same motion; `stronger` is the peak of this motion over that of the ground motion."""
     lanes, sides = bodies.lanes, senses(bodies, scene.record)
     warnings: list[str] = []
     responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
@@ -195,7 +195,7 @@ def _assess_at(
 
 
 def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
-    """Return the strength of the motion relative to each body, and the share of it that exceeds the friction."""
+    """Return the strength of the motion relative to each body, and the share of it that exceeds the body's friction."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
     found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}

@@ -97,7 +97,7 @@ class Results(Shown):
             rows.append(
                 {
                     "demand": row.demand,
-                    "verdict": row.grade.word,
+                    "verdict": row.word,
                     "probability": row.share.value,
                     "low": row.share.low,
                     "high": row.share.high,
@@ -109,7 +109,6 @@ class Results(Shown):
         return pd.DataFrame(rows, index=self._bodies())
 
     def _place(self, demand: str | None) -> int | None:
-        """Return the index of a demand; None without a demand."""
         if demand is None:
             return None
         names = list(self._answers.demands)
@@ -180,7 +179,7 @@ class Results(Shown):
         if not self._assessed:
             return {"kind": str(self._tree.attrs.get("kind", "unknown")), "groups": ", ".join(self._tree.children)}
         records, bodies = len(self._answers.records), len(self._answers.bodies)
-        counts = Counter(filter(None, (one.grade.word for one in self._verdicts)))
+        counts = Counter(filter(None, (one.deciding.word for one in self._verdicts)))
         facts = {"": f"{records} record{'s' * (records != 1)}, {bodies} bod{'y' if bodies == 1 else 'ies'}"}
         return facts | {"model": self._answers.model} | {word: str(count) for word, count in counts.items()}
 
@@ -191,14 +190,15 @@ class Results(Shown):
         shown = self._verdicts[:DRAWN]
         picture = Picture((-0.7, 1.4), (-len(shown), 0.5), height=ROW * len(shown) + 40.0)
         for place, one in enumerate(shown):
-            at, colour, name = -float(place), COLOURS[one.grade], one.body.name
+            at, name = -float(place), one.body.name
+            colour = COLOURS[Grade.MAY_OVERTURN if one.deciding.status == "no_margin" else one.grade]
             picture.words(name if len(name) <= 24 else name[:23] + "…", -0.05, at - 0.2, "end")
             picture.line([0.0, 1.0], [at, at], GREY, 0.3)
             if math.isfinite(one.share.value):
                 picture.line([one.share.low, one.share.high], [at, at], colour, 1.5)
                 picture.dot(one.share.value, at, colour, 4.0)
             counted = f"{one.deciding.overturned} of {one.deciding.motions} overturn"
-            picture.words(one.grade.word or counted, 1.06, at - 0.2, "start", colour)
+            picture.words(one.deciding.word or counted, 1.06, at - 0.2, "start", colour)
         for share in (0.0, 0.5, 1.0):
             picture.words(f"{share:g}", share, -len(shown) - 0.3, "middle", GREY)
         return picture

@@ -1,4 +1,4 @@
-"""Preparation of a record for the models, on the ground or a floor, and in the direction of a body."""
+"""Prepares a record for the models: on the ground or a floor, and in the direction of a body."""
 
 import math
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record and its vertical channel, and return the model input; RockpulseError if either is rejected."""
+    """Condition a record and its vertical channel, and return the model input; RockpulseError if one is rejected."""
     up = None if vertical is None else conditioned(vertical, config)
     return extract(conditioned(record, config), config, up)
 
@@ -68,7 +68,7 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
-    """Return each motion and the indices of the bodies that feel it; RecordRefused if a needed channel is missing."""
+    """Return each floor and direction of bodies, with their indices; RecordRefused if a needed channel is missing."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -83,7 +83,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
 
 
 def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
-    """Return the scene in the direction of a body (`place.azimuth`), from both channels of the pair."""
+    """Return the scene with the record rotated to the direction of a body, from both channels of the pair."""
     if place.azimuth is None:
         return scene
     assert pair is not None
@@ -91,7 +91,7 @@ def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -
 
 
 def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
-    """Return the scene on the floor below a body, with the vertical motion of the ground."""
+    """Return the scene with the motion of the floor below a body, and the vertical motion of the ground."""
     if not place.floors:
         return scene
     record, found = scene.record, floor_record(scene.record, place.floors)
@@ -104,7 +104,7 @@ def floor_scene(scene: Scene, place: FeltMotion, config: Config) -> Scene:
 
 
 def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
-    """Return the motion of a floor under a conditioned record, from the modes of the building."""
+    """Return the motion of a floor of a building under a conditioned record, from the modes of the building."""
     period, damping, share = ([getattr(one, name) for one in floors] for name in ("period", "damping", "participation"))
     found = floor_motion(record.acceleration, record.dt, period, damping, share, quiet=QUIET * STANDARD_GRAVITY)
     return replace(record, acceleration=found.acceleration, dt=found.dt)
@@ -113,7 +113,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Join the responses of groups of bodies; the histories of a group are reduced to every `steps`-th sample."""
+    """Join the responses of groups of bodies; of the histories of a group, every `steps`-th sample is kept."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
         motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
@@ -128,7 +128,7 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Blocks as they face the record; a block that may face the record either way is repeated as its mirror image."""
+    """Blocks with the sides to which they may fall under a record; if both are possible, a mirrored block is added."""
 
     block: Block  # the blocks, followed by the mirrored ones
     both: np.ndarray  # indices of the blocks that are also mirrored
@@ -139,26 +139,26 @@ class Senses:
         return int(self.block.shape[0] - self.both.size)
 
     def worse(self, response: Response) -> Response:
-        """Return the response of each block in its worse sense: overturning, else no result, else larger rotation."""
+        """Return the response of each block or its mirror image, whichever is worse (unknown is worse than rocking)."""
         return response if self.both.size == 0 else response.take(self.worse_places(response))
 
     def worse_places(self, response: Response) -> np.ndarray:
-        """Return for each block the index in ``block`` of the sense with the worse response."""
+        """Return, for each block, the index in ``block`` of the block or its mirror image with the worse response."""
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
         rank = np.where(response.outcome == Outcome.UNRESOLVED, np.finfo(float).max, rank)
         return self._chosen(rank)
 
     def smaller(self, found: ScaleIntervals) -> ScaleIntervals:
-        """Return the intervals of the sense with the smaller safety factor, for each block."""
+        """Return, for each block, the intervals of the block or mirror image with the smaller safety factor."""
         rank = -np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor)
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
     def higher_probability(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
-        """Return for each block the index of the sense with the higher probability or, if equal, the smaller factor."""
+        """Return, for each block, the index of it or its mirror image, by higher probability, then smaller factor."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:
-        """Return, for each block, the index in ``block`` of the sense with the higher rank."""
+        """Return, for each block, the index in ``block`` of the block or its mirror image with the higher rank."""
         places = np.arange(self.count)
         second = self.count + np.arange(self.both.size)
         places[self.both] = np.where(rank[second] > rank[self.both], second, self.both)
@@ -166,13 +166,13 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """Return the signs of a record for a body that falls to `facing`: 1 if towards it, -1 if opposite, else both."""
+    """Return the signs with which a record acts on a body that falls to `facing`: 1 or -1 along it, both across it."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 
 
 def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
-    """Return the blocks of bodies as they face a record, or only every `step`-th block."""
+    """Return the blocks of bodies with their possible sides under a record; with `step`, only every `step`-th block."""
     lanes = bodies.lanes.take(slice(None, None, step))
     leaning = np.asarray(lanes.side) != 0
     if not np.any(leaning):

@@ -20,7 +20,7 @@ FARTHEST = (0.25, 4.0)
 
 
 class SiteDemand(NamedTuple):
-    """The demand of a site for a limit state; `words` is measure and value as text."""
+    """A demand of the site for a limit state; `words` states measure and value as text."""
 
     value: float
     limit_state: str
@@ -44,10 +44,10 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config, record: str = "") -> np.ndarray:
-    """Return factors (m, d) that scale the geometric mean of the channels' intensities to each of d demands.
+    """Return factors (blocks, demands) that scale the geometric mean of the channels' intensities to each demand.
 
-    For a demand with a selection, the factor is in the table under the id `record` or the id of the first channel; NaN
-    if the table contains neither.
+    For a demand with a table of selected records, the factor is read from its row `record` or, without such a row, from
+    the row of the first channel; NaN if the table has neither.
     """
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))

@@ -25,7 +25,7 @@ from rockpulse.storage.variables.summary import ANSWER
 ALPHA = 0.1
 
 
-#: Function that marches the lanes of a record, for each `method`; the rule can use known half-waves.
+#: Function that computes blocks at scale factors under a record, for each `method`; the rule can use known half-waves.
 LANES: dict[str, Callable[..., SpectrumLanes]] = {
     "nonlinear": lambda record, rates=RATES, threads=None, waves=None, rotations=True: spectrum_lanes(
         record.acceleration, record.dt, rates, threads, rotations=rotations
@@ -103,7 +103,7 @@ def overturning_spectrum(
 def stored_spectrum_values(
     spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
 ) -> dict[str, np.ndarray]:
-    """Return the arrays that a file stores for a spectrum, by name of the variable, at nominal restitutions (c,)."""
+    """Return the arrays that a file stores for a spectrum, by name of the variable, at nominal restitutions."""
     if np.any(outside := ~covered_range(restitution, spectrum.uncertainty, spectrum.lanes.between)):
         # The spectrum covers neither wide ranges around a low C, nor narrow ranges.
         sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
@@ -174,7 +174,7 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
 
 
 def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean capacity (m,) of blocks, and the probabilities (m, l) at `level` times this capacity."""
+    """Return mean capacities (blocks,), and probabilities (blocks, levels) at `level` times the mean capacity."""
     block = block.lanes()
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)

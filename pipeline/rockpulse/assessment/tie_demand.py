@@ -1,4 +1,4 @@
-"""What the records at a demand demand of the ties of every body."""
+"""Forces and elongations of the ties of every body under the records scaled to a demand."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from rockpulse.assessment.verdict import BodyVerdict, too_far, weak
 
 
 class TieFinding(NamedTuple):
-    """The results for one tie under all records at a demand, of the nominal body by the nonlinear model."""
+    """The results for one tie under all records at a demand, for the nominal body by the nonlinear model."""
 
     body: Body
     demand: str
@@ -28,12 +28,12 @@ class TieFinding(NamedTuple):
 
     @property
     def share(self) -> float:
-        """Largest elongation divided by the ultimate elongation [-]; NaN without one."""
+        """Largest elongation divided by the ultimate elongation [-]; NaN if the tie has no ultimate elongation."""
         return self.elongation / self.tie.ultimate if math.isfinite(self.tie.ultimate) else math.nan
 
 
 def tie_findings(answers: Answers, found: Sequence[BodyVerdict]) -> list[TieFinding]:
-    """Return the results for every tie at every demand of the site; empty if no body has ties, or without a demand."""
+    """Return the results for every tie at every demand of the site; empty without ties or demands."""
     if "demand_tie_elongation" not in answers.summary or not answers.motions.names:
         return []
     motions, rows = answers.motions, []

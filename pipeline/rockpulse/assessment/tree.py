@@ -1,8 +1,8 @@
-"""Assembly of the tree of results from the assessed records (docs/schema.md).
+"""Builds the tree of results from the assessed records (docs/schema.md).
 
 .. note:: Median and largest value over direction are defined as RotD50 and RotD100 (Boore 2010,
-   doi:10.1785/0120090400). A direction without a result may have any value from 0 to overturning; a median, largest or
-   smallest value that depends on it is NaN.
+   doi:10.1785/0120090400). A direction without a result may have any value from rest to overturning; a median, largest
+   or smallest value that depends on it is NaN.
 """
 
 import base64
@@ -82,7 +82,7 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value over axis 1, and its index or -1; among several inf, that with the smallest `first`."""
+    """Return the largest value over axis 1 and its index, or -1; among several inf, the one with smallest `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -92,7 +92,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the smallest value over axis 1 (NaN if a value is missing), and its index (-1 if it is not finite)."""
+    """Return the smallest value over axis 1 (NaN if any is missing), and its index (-1 if it is not finite)."""
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
 
@@ -112,7 +112,7 @@ def build_tree(
     failures: Sequence[Failure],
     swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
-    """Build the tree of results from the parts of all records; `swept` has the record ids of each pair."""
+    """Return the tree of results from the parts of all records; `swept` has the record ids of each rotated pair."""
     arrays = joined_parts([empty_rows(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in _variables(bodies, config).items():
@@ -136,12 +136,12 @@ def build_tree(
 
 
 def empty_tree(bodies: Bodies, config: Config) -> xr.DataTree:
-    """Return the tree of results without records."""
+    """Return the tree of results without any records."""
     return build_tree([], bodies, config, [], {} if config.records.components == "sweep" else None)
 
 
 def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
-    """Return the variables that grow with the records as empty arrays, by path."""
+    """Return the variables that grow with the records, as empty arrays by path."""
     return {
         path: _absent(one, 0, bodies, config)
         for path, one in _variables(bodies, config).items()
@@ -150,7 +150,7 @@ def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
-    """Join the parts of several records; record indices in the parts are increased so that they stay correct."""
+    """Join the parts of several records; the record indices in each part are shifted to their place in the whole."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
     joined = {}
     for path in parts[0]:
@@ -162,7 +162,7 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
-    """Return the variables of one record, by path ("/summary/pga"), except its earthquake."""
+    """Return the variables of one record by path, such as "/summary/pga", without its earthquake."""
     return {
         path: _of_record(variable, one)
         for path, variable in _variables(one.bodies, one.config).items()
@@ -180,7 +180,7 @@ def _of_record(variable: StoredVariable, one: RecordAssessment) -> np.ndarray:
 
 
 def _variables(bodies: Bodies, config: Config) -> dict[str, StoredVariable]:
-    """Return the stored variables of an assessment by path, except those of /failures and /directions."""
+    """Return the stored variables of an assessment by path, without those of /failures and /directions."""
     return {
         f"{group}/{name}": variable
         for group in ("/summary", "/half_cycles", "/overturning_intervals", "/spectra", "/records")
@@ -195,7 +195,7 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """Return the dimensions of a variable in the file, without `case` if every body has a single restitution."""
+    """Return the dimensions of a variable in the file; `case` is omitted if every body has a single restitution."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 
@@ -204,7 +204,6 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
-    """Return an array of missing values with `rows` rows."""
     own = {"block": len(bodies.names), "case": bodies.cases, "tie": bodies.tie_count}
     sizes = own | {"model": len(config.models.use), "demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))

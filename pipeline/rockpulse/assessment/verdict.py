@@ -1,4 +1,4 @@
-"""The verdict on every body over all records: the probability of overturning, and the grade."""
+"""The verdict on every body over all records, from its probability of overturning."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -24,6 +24,10 @@ WEAK = 0.64
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
+#: Verdicts whose name alone is not clear.
+_WORDS = {"no_margin": "rocks, no margin"}
+
+
 class Standing(IntEnum):
     """The result for a body under one record, from best to worst."""
 
@@ -34,7 +38,7 @@ class Standing(IntEnum):
 
 
 class Grade(IntEnum):
-    """The verdict on a body under all records, from best to worst."""
+    """The verdict on a body over all records, from best to worst."""
 
     AT_REST = auto()  #: no ground motion lifts the body
     ROCKS = auto()  #: the probability of overturning is less than 0.05
@@ -43,11 +47,6 @@ class Grade(IntEnum):
     NOT_KNOWN = auto()  #: the grade depends on records without a result
     SLIDES_FIRST = auto()  #: the friction is too small for the body to rock; there is no verdict on rocking
     OVERTURNS = auto()  #: the probability of overturning is 0.5 or more
-
-    @property
-    def word(self) -> str:
-        """The verdict in words; empty without a verdict."""
-        return "" if self == Grade.NO_VERDICT else self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)
@@ -72,8 +71,31 @@ class Finding:
     governing: int  # row of the most severe record in /summary; -1 if there is none
 
     @property
+    def status(self) -> str:
+        """The verdict as a lower-case name: the name of the grade or, for some ROCKS, "no_margin" or "not_lifted".
+
+        "no_margin": capacity/demand is below 1; "not_lifted": no record lifts the nominal body.
+        """
+        if self.grade == Grade.ROCKS and self.demand:
+            if self.margin.smallest < 1.0:
+                return "no_margin"
+            if self.largest_rotation == 0.0:
+                return "not_lifted"
+        return self.grade.name.lower()
+
+    @property
+    def word(self) -> str:
+        """The verdict in words; empty without a verdict."""
+        return "" if self.grade == Grade.NO_VERDICT else _WORDS.get(self.status, self.status.replace("_", " "))
+
+    @property
+    def severity(self) -> float:
+        """The grade as a number; "no_margin" is half a grade worse, "not_lifted" half a grade better than ROCKS."""
+        return self.grade + {"not_lifted": -0.5, "no_margin": 0.5}.get(self.status, 0.0)
+
+    @property
     def few(self) -> bool:
-        """True if the earthquakes are too few for a verdict."""
+        """True if there are too few earthquakes for a verdict."""
         return self.earthquakes < FEWEST_AT_DEMAND
 
 
@@ -87,17 +109,17 @@ class BodyVerdict:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """The results at the demands of the site; without demands, the results under the records as recorded."""
+        """The results at each demand of the site or, without demands, under the records as recorded."""
         return self.demands or (self.recorded,)
 
     @property
     def deciding(self) -> Finding:
         """The worst of the findings, which determines the verdict."""
-        return max(self.findings, key=lambda one: (one.grade, one.share.value))
+        return max(self.findings, key=lambda one: (one.severity, one.share.value))
 
     @property
     def grade(self) -> Grade:
-        """The worst grade at the demands of the site."""
+        """The worst verdict at any demand of the site."""
         return self.deciding.grade
 
     @property
@@ -129,7 +151,7 @@ def reasons_unknown(answers: Answers) -> np.ndarray:
 
 
 def verdicts(answers: Answers) -> list[BodyVerdict]:
-    """Return the verdict on every body over all ground motions of the results."""
+    """Return the verdict on every body over all records of the results."""
     recorded = _findings(answers, None)
     of_demands = [_findings(answers, demand) for demand in answers.demands]
     return [
@@ -139,7 +161,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
 
 
 def _grade(share: Share, bound: bool) -> Grade:
-    """Return the grade of a probability; NOT_KNOWN if the records without a result could change the grade."""
+    """Return the verdict for a probability; NOT_KNOWN if the records without a result could change it."""
     worst = Grade.MAY_OVERTURN if bound else Grade.OVERTURNS
     low, high = (
         worst if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
@@ -208,7 +230,7 @@ def nominal_motion(answers: Answers, demand: str | None) -> tuple[np.ndarray, np
 
 
 def _lifts(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records, bodies): False if the record is known to be too weak to lift the body."""
+    """Return a mask (records, bodies): False if the record is certainly too weak to lift the body."""
     if demand is None:
         moved = answers["outcome"] != Outcome.AT_REST
         return ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
@@ -221,7 +243,7 @@ def _weakest(answers: Answers) -> float:
 
 
 def weak(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records,) of records too weak to lift any body, with P = 0; no record if all are too weak."""
+    """Return a mask (records,) of records too weak to lift any body, with P = 0; none is marked if all are too weak."""
     if answers.motions.kind == "sequence":
         return np.zeros(len(answers.records), dtype=bool)
     far, factor = too_far(answers, demand), 1.0 if demand is None else answers.to_demand(demand)
@@ -231,9 +253,9 @@ def weak(answers: Answers, demand: str | None) -> np.ndarray:
 
 
 def too_far(answers: Answers, demand: str | None) -> np.ndarray:
-    """Return a mask (records, bodies) of records that are excluded, as their scale factor is too far from 1.
+    """Return a mask (records, bodies) of records that are excluded, because their scale factor is too far from 1.
 
-    A record without a scale factor, which the selection of the demand does not contain, is excluded too.
+    Records that are missing in the table of selected records of the demand are excluded, too.
     """
     if demand is None:
         return np.zeros((len(answers.records), len(answers.bodies)), dtype=bool)
@@ -262,14 +284,14 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """Return masks of doubtful results, each with the code of the reason; the most serious reason is last."""
+    """Return masks of doubtful results, each with the code of its reason; the most serious reason is last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     outside, unresolved = answers["applicable"] == 0, answers["outcome"] == Outcome.UNRESOLVED
     return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
 
 
 def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
-    """Return the index of the record with the smallest scale factor, else of the most severe record, else -1."""
+    """Return the index of the record with the smallest scale factor, or else of the most severe one; -1 if unknown."""
     if np.isfinite(factor).any():
         return int(np.argmin(np.where(np.isnan(factor), np.inf, factor)))
     known = np.nan_to_num(severity, nan=0.0, posinf=np.inf)
@@ -277,7 +299,7 @@ def _governing(factor: np.ndarray, severity: np.ndarray) -> int:
 
 
 def worse_with_pedestal(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
-    """Yield the name and the worse verdict of every body that is assessed both with and without its pedestal."""
+    """Yield, for each body assessed with and without its pedestal, its name and the worse of the verdicts."""
     whole = answers.summary["pedestal_of"].values.tolist()
     for alone in dict.fromkeys(filter(None, whole)):
         screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
@@ -297,7 +319,7 @@ def slides_first(answers: Answers) -> np.ndarray:
 
 
 def _sliding(answers: Answers, demand: str | None, kept: np.ndarray) -> np.ndarray:
-    """Return for each body the largest share of a motion of the mask `kept` that requires more than its friction."""
+    """Return, for each body, the largest share of its motion under a record in `kept` that exceeds its friction."""
     if np.isnan(answers.summary["friction"].values).all() or answers.motions.kind == "sequence":
         return np.full(kept.shape[1], np.nan)
     shares = answers["sliding_share"] if demand is None else answers.of_demand("demand_sliding_share", demand)

@@ -1,4 +1,4 @@
-"""The verbs of the command line: each module defines one as ``VERB``, and imports its dependencies when it runs."""
+"""The verbs of the command line: each module defines one as ``VERB``, and imports what it needs when it runs."""
 
 from importlib import import_module
 

@@ -53,7 +53,6 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
-    """Assess bodies under the design sequence of a site file and write the results."""
     from rockpulse.storage.hdf5.atomic import check_target
     from rockpulse.storage.hdf5.results_file import load_tree, save
     from rockpulse.studies.site.calibration import load_design

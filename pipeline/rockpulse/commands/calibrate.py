@@ -1,4 +1,4 @@
-"""``rockpulse calibrate``: calibrate the design of a site on its records, and show its uncertainty."""
+"""``rockpulse calibrate``: derive the design spectrum and sequence of a site from records, with their uncertainty."""
 
 import argparse
 import sys

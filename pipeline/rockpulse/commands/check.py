@@ -1,4 +1,4 @@
-"""``rockpulse check``: check bodies according to design codes, and compare the checks with time histories."""
+"""``rockpulse check``: check bodies according to design codes, and compare these checks with results of records."""
 
 import argparse
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""``rockpulse formats``: list the readable file formats, and the features by which they are recognised."""
+"""``rockpulse formats``: list the readable file formats, and how each is recognised."""
 
 import argparse
 

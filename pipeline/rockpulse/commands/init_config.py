@@ -43,7 +43,7 @@ def _meaning(measure: Any) -> str:
 
 
 def _filled(line: str, fields: dict[str, str]) -> str:
-    """Replace the names in braces in a line of the template, and wrap its comment."""
+    """Replace the names in braces in a line of the template, and wrap the comment at its end."""
     filled = re.sub(r"\{(\w+)\}", lambda name: fields[name[1]], line)
     if filled == line or "\n" in filled or not filled.startswith("# ", BEGIN):
         return filled

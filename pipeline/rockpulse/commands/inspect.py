@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
-#: Files of other verbs, found by their characteristic group: description of the file, and module that prints it.
+#: Files of other verbs, recognised by a group that only they contain: description, and module that prints them.
 SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
 #: Options that request a list of results.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
@@ -41,7 +41,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """Return the parts of the results that the options request, or the overview if there is no such option."""
+    """Return the texts that the options request, or the overview of the results if no option requests any."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
@@ -49,7 +49,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
     if beside:
         raise ResultsError(
-            f"--worst lists cases by their scale factor and cannot be combined with {', '.join(beside)}; use --sort "
+            f"--worst lists results by their scale factor and cannot be combined with {', '.join(beside)}; use --sort "
             "VARIABLE --limit N instead"
         )
     selection = read_selection(args)
@@ -121,14 +121,14 @@ VERB = Verb(
     options=(
         {
             "RESULTS": "file of rockpulse assess, calibrate or fragility",
-            "--record ID ...": "one record in detail, or the cases of a pattern such as '*CCC*' (* and ? are "
+            "--record ID ...": "one record in detail, or the results of all that match '*CCC*' (* and ? are "
             "wildcards); repeatable",
-            "--block NAME ...": "one body in detail, or the cases of a pattern; repeatable",
+            "--block NAME ...": "one body in detail, or the results of all that match a pattern; repeatable",
             "--all": "show the verdict of every model for every record and body",
             "--failures": "list the files and channels that failed or were skipped, with the reason",
             "--records": "list the records",
             "--blocks": "list the bodies",
-            "--worst N": ("list the N cases with the smallest scale factors of overturning", {"type": parse_count}),
+            "--worst N": ("list the N results with the smallest scale factors of overturning", {"type": parse_count}),
             **SELECTION,
         },
     ),

@@ -1,4 +1,4 @@
-"""Defines a verb of the command line as data, and a parser that accepts only full names and suggests known words."""
+"""Defines a verb of the command line, and a parser that accepts only full names and suggests correct ones."""
 
 import argparse
 import sys
@@ -18,7 +18,7 @@ Options: TypeAlias = Mapping[str, str | tuple[str, Mapping[str, Any]]]
 
 
 class Either(dict[str, "str | tuple[str, Mapping[str, Any]]"]):
-    """Mutually exclusive options."""
+    """Options of which a command line may contain only one."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Verb:
 
 
 def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
-    """Convert an option such as "-o --output FILE" to its flags or name, and keywords for ``add_argument``."""
+    """Convert an option such as "-o --output FILE" to the arguments and keywords for ``add_argument``."""
     parts = words.split()
     flags = [part for part in parts if part.startswith("-")]
     metavar = next((part for part in parts if not part.startswith("-") and part not in ("...", "!")), None)
@@ -65,7 +65,7 @@ def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser that accepts no abbreviations, suggests known words, and keeps the line breaks of an epilog."""
+    """An ArgumentParser that accepts no abbreviations, suggests correct words, and keeps line breaks of examples."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **options)
@@ -75,7 +75,7 @@ class Parser(argparse.ArgumentParser):
 
     # argparse declares its return type by overloads.
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
-        """Parse as ArgumentParser does, but report unknown words here, as this parser knows the options of its verb."""
+        """Parse as ArgumentParser does, but report unknown words here, where the options of the verb are known."""
         self._given = list(sys.argv[1:] if args is None else args)
         for word in self._given:
             meant = self._option_string_actions.get(f"-{word}")
@@ -89,7 +89,7 @@ class Parser(argparse.ArgumentParser):
         return found, left
 
     def error(self, message: str) -> NoReturn:
-        """Exit as ArgumentParser does, with a message that suggests known words for unknown ones."""
+        """Exit as ArgumentParser does; the message suggests correct words for misspelt ones."""
         super().error("".join([message, *self._hints(message)]))
 
     def _print_message(self, message: str, file: Any = None) -> None:

@@ -4,13 +4,14 @@ import argparse
 
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
+from rockpulse.config import CODES
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.report.writing import report
 
     given = (args.results, args.output, args.site, args.fragility, args.overwrite)
-    path = report(*given, language=args.language, config=args.config, full=args.full)
+    path = report(*given, language=args.language, config=args.config, full=args.full, code=args.code or None)
     tell(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return 0
 
@@ -29,6 +30,10 @@ VERB = Verb(
             "-o --output REPORT": ("file to write: .html, or .pdf; default: %(default)s", {"default": "report.html"}),
             "--language LANGUAGE": ("language of the report: en (default) or it", {"default": "en"}),
             "--config FILE": "configuration whose [report] (author, client, logo) and [check] replace the stored ones",
+            "--code CODE": (
+                f"codes of the check: {', '.join(CODES)}; default: all but the last",
+                {"nargs": "*", "choices": CODES},
+            ),
             "--full": "add the configuration and the SHA-256 of all files",
             "--overwrite": "replace an existing report; never another file",
         },

@@ -21,9 +21,9 @@ def _run(args: argparse.Namespace) -> int:
 
     if args.bodies is not None and (args.limit_state is not None or args.resamples is not None):
         raise ConfigError(
-            "--bodies: cannot be combined with --limit-state or --resamples, because the spectra hold the probability "
-            "of overturning only and the band of an inventory is in closed form; remove those options, or give a "
-            "fragility file"
+            "--bodies: cannot be combined with --limit-state or --resamples, because the spectra contain only the "
+            "probability of overturning, and the band of an inventory needs no resamples; remove those options, or "
+            "give a fragility file"
         )
     limit_state = args.limit_state or "overturning"
     if args.age is not None and limit_state != "overturning":

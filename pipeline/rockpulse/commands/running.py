@@ -1,4 +1,4 @@
-"""Parts common to verbs that process many records: options of the batch, log file, signals, and final output."""
+"""Functions for all verbs that process many records: batch options, log file, signals, and final output."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
 
 
 def batch_options(args: argparse.Namespace) -> BatchOptions:
-    """Return the options of the batch given on the command line."""
+    """Return the batch options given on the command line."""
     from rockpulse.run.options import BatchOptions
 
     return BatchOptions(
@@ -53,7 +53,7 @@ class _Escaping(logging.Formatter):
 
 
 class _LogFile(logging.FileHandler):
-    """A log file that stops writing after an error, which it stores in `failed`, while the run continues."""
+    """A log file that is no longer written after an error, stored in `failed`; the run continues."""
 
     failed = ""
 
@@ -71,7 +71,7 @@ class _LogFile(logging.FileHandler):
 
 @contextmanager
 def recorded(args: argparse.Namespace) -> Iterator[None]:
-    """Return a context manager that writes the requested log file and treats SIGTERM like Ctrl-C."""
+    """Write the requested log file and treat SIGTERM like Ctrl-C, in a ``with`` block."""
     with ExitStack() as meanwhile:
         if args.log_file is not None:
             meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))
@@ -121,7 +121,7 @@ def _check_log(log: Path, output: Path) -> None:
 
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
-    """Print why no record could be used (one line with --quiet), and return the exit code."""
+    """Print why no record could be used, with --quiet on one line, and return the exit code."""
     from rockpulse.views.shared.files_used import count_files
     from rockpulse.views.text.left_out import rows_not_used
 
@@ -135,7 +135,7 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
 
 
 def print_overview(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
-    """Print the overview (with --quiet one line on failures), and return the exit code."""
+    """Print the overview of the results or, with --quiet, only a line on failures; return the exit code."""
     from rockpulse.views.shared.files_used import files_used
 
     failed = files_used(tree).line

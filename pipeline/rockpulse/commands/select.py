@@ -1,4 +1,4 @@
-"""``rockpulse select``: select records whose mean spectrum fits the spectrum of a code, a hazard or a table."""
+"""``rockpulse select``: select records whose mean spectrum matches that of a code, a hazard study or a table."""
 
 import argparse
 import sys

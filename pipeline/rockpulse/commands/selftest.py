@@ -1,4 +1,4 @@
-"""``rockpulse selftest``: run the solvers of this installation on stored cases whose results are known to 24 digits."""
+"""``rockpulse selftest``: run the solvers of this installation on stored cases with known results of 24 digits."""
 
 import argparse
 import math
@@ -51,7 +51,6 @@ def _cost(value: float) -> str:
 
 
 def _machine() -> str:
-    """Return a description of versions, processor and threads."""
     import platform
     from importlib.metadata import version
     from pathlib import Path

@@ -1,4 +1,4 @@
-"""Options of several verbs, and functions that read the configuration or a selection of results from them."""
+"""Options of several verbs, and functions that return the configuration or the selected rows given by them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ READING: Options = {
 
 
 def from_records(output: str, written: str = "file to write (HDF5)", bodies: bool = True) -> Options:
-    """Return the options of a verb that reads records and writes a file: paths, configuration and, if used, bodies."""
+    """Return the options of a verb that reads records and writes a file: paths, configuration and bodies."""
     of_bodies: Options = {
         "--block NAME=WIDTHxHEIGHT ...": "a body by its full width and height in m, in addition to those of the "
         "configuration; repeatable",
@@ -104,7 +104,7 @@ SELECTION: Options = {
 
 
 def read_selection(args: argparse.Namespace) -> RowSelection:
-    """Return the rows that --record, --block and the options of SELECTION select; raise ResultsError on bad values."""
+    """Return the rows selected by --record, --block and the options of SELECTION; raise ResultsError for bad values."""
     from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
@@ -117,7 +117,7 @@ def read_selection(args: argparse.Namespace) -> RowSelection:
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """Return the section [records] with the values of --units and --dt, which replace those of [[records.file]] too."""
+    """Return the section [records] with --units and --dt, which also replace the values of [[records.file]]."""
     from rockpulse.config.settings import RecordSettings
     from rockpulse.readers.kit.text import canonical_unit
 
@@ -133,7 +133,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
 
 def bodies_of_table(path: str) -> tuple[BlockSettings, ...]:
-    """Return the bodies of a table, and print which of its columns are not used."""
+    """Return the bodies of a table file, and print which of its columns are not used."""
     from rockpulse.config.body_table import read_bodies, unused_columns
 
     bodies, unused = read_bodies(path)
@@ -143,7 +143,7 @@ def bodies_of_table(path: str) -> tuple[BlockSettings, ...]:
 
 
 def configured(args: argparse.Namespace) -> Config:
-    """Return the configuration of --config with the bodies of --block added; paths of its tables become absolute."""
+    """Return the configuration of --config with the bodies of --block added, and absolute paths of tables."""
     from rockpulse.config.block_settings import parse_block_option
     from rockpulse.config.configuration import Config, load_config, located
     from rockpulse.config.settings import WEIGHTS
@@ -161,7 +161,7 @@ def configured(args: argparse.Namespace) -> Config:
 
 
 def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
-    """Return the configuration with absolute paths of records and tables, and the paths of records as given."""
+    """Return the configuration with absolute paths, and the paths of the records as they were given."""
     from rockpulse.config.configuration import located
 
     config = configured(args)

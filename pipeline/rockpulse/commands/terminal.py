@@ -18,7 +18,7 @@ from rockpulse.foreign_text import escaped
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
-    """Print a text with control characters escaped; drop it if the pipe is closed, as by ``| head``."""
+    """Print a text with control characters escaped; do nothing if the pipe is closed, as after ``| head``."""
     file = sys.stdout if file is None else file
     try:
         print(escaped(text), file=file, flush=True)
@@ -27,20 +27,20 @@ def tell(text: str, file: TextIO | None = None) -> None:
 
 
 def discard_output(file: TextIO) -> None:
-    """Discard all further text to standard output or standard error."""
+    """Discard all further text written to standard output or standard error."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, file.fileno())
     os.close(nowhere)
 
 
 def interrupt(number: int, frame: object) -> NoReturn:
-    """Raise KeyboardInterrupt, and ignore the same signal from then on, so that the run can end in order."""
+    """Raise KeyboardInterrupt, and ignore further signals of this kind, so that the run can end properly."""
     signal.signal(number, lambda number, frame: None)
     raise KeyboardInterrupt
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """Return ``tqdm.tqdm`` on standard error, disabled if `quiet`, or without a terminal or page that shows it."""
+    """Return ``tqdm.tqdm`` for standard error; it is disabled if `quiet`, or without a terminal or page."""
     from tqdm import tqdm
 
     # On a terminal without a size tqdm would show nothing.
@@ -53,7 +53,7 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
 
 
 class _KernelLines(logging.Handler):
-    """Log handler that prints messages of the kernel cache; those below warnings only on a terminal."""
+    """Log handler that prints messages of the kernel cache; only warnings and errors if there is no terminal."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print the message of a log record."""
@@ -66,7 +66,7 @@ class _KernelLines(logging.Handler):
 
 @contextmanager
 def kernel_messages(quiet: bool) -> Iterator[None]:
-    """Return a context manager that prints messages of the kernel cache on standard error, unless `quiet`."""
+    """Print messages of the kernel cache on standard error in a ``with`` block, unless `quiet`."""
     logger, handler = logging.getLogger("rockpulse.kernels"), _KernelLines()
     if not quiet:
         logger.addHandler(handler)
@@ -108,7 +108,7 @@ BARE = ("results", "first", "second")
 
 
 def file_fault(error: OSError, args: argparse.Namespace) -> str:
-    """Describe an error of a file, with the argument that names the file, and suggest a remedy."""
+    """Describe a file error, with the argument that names the file, and suggest a remedy."""
     if not isinstance(error.filename, str | bytes | os.PathLike):
         return str(error.strerror or error)
     shown = os.fsdecode(error.filename)
@@ -133,7 +133,7 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
 
 
 def differing_results(args: argparse.Namespace) -> str:
-    """Describe how a results file to be read differs from the file that was written; empty if they are equal."""
+    """Describe how a results file was changed after it was written; empty if it was not changed."""
     from rockpulse.storage.hdf5.verification import verify
 
     named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]

@@ -182,7 +182,7 @@ _DEFAULTS = {one.name: one.default for one in fields(BlockSettings) if one.name 
 
 
 def _is_plain(body: BlockSettings) -> bool:
-    """Return whether a body is a free rectangle of usual size and Housner's restitution, so that it has no warning."""
+    """Return whether a body is a free rectangle of usual size with Housner's restitution, and so without warnings."""
     width, height = body.width, body.height
     if width is None or height is None or height < LEAST_PLAIN * width or size_problem(width, height):
         return False

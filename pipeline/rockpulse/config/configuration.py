@@ -2,6 +2,7 @@
 
 import dataclasses
 import hashlib
+import math
 import os
 from collections import Counter
 from collections.abc import Mapping
@@ -21,10 +22,13 @@ from rockpulse.files import TOML_LIMIT, parse_toml, read_text, table_of
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
 from rockpulse.readers.file_pairs import PairSettings
+from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Sections that may occur more than once.
 SEVERAL = ("block", "demand")
+#: Relative tolerance within which two statements of the demand agree.
+SAME = 0.02
 #: Name of a stored configuration in messages.
 STORED = "the configuration stored in the results"
 
@@ -39,8 +43,8 @@ class Config:
     uncertainty, calibration, selection, fragility, hazard, check, report, run : Section
         One dataclass per section, usable as keyword arguments: ``condition(record, **config.conditioning)``.
     bodies, demands : tuple of BlockSettings, tuple of DemandSettings
-        The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file. With `site.ag` the
-        default is one demand, the PGA a_g S, with S of `site.ground` by the code of `check`.
+        The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file. The default with
+        `site.pga` is this demand, with `site.ag` the PGA a_g S, with S of `site.ground` by the code of `check`.
     folder : Path
         Folder of the file, to which ``records.paths`` is relative. Ignored in comparisons and in the text.
 
@@ -107,21 +111,26 @@ class Config:
                 'known only after the run; use "horizontal", "azimuth" or "sweep"'
             )
         require_pairs(self.bodies, self.records)
-        if self.site.ag is not None:
-            self._apply_site(self.site.ag, soil_factor(self.check, self.site.ag, self.site.ground))
+        if self.site.ag is not None and self.hazard.soil_factor is None:
+            soil = soil_factor(self.check, self.site.ag, self.site.ground)
+            object.__setattr__(self, "hazard", dataclasses.replace(self.hazard, soil_factor=soil))
+        if not self.demands and (demand := self.site_demand) is not None:
+            object.__setattr__(self, "demands", (demand,))
         if self.uncertainty.azimuth and self.records.components != "sweep":
             raise ConfigError(
                 "[uncertainty] azimuth: true, the mean over the directions of a pair of channels, needs [records] "
                 f'components = "sweep", found "{self.records.components}"; change one of them'
             )
 
-    def _apply_site(self, ag: float, soil: float) -> None:
-        """Set the default demand and the soil factor from a_g [g] and S of the site, unless they are given."""
-        if not self.demands:
-            demand = settings.DemandSettings("a_g S", value=ag * soil * STANDARD_GRAVITY)
-            object.__setattr__(self, "demands", (demand,))
-        if self.hazard.soil_factor is None:
-            object.__setattr__(self, "hazard", dataclasses.replace(self.hazard, soil_factor=soil))
+    @property
+    def site_demand(self) -> settings.DemandSettings | None:
+        """The demand that [site] gives: `pga`, or a_g S; None if it gives none."""
+        if self.site.pga is not None:
+            return settings.DemandSettings(value=self.site.pga)
+        if self.site.ag is None:
+            return None
+        soil = soil_factor(self.check, self.site.ag, self.site.ground)
+        return settings.DemandSettings("a_g S", value=self.site.ag * soil * STANDARD_GRAVITY)
 
     @property
     def has_probability(self) -> bool:
@@ -164,7 +173,7 @@ def _facts_of(entry: Section) -> list[Any]:
 
 
 def _pairs_of(table: str, folder: Path) -> list[PairSettings]:
-    """Read the pairs of files of a table (CSV) with the columns north and east; raise ConfigError for another file."""
+    """Read pairs of files from a CSV table with the columns north and east; raise ConfigError for any other table."""
     path = located(table, folder)
     where = f"[records] pair_table: {path}"
     if not path.is_file():
@@ -258,10 +267,26 @@ def load_config(path: str | Path) -> Config:
     document = parse_toml(read_text(path, TOML_LIMIT, "a TOML file"), str(path))
     try:
         config = config_of(document, path.parent)
+        _require_one_demand(config)
         logo_bytes(config.report, config.folder)  # reports an unusable logo before any work
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
     return config
+
+
+def _require_one_demand(config: Config) -> None:
+    """Raise ConfigError if the PGA of [[demand]] in the limit state of the checks differs from the one of [site]."""
+    state, of_site = config.check.limit_state, config.site_demand
+    given = [one for one in config.demands if one.measure == PGA and one.value is not None]
+    given = [one for one in given if one.limit_state.casefold() in ("", state)]
+    if of_site is None or not given or any(math.isclose(one.strength, of_site.strength, rel_tol=SAME) for one in given):
+        return
+    found, wanted = (f"{value / STANDARD_GRAVITY:.3g} g" for value in (given[0].strength, of_site.strength))
+    raise ConfigError(
+        f"[[demand]] {given[0].name}: expected the PGA of [site], {wanted} ({of_site.name}), found {found}; remove the "
+        "wrong one, state the limit_state of the demand if it is another one, or move ag and ground to [check] if only "
+        "the checks need them"
+    )
 
 
 def config_of(document: Mapping[str, Any], folder: Path) -> Config:

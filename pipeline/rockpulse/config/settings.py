@@ -35,8 +35,16 @@ class SiteSettings(Section):
     """Name and description of the study, and the seismic action at the site.
 
     `ag` is the peak acceleration on rock [g], `ground` the ground type. Both determine the default demand (a PGA of
-    a_g S), the spectrum of the checks, and the soil factor of the hazard (see :class:`Config`).
+    a_g S), the spectrum of the checks, and the soil factor of the hazard (see :class:`Config`). `pga` is the demand
+    itself, on the ground of the site, as a text with its unit.
 
+    Raises
+    ------
+    ConfigError
+        If both `ag` and `pga` are given, or `pga` is not a positive number with a unit of acceleration.
+
+    Examples
+    --------
     >>> rp.Config(site=rp.SiteSettings(name="Basilica of San Bernardino")).site
     SiteSettings(name='Basilica of San Bernardino')
     """
@@ -45,7 +53,22 @@ class SiteSettings(Section):
     name: str = text()
     description: str = text()
     ag: float | None = number(None, low=0.0, above=True, high=5.0, unit="g")
+    pga: str | None = text(None)
     ground: str = choice("A", GROUND)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.pga is None:
+            return
+        if self.ag is not None:
+            raise ConfigError(
+                f'[site] pga: expected pga or ag (on rock) for the demand, found both, "{self.pga}" and {self.ag:g} g; '
+                "remove one, or move ag and ground to [check] if only the checks need them"
+            )
+        try:
+            DemandSettings(value=self.pga)
+        except ConfigError as error:
+            raise ConfigError(str(error).replace("[[demand]] value", "[site] pga")) from None
 
 
 @dataclass(frozen=True)

@@ -128,6 +128,5 @@ def _station_files(
 def _beside(
     archive: zipfile.ZipFile, entries: dict[str, zipfile.ZipInfo], folder: PurePosixPath, name: str
 ) -> bytes | None:
-    """Return the content of the file `name` in a folder of the archive; None if there is no such file."""
     wanted = str(folder / name)
     return _content(archive, entries[wanted], f"{archive.filename}!{wanted}") if wanted in entries else None

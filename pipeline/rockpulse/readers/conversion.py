@@ -284,7 +284,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of direction or processing by a file, with `whole` also a loss; empty without a change."""
+    """Return how direction or processing differ after reading `again`; a missing value counts only if `whole`."""
     if orientation_of(record) == "unknown":  # the file name may state a direction
         return _wrong_state(record, again, whole)
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
@@ -299,7 +299,7 @@ def _wrong(record: Record, again: Record, whole: bool) -> str:
 
 
 def _wrong_state(record: Record, again: Record, whole: bool) -> str:
-    """Describe a change of the state of processing by a file; with `whole` also a loss; empty without a change."""
+    """Return how the processing state differs after reading `again`; a missing state counts only if `whole`."""
     if again.processed != record.processed and (whole or again.processed is not None):
         return f"processed would be read again as {again.processed} instead of {record.processed}"
     return ""

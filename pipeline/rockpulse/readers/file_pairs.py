@@ -11,6 +11,7 @@ from rockpulse.errors import ConfigError, Failure, RecordFormatError, Remedy, so
 from rockpulse.option import KeyType, Section, key
 from rockpulse.readers.kit.spacing import same_step
 from rockpulse.record.record import Record
+from rockpulse.warning_text import WarningText
 
 _NAME = KeyType(
     "the name of one file, without wildcards",
@@ -89,9 +90,11 @@ class PairSettings(Section):
             raise RecordFormatError(
                 f"{name}: the file states {stated}, {self.where} calls it {side}; correct one", PAIR
             )
-        azimuth = record.azimuth if math.isfinite(record.azimuth) else SIDES[side]
-        together = f"{self.north} and {self.east}"
-        return [replace(record, orientation="horizontal", azimuth=azimuth, together=together)]
+        record = replace(record, orientation="horizontal", together=f"{self.north} and {self.east}")
+        if math.isfinite(record.azimuth):
+            return [record]
+        given = (*record.warnings, WarningText("direction_given", side=side))
+        return [replace(record, azimuth=SIDES[side], warnings=given)]
 
 
 def _plain(name: str) -> str:

@@ -270,7 +270,7 @@ def _together(record: Record, other: Record) -> bool:
 
 
 def _occasion(record: Record) -> tuple[object, ...]:
-    """Return the properties that the files of one recording without times have in common."""
+    """Return the properties that identify the recording of a file that states no time."""
     return record.event, record.station_name, record.dt, PurePath(record.source).parent
 
 

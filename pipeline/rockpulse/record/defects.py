@@ -215,7 +215,7 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
 
 
 def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on samples that repeat the previous sample in the whole strong part, and on a repeated block."""
+    """Return warnings on samples that repeat the previous sample throughout strong motion, and on a repeated block."""
     change = np.abs(np.diff(samples[strong[0] : strong[1] + 1]))
     moved = change[change > 0.0]
     if not moved.size or np.median(moved) < STEP_CONTRAST * resolution:

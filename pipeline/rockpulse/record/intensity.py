@@ -70,7 +70,7 @@ def spectral_acceleration(record: Record, period: float) -> float:
 
 @lru_cache(maxsize=4096)
 def _oscillator(rate: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return numerator and denominator of the filter from ground acceleration to displacement."""
+    """Return numerator and denominator of the filter from ground acceleration to the oscillator's displacement."""
     from scipy.signal import cont2discrete
 
     upper, lower, _ = cont2discrete(([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate]), dt, method="foh")

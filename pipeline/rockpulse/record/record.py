@@ -274,7 +274,7 @@ def _restored(kind: type[Record], values: list[Any]) -> Record:
 
 
 def _spread(acceleration: np.ndarray) -> bool:
-    """Return whether the array is a single number in memory, broadcast to n samples."""
+    """Return whether an array is a single number in memory that is broadcast to n samples."""
     return (
         isinstance(acceleration, np.ndarray)
         and acceleration.dtype == float

@@ -1,6 +1,7 @@
-"""Runs over many records: survey, plan, worker processes, journal, and assembly of the results file.
+"""Runs over many records: a first pass over the files, a plan, worker processes, a journal, and the results file.
 
-Steps of a run: `survey` reads every file once and keeps everything except the samples; `analysis` plans the work;
-workers (`worker_pool`) execute the `tasks`, each reading the samples of its records again; finished tasks are stored
-durably in the `journal`, from which `assembly` writes the results in bounded memory (docs/decisions/014-batch.md).
+`survey` reads every file once and keeps everything except the samples; `analysis` plans the work; the workers
+(`worker_pool`) execute the `tasks`, for which they read the samples of the records again; the results of each task are
+saved at once in the `journal`, from which `assembly` writes the results file, with only a small part of it in memory
+(docs/decisions/014-batch.md).
 """

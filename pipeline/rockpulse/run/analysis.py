@@ -44,7 +44,7 @@ Work = Callable[[Motion, Watch], Part]
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The records to be processed, their earthquakes, and the failures of other records."""
+    """The records to be processed, the earthquake of each, and the failures of records that are left out."""
 
     planned: list[PlannedMotion]  # in the order of the results
     events: dict[str, str]  # earthquake by id of the record
@@ -52,7 +52,7 @@ class Plan:
 
 
 class Analysis(ABC):
-    """Base class of an analysis, which computes a part of the results for every record and combines the parts."""
+    """Base class of an analysis: it computes a part of the results for every record, and combines the parts."""
 
     name: ClassVar[str]  # name of the command, and stage in the rows of failures
     doing: ClassVar[str]  # the command in a progress bar
@@ -72,21 +72,21 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def empty_part(self) -> Part:
-        """Return a part without rows, whose arrays have the names, types and shapes of every part."""
+        """Return arrays without rows, with the names, types and further dimensions of every part."""
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Return the tree of results from the parts of all records, in the order of the plan."""
+        """Return the tree of results made from the parts of all records; the parts are in the order of the plan."""
 
     def described(self, tree: xr.DataTree, title: str) -> xr.DataTree:
-        """Set the attributes of the root of the tree; `title` is the default name of the site."""
+        """Return the tree with title, site and configuration as attributes; `title` is used if the site has no name."""
         site = self.config.site
         tree.attrs |= {"kind": self.kind, "title": site.name or title, "site_description": site.description}
         tree.attrs["configuration"] = self.config.as_text()
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Return the records to process and their earthquakes; raise ConfigError for equal ids or mismatched tables."""
+        """Return the records to process and their earthquakes; raise ConfigError for equal ids or a wrong table."""
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
         if twice:
@@ -102,11 +102,11 @@ class Analysis(ABC):
         return Plan(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
 
     def dimension_of(self, name: str) -> str:
-        """Return the dimension along which the parts of an array are joined."""
+        """Return the dimension along which the arrays of a variable are joined over the records."""
         return "record"
 
     def fits(self, part: Part) -> bool:
-        """Return whether a part has the names, types and shapes that belong to this analysis."""
+        """Return whether a part has the names, types and shapes of the parts of this analysis."""
         expected = {name: array for name, array in self.empty_part.items() if name != self.event_name}
         if part.keys() != expected.keys():
             return False
@@ -121,13 +121,13 @@ class Analysis(ABC):
         return all(len(every) == 1 for every in lengths.values())
 
     def of_event(self, part: Part, event: str) -> Part:
-        """Return the part with the earthquake of its record added."""
+        """Return the part with a variable that contains the earthquake of its record."""
         rows = len(part["record"]) if "record" in part else 1
         return {**part, self.event_name: np.array([event] * rows)}
 
 
 def selected(plan: Plan, table: Collection[str], of_motion: Mapping[str, Sequence[str]], where: str) -> Plan:
-    """Return the plan with only the motions of a table; `of_motion` has the ids that refer to each motion, by name.
+    """Return the plan reduced to the records listed in a table; `of_motion` lists the ids accepted for each record.
 
     Raises ConfigError if the table names an unknown record and all files were read.
     """
@@ -147,7 +147,7 @@ def run(
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
-    """Run an analysis in this process; `progress` wraps the list of planned records, as ``tqdm.tqdm`` does."""
+    """Run an analysis in this process; `progress` wraps the list of records to process, as ``tqdm.tqdm`` does."""
     plan = analysis.plan(*_given(records, failures, analysis.config.records))
     rows, parts = list(plan.failures), []
     for one in plan.planned if progress is None else progress(plan.planned):
@@ -162,7 +162,7 @@ def run(
 def _given(
     records: Records, failures: Iterable[Failure], options: RecordSettings
 ) -> tuple[list[Record], list[Failure]]:
-    """Return the given records, or the records read from given paths, and all failures."""
+    """Return the given records, or the records read from the given paths, with all failures."""
     one = isinstance(records, (str, os.PathLike, Record))
     every: list[Any] = [records] if one else list(cast(Iterable[Any], records))
     if every and all(isinstance(item, (str, os.PathLike)) for item in every):
@@ -182,7 +182,7 @@ def _given(
 def worked(
     planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = nullcontext
 ) -> Iterator[Part | Failure]:
-    """Process a channel or pair; yield the part of each of its records, or a failure for each unused channel."""
+    """Process a channel or pair; yield a part for each record made from it, or a failure for each unused channel."""
     try:
         with watch("condition"):
             copies = clock_twin(planned.channels, planned.comparisons, config.records.confirm, "select")
@@ -224,7 +224,7 @@ def _failure(record: Record, stage: str, error: Exception) -> Failure:
 
 
 def joined(parts: Sequence[Part]) -> dict[str, np.ndarray]:
-    """Join the arrays of all parts, sorted by the variable "record"."""
+    """Join the arrays of all parts; the rows are sorted by the variable "record"."""
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     order = np.argsort(whole["record"], kind="stable")
     return {name: values[order] for name, values in whole.items()}

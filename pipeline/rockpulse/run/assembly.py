@@ -1,4 +1,4 @@
-"""Writes the results file from the parts of the records, atomically and in bounded memory."""
+"""Writes the results file from the parts of the records, as a whole or not at all, with few of them in memory."""
 
 import os
 from collections import defaultdict
@@ -46,7 +46,7 @@ SWEPT_PROBABILITY = ("overturning_probability",)
 
 @dataclass(frozen=True)
 class JournalParts:
-    """The parts of the results of finished tasks, of a journal or of the file to which the run appends.
+    """The parts of finished tasks, read from a journal or from the results file to which the run appends.
 
     It can be iterated several times.
     """
@@ -70,7 +70,7 @@ class JournalParts:
 
     @property
     def run(self) -> dict[str, str]:
-        """Root attributes that identify the options and the task of each row, for a later run that appends."""
+        """Root attributes that identify the options and the task of each row, for a later run that appends records."""
         known = {} if self.earlier is None else self.earlier.rows
         failed = self.journal.failures()
         rows = [
@@ -90,7 +90,7 @@ def write_results(
     overwrite: bool,
     digest: str,
 ) -> int:
-    """Write the results of a run and return the number of records; without records no file is written."""
+    """Write the results of a run and return the number of records; if there are none, write no file."""
     analysis, run = parts.analysis, {RUN_ID: parts.journal.run_id, RUN_DIGEST: digest}
     if isinstance(analysis, Assessment):
         if not any(True for _ in parts):
@@ -115,12 +115,12 @@ def assemble(
     run: Mapping[str, str] | None = None,
     chunk: int = CHUNK,
 ) -> int:
-    """Write the file that :func:`rockpulse.save` would write from the whole tree; return the number of records.
+    """Write the same file as :func:`rockpulse.save`, but in parts; return the number of records.
 
-    `template` is the tree without records. The `parts`, in the order of the rows, are read twice, first for their
-    sizes; an iterator, which can be read only once, raises TypeError. At most `chunk` bytes of arrays, or the largest
-    part, are in memory; `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file exists (it is
-    then kept) or cannot be written.
+    `template` is the tree of results without records. The `parts`, in the order of the rows, are read twice, first for
+    their sizes; an iterator, which can be read only once, raises TypeError. At most `chunk` bytes of arrays, or the
+    largest part, are in memory; `run` contains the attributes for :func:`run_of`. Raises ResultsError if the file
+    exists (it is then not changed) or cannot be written.
     """
     if iter(parts) is parts:
         raise TypeError("parts: expected a list or JournalParts, which can be read twice, found an iterator")
@@ -142,7 +142,7 @@ def assemble(
 
 
 def _sizes(parts: Iterable[Part]) -> tuple[list[str], dict[str, int], int]:
-    """Return the ids of the records, the total length of each variable that grows, and the approximate file size."""
+    """Return the ids of the records, the number of rows of each variable, and the approximate file size [bytes]."""
     records: list[str] = []
     lengths: dict[str, int] = defaultdict(int)
     size = 0
@@ -163,7 +163,7 @@ def _stored_bytes(values: np.ndarray) -> int:
 def _create_variables(
     writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
 ) -> None:
-    """Create every variable with its final size, and write the values that do not depend on the records."""
+    """Create every variable with its final size, and write the values that are the same for all records."""
     for node in template.subtree:
         dataset = node.to_dataset(inherit=False)
         if node.path == "/":
@@ -196,7 +196,7 @@ def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
 def _write_directions(
     writer: TreeWriter, empty: xr.Dataset, pairs: Mapping[str, Sequence[str]], records: Sequence[str], chunk: int
 ) -> None:
-    """Write the statistics over the directions of pairs, several pairs at a time."""
+    """Write the statistics over the directions of each pair of channels, several pairs at a time."""
     place = {record: number for number, record in enumerate(records)}
     azimuths = empty["direction_azimuth"].values.tolist()
     answers = empty["median_rotation_ratio"]

@@ -1,4 +1,4 @@
-"""Runs a batch from paths to a results file (survey, plan, work, assembly) without losing finished records."""
+"""Runs a batch from the paths of records to a results file, so that finished records are kept if it is stopped."""
 
 import logging
 import os
@@ -78,10 +78,10 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
 
 
 def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate`) and write the file.
+    """Derive the design spectrum of a site from all records of some files (:func:`rockpulse.calibrate`); write it.
 
     Arguments, result and errors are as in :func:`assess_files`; a table of weights that does not match the records
-    raises ConfigError, and records without a design raise RecordRefused.
+    raises ConfigError, and records that give no design spectrum raise RecordRefused.
 
     >>> report = rp.calibrate_files("records", config, "design.h5", rp.BatchOptions(overwrite=True))
     >>> rp.load_design(report.path).restitution.tolist()
@@ -108,7 +108,7 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
 
 class _Batch:
-    """One batch run, with its journal and its tasks."""
+    """One batch run with its journal and its tasks."""
 
     journal: Journal
     tasks: Sequence[PackedTask] = ()
@@ -119,7 +119,7 @@ class _Batch:
         self.report = BatchReport()
 
     def run(self, paths: Paths) -> BatchReport:
-        """Run the whole batch from the paths to the file."""
+        """Run the whole batch, from reading the files to writing the results."""
         output, options = self.output, self.options
         # A resumed run may find its own file, even finished.
         check_target(output, options.overwrite or options.resume or options.append, self.analysis.kind)
@@ -208,7 +208,7 @@ class _Batch:
         return False
 
     def pool_for(self, items: int, resources: ExitStack, before: WorkerPool | None = None) -> WorkerPool:
-        """Return workers for a number of items: the earlier workers `before` if they suffice, or new ones."""
+        """Return workers for a number of items: the earlier workers if they are enough, or new ones."""
         options = self.options
         if options.executor is not None:
             return before or resources.enter_context(WorkerPool.through(options.executor))
@@ -230,7 +230,7 @@ class _Batch:
     def surveyed(
         self, pool: WorkerPool, found: Sequence[Found], failures: Sequence[Failure]
     ) -> tuple[list[Located], list[Failure], int]:
-        """Return all channels without samples, the failures, and the number of files that a resumed run reads again."""
+        """Return the channels (no samples), the failures, and the number of files that a resumed run reads again."""
         look = partial(survey_file, options=read_options(self.analysis.config))
         surveys, rows, unread = [], list(failures), 0
         self.stop_at(rows)
@@ -250,7 +250,7 @@ class _Batch:
         return *gather_survey(found, surveys, rows), unread
 
     def missing(self) -> list[PackedTask]:
-        """Return the tasks without results; with `strict` raise StoppedAtFailure for a failure of an earlier run."""
+        """Return the tasks without results; with `strict` raise StoppedAtFailure if a task failed in an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
         own, seen = set(self.finished()), journal.failures()
 
@@ -269,7 +269,7 @@ class _Batch:
         resumed = self.report.resumed = len(done)
         stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
         logger.info(
-            "%s %d records; finished before: %d, of another state: %d", analysis.doing, len(missing), resumed, stale
+            "%s %d records; finished before: %d, to be repeated: %d", analysis.doing, len(missing), resumed, stale
         )
         if self.earlier is not None:
             stale = self.earlier.stale
@@ -285,7 +285,7 @@ class _Batch:
         return missing
 
     def work(self, pool: WorkerPool, missing: Sequence[PackedTask]) -> None:
-        """Execute the missing tasks and store their results; a task whose worker dies becomes a row of failures."""
+        """Execute the missing tasks and store their results; a task whose worker died becomes a row of /failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
         lost: dict[str, list[Failure]] = {}
@@ -308,7 +308,7 @@ class _Batch:
         report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
 
     def finished(self) -> dict[str, str]:
-        """Return the fingerprints, by key, of the tasks whose results for the same files and options are stored."""
+        """Return the fingerprint of each task, by key, whose results for the same files and options are stored."""
         before, kept = self.journal.finished(), () if self.earlier is None else self.earlier.rows
         return {
             task.key: task.fingerprint
@@ -317,7 +317,7 @@ class _Batch:
         }
 
     def kept(self, strict: bool = False) -> str:
-        """Return a message that states which finished records are kept; remove the journal if there are none."""
+        """Return a message on how many finished records are kept and where; remove the journal if there are none."""
         journal, every = self.journal, self.journal.complete
         if not journal.is_current:
             return f"nothing is kept, because {journal.path} was removed during the run"
@@ -333,7 +333,7 @@ class _Batch:
         return f"{are} kept in {journal.path}: the same command with --resume continues from there{past}"
 
     def drop_empty_journal(self) -> None:
-        """Remove the journal of a run that writes no file, unless it contains other records."""
+        """Remove the journal of a run that writes no file, unless the journal contains other records."""
         others = self.journal.complete - {task.key for task in self.tasks}
         if others:
             are = f"{self.journal.path} keeps {len(others)} finished records of other files"
@@ -345,7 +345,7 @@ class _Batch:
 
     @contextmanager
     def bar(self, **about: Any) -> Iterator[Any]:
-        """Return a context manager with a progress bar; messages that would interrupt the bar are printed after it."""
+        """Show a progress bar in a ``with`` block; messages that would interrupt the bar are printed after it."""
         held: list[logging.LogRecord] = []
 
         def hold(record: logging.LogRecord) -> bool:

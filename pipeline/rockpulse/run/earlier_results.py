@@ -1,4 +1,4 @@
-"""Reads the results of finished records from a results file, to which a run appends further records."""
+"""Reads finished records from an existing results file, to which a run appends further records."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -37,7 +37,7 @@ ROWS = 64
 
 @dataclass(frozen=True, eq=False)
 class EarlierResults:
-    """The finished tasks of a results file; the file is opened only while it is read."""
+    """The finished tasks of an existing results file; the file is open only while it is read."""
 
     path: Path
     analysis: Analysis
@@ -45,7 +45,7 @@ class EarlierResults:
     stale: int = 0  # number of other tasks that have rows in the file, but must be processed again
 
     def parts(self, keys: Sequence[str], events: Mapping[str, str]) -> Iterator[Part]:
-        """Yield the rows of the given tasks with their earthquakes; consecutive rows are read together."""
+        """Yield the stored rows of the given tasks, with their earthquakes; consecutive rows are read together."""
         with open_results_file(self.path) as file, file.reading():
             offsets = _offsets_in(file)
             for begin, end, named in _blocks(keys, self.rows, events):
@@ -53,7 +53,7 @@ class EarlierResults:
 
 
 def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Return the id and the digest of the run that wrote a file; empty strings if unknown."""
+    """Return the id and the digest of the run that wrote a file; empty strings if the file does not state them."""
     import h5py
 
     if not Path(path).is_file() or not h5py.is_hdf5(path):
@@ -69,7 +69,7 @@ def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 
 def run_to_append(path: str | os.PathLike[str], analysis: Analysis, overwrite: bool) -> str:
-    """Return the id of the run that wrote the file to append to; raise ResultsError if it cannot be extended."""
+    """Return the id of the run that wrote an existing file; raise ResultsError if no records can be appended to it."""
     if overwrite:
         raise ResultsError(f"{path}: expected either append or overwrite, found both; leave one of them out")
     if not isinstance(analysis, Assessment):
@@ -82,9 +82,9 @@ def run_to_append(path: str | os.PathLike[str], analysis: Analysis, overwrite: b
 def earlier_results(
     path: str | os.PathLike[str], analysis: Analysis, tasks: Sequence[PackedTask], read: Iterable[str]
 ) -> EarlierResults:
-    """Return the tasks whose results in a file can be kept; :func:`check_appends` compares the options before.
+    """Return the tasks whose stored results are still valid; :func:`check_appends` has compared the options before.
 
-    Raises ConfigError if a record of the file has a source that is not in `read`: it would be lost.
+    Raises ConfigError if `read` lacks a file from which a record of the results was read, as that record would be lost.
     """
     known = {piece for source in read for piece in source.split(BETWEEN)}
     with open_results_file(Path(path)) as file, file.reading():
@@ -109,9 +109,9 @@ def earlier_results(
 
 
 def check_appends(path: str | os.PathLike[str], config: Config, verb: str) -> None:
-    """Raise ConfigError, which names the differences, unless a results file has these options and this program.
+    """Raise ConfigError if a results file has other options or was made by another program; the message lists them.
 
-    Raises ResultsError for a damaged file, or one that does not identify its records.
+    Raises ResultsError for a damaged file, or a file that does not identify its records.
     """
     changed = verify(path, inputs=False).differences
     if changed:
@@ -132,7 +132,7 @@ def check_appends(path: str | os.PathLike[str], config: Config, verb: str) -> No
 
 
 def _fingerprints(file: ResultsFile) -> list[str]:
-    """Return the shortened fingerprint of each row; raise ResultsError if the file has none."""
+    """Return the shortened fingerprint of the task of each row; raise ResultsError if the file has none."""
     text, count = str(file.attrs.get(RUN_ROWS, "")), file.dataset("summary").sizes["record"]
     if len(text) != DIGITS * count or RUN_SETTINGS not in file.attrs:
         _unidentified(file.path)
@@ -147,7 +147,7 @@ def _unidentified(path: str | os.PathLike[str]) -> NoReturn:
 
 
 def _differences(old: Config, new: Config, verb: str) -> list[str]:
-    """Return the options that differ and affect the rows, each as one text."""
+    """Return the options with different values that affect the stored rows, each as one line of text."""
     found = []
     for name in SECTIONS:
         if name not in (*IDLE[verb], "run"):
@@ -178,7 +178,7 @@ def _changed_keys(where: str, old: object, new: object, free: set[str]) -> list[
 def _blocks(
     keys: Sequence[str], rows: Mapping[str, range], events: Mapping[str, str]
 ) -> Iterator[tuple[int, int, list[str]]]:
-    """Group consecutive rows of some tasks, about ROWS at most; yield first row, end and earthquakes of each group."""
+    """Join consecutive rows of tasks into groups of about ROWS; yield first row, end and earthquakes of each group."""
     begin = end = 0
     named: list[str] = []
     for key in keys:
@@ -194,7 +194,7 @@ def _blocks(
 
 
 def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
-    """Return a function of group and dimension that gives the start of each record, and the end of the last one."""
+    """Return a function (group, dimension) that gives the first row of each record, and the end of the last record."""
     count = file.dataset("summary").sizes["record"]
 
     @cache
@@ -216,7 +216,7 @@ def _offsets_in(file: ResultsFile) -> Callable[[str, str], np.ndarray]:
 def _rows_of(
     file: ResultsFile, empty: Part, offsets: Callable[[str, str], np.ndarray], begin: int, end: int
 ) -> dict[str, np.ndarray]:
-    """Read the records `begin` to `end` - 1 of a file as a part, with record indices that count from 0."""
+    """Return the rows of a results file for the records `begin` to `end` - 1, as a part; record indices start at 0."""
     part = {}
     for path, template in empty.items():
         group, _, name = path.rpartition("/")

@@ -1,4 +1,4 @@
-"""Packs arrays into bytes, and reads and writes files of frames, each with a checksum against damage."""
+"""Packs arrays into bytes, and stores them in files as frames: entries with a checksum that detects damage."""
 
 import json
 import math
@@ -60,7 +60,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
 
 
 class Frame(NamedTuple):
-    """One entry of a file: a head in JSON with a valid checksum, and a body of bytes that may be damaged."""
+    """An entry (frame) of a file: a head in JSON whose checksum is correct, and a body of bytes that may be damaged."""
 
     head: dict[str, Any]
     body: int  # position of the body in the file
@@ -72,7 +72,7 @@ class Frame(NamedTuple):
         return self.body + sum(size for size, _ in self.sizes)
 
     def parts(self, file: FileIO) -> tuple[bytes, ...] | None:
-        """Read the parts of the body; return None if they are damaged."""
+        """Read the parts of the body; return None if a checksum is wrong."""
         parts, place = [], self.body
         for size, crc in self.sizes:
             parts.append(_read(file, place, size))
@@ -83,7 +83,7 @@ class Frame(NamedTuple):
 
 
 def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes]) -> Frame:
-    """Write a frame durably at a position of a file; an OSError leaves no part of the frame in the file."""
+    """Write a frame at a position of a file and onto the disk; if writing fails, no part of it remains in the file."""
     sizes = tuple((len(part), zlib.crc32(part)) for part in parts)
     text = json.dumps({**head, "parts": sizes}).encode()
     body = sum(map(len, parts))
@@ -100,7 +100,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """Return the frames with valid heads, the end of the last frame, and the number of damaged parts of the file."""
+    """Return the frames with undamaged heads, the end of the last frame, and the number of damaged places."""
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0
@@ -117,7 +117,7 @@ def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
 
 
 def _frame(file: FileIO, place: int, size: int) -> Frame | None:
-    """Return the complete frame at a position, or None."""
+    """Return the frame at a position, or None if there is no complete frame."""
     start = _read(file, place, START.size)
     if len(start) < START.size or not start.startswith(MARK):
         return None
@@ -138,7 +138,7 @@ def _frame(file: FileIO, place: int, size: int) -> Frame | None:
 
 
 def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
-    """Return whether a frame starts at a position but was not written to its end."""
+    """Return whether a frame starts at a position but ends after the end of the file."""
     start = _read(file, place, START.size)
     if len(start) < START.size:
         return start[: len(MARK)] == MARK[: len(start)]
@@ -170,7 +170,6 @@ def _write(file: FileIO, content: bytes) -> None:
 
 
 def _read(file: FileIO, place: int, size: int) -> bytes:
-    """Read up to `size` bytes from a position in the file."""
     file.seek(place)
     pieces = []
     while size and (piece := file.read(size)):

@@ -1,7 +1,7 @@
-"""The journal of a run: a file next to the output in which every finished task is stored durably at once.
+"""The journal of a run: a file next to the output in which the results of every finished task are saved at once.
 
 The file, ``results.h5.journal``, consists of frames (`rockpulse.run.frames`), one for the run and one for each task.
-The run locks the file until its process ends. The journal does not inspect the parts that it stores.
+The run locks the file until its process ends. The journal stores the parts of results as bytes, without reading them.
 """
 
 import os
@@ -32,14 +32,14 @@ if sys.platform == "win32":
     import msvcrt
 
     def _lock(file: FileIO) -> None:
-        """Lock one byte beyond the end of a file, as locked bytes cannot be read on Windows."""
+        """Lock one byte beyond the end of a file, because on Windows locked bytes cannot be read."""
         file.seek(2**62)
         msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
 else:
     import fcntl
 
     def _lock(file: FileIO) -> None:
-        """Lock this file handle; other handles of the file do not share or release the lock."""
+        """Lock the file through this handle; other handles of the same file neither share nor release the lock."""
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
@@ -64,7 +64,7 @@ def open_locked(path: Path) -> FileIO | None:
 
 
 def holder(path: Path) -> str:
-    """Return the process that has locked a file, if the operating system reports it."""
+    """Return which process has locked a file, or an empty text if the operating system does not report it."""
     table = Path("/proc/locks")
     if table.is_file():
         inode = str(path.stat().st_ino)
@@ -93,17 +93,17 @@ class Done:
 
 
 class JournalError(ResultsError):
-    """Error: the journal cannot be used; the message states what happens to the journal's records."""
+    """Error: the journal cannot be used; the message states what happens to the records stored in it."""
 
     def __init__(self, message: str, tells_resume: bool = True) -> None:
         super().__init__(message, tells_resume)
 
 
 class Journal:
-    """The finished tasks of a run in a file; a context manager made by :meth:`open`."""
+    """The results of finished tasks, stored in a file; use as a context manager, made by :meth:`open`."""
 
     def __init__(self, path: Path, file: FileIO) -> None:
-        frames, self._end, self.gaps = frames_of(file)  # gaps: ranges without a frame
+        frames, self._end, self.gaps = frames_of(file)  # number of damaged places without a frame
         self.path, self.run_id, self._started = path, "", ""
         self.appends = ""  # run_id of the results file to which the run appends
         self._file, self._identity = file, _identity(os.fstat(file.fileno()))
@@ -123,8 +123,9 @@ class Journal:
     ) -> "Journal":
         """Create the journal of a run next to its output, or open the journal of a stopped run, and lock it.
 
-        `resume` keeps the finished tasks of a stopped run, `overwrite` drops them; `appends` is the run_id of the file
-        to which the run appends. JournalError if the file is locked, is not a journal, or exists without either option.
+        `resume` keeps the finished tasks of a stopped run, `overwrite` deletes them; `appends` is the run_id of the
+        results file to which records are appended. Raises JournalError if the file is locked or no journal, or if it
+        exists and neither option is given.
         """
         path = journal_path(target)
         check_regular(path, JournalError)
@@ -156,7 +157,7 @@ class Journal:
 
     @classmethod
     def progress(cls, target: str | os.PathLike[str]) -> str:
-        """Return how many records the unfinished run on an output has done, as a sentence; empty without a journal."""
+        """Return a sentence on how many records an unfinished run has completed; empty if it has no journal."""
         path = journal_path(target)
         if not path.is_file():
             return ""
@@ -172,12 +173,12 @@ class Journal:
 
     @property
     def is_current(self) -> bool:
-        """Return whether the path still refers to the opened file."""
+        """Return whether the path still leads to the opened file."""
         return _identity_of(self.path) == self._identity
 
     @property
     def complete(self) -> set[str]:
-        """Keys of the finished tasks of all runs."""
+        """Keys of all finished tasks, including tasks of earlier runs with other files or options."""
         return {key for key, frame in self._kept.items() if frame.head["fingerprint"] != UNFINISHED}
 
     def __enter__(self) -> Self:
@@ -187,7 +188,7 @@ class Journal:
         self._file.close()
 
     def remove(self) -> None:
-        """Close the file and remove it, unless another file has replaced it."""
+        """Close the journal and delete it, unless another file has taken its place."""
         is_current = self.is_current
         if is_current and os.name == "posix":  # before another run can get the lock
             self.path.unlink(missing_ok=True)
@@ -196,16 +197,16 @@ class Journal:
             self.path.unlink(missing_ok=True)
 
     def finished(self) -> dict[str, str]:
-        """Return the fingerprint of each finished task by key."""
+        """Return the fingerprint of each finished task, by its key."""
         return {key: frame.head["fingerprint"] for key, frame in self._kept.items()}
 
     def failures(self) -> dict[str, list[Failure]]:
-        """Return the failures of finished tasks by key."""
+        """Return the failures of each finished task, by its key."""
         rows = {key: frame.head["failures"] for key, frame in self._kept.items()}
         return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
 
     def add(self, done: Done) -> None:
-        """Store the result of a task durably, replacing an earlier result; JournalError if writing fails."""
+        """Save the result of a task on the disk, replacing an earlier result; raise JournalError if writing fails."""
         if not self.is_current:
             raise JournalError(
                 f"{self.path}: the journal was removed during the run, and the finished records with it; start again"
@@ -222,11 +223,11 @@ class Journal:
             ) from error
 
     def count(self, key: str) -> int:
-        """Return the number of parts of a finished task."""
+        """Return how many parts of results a finished task has."""
         return len(self._kept[key].sizes)
 
     def parts(self, key: str) -> tuple[bytes, ...]:
-        """Return the parts of a finished task; JournalError if the parts are damaged."""
+        """Return the parts of the results of a finished task; raise JournalError if they are damaged."""
         found = self._parts(key) if key in self._kept else ()
         if found is None:
             raise JournalError(
@@ -236,14 +237,14 @@ class Journal:
         return found
 
     def drop_damaged(self, is_result: Callable[[str, tuple[bytes, ...]], bool]) -> list[str]:
-        """Drop tasks with damaged parts or for which `is_result(key, parts)` is false; return their keys."""
+        """Remove tasks whose parts are damaged or fail the test `is_result(key, parts)`; return their keys."""
         dropped = [key for key in self._kept if (found := self._parts(key)) is None or not is_result(key, found)]
         for key in dropped:
             del self._kept[key]
         return sorted(dropped)
 
     def _take_up(self, resume: bool, overwrite: bool, appends: str) -> None:
-        """Continue after the frames that are kept, or start a new journal."""
+        """Keep the valid frames of an existing journal and write after them, or start a new journal."""
         self._file.seek(0)
         begins = self._file.read(len(MARK))
         if not self.run_id and not MARK.startswith(begins):  # and not truncated within its first bytes

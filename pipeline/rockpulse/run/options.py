@@ -1,4 +1,4 @@
-"""The options of a batch, and its report."""
+"""The options of a batch run, and the report that it returns."""
 
 import os
 from collections.abc import Callable

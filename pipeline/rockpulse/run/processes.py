@@ -1,4 +1,4 @@
-"""Executor of worker processes, with a pipe to each, so that a dead worker affects only one item."""
+"""An executor with worker processes, each with its own pipe, so that a process that dies affects only one item."""
 
 import multiprocessing
 import os
@@ -28,14 +28,14 @@ MASKS = hasattr(signal, "pthread_sigmask")
 
 
 class Once:
-    """A function with its constant arguments that is pickled once, and that each process unpickles once."""
+    """A function that is pickled once for all workers, and unpickled once in each process."""
 
     def __init__(self, function: Callable[[Any], Any], key: str = "") -> None:
         self.function, self.key = function, key or secrets.token_hex(16)
 
     @cached_property
     def packed(self) -> bytes:
-        """The pickled function."""
+        """The function as pickled bytes."""
         return pickle.dumps(self.function, protocol=5)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[str, bytes]]:
@@ -43,7 +43,7 @@ class Once:
 
 
 class Reference:
-    """Takes the place of the last function that was sent to a process."""
+    """A short key that is sent instead of a function, if the process received this function last."""
 
     def __init__(self, key: str) -> None:
         self.key = key
@@ -58,7 +58,7 @@ KEPT = 4
 
 
 def kept(key: str, packed: bytes = b"") -> Once:
-    """Return the function with a key, unpickled if this process does not have it yet."""
+    """Return the function with a key; it is unpickled only if this process does not have it yet."""
     found = _functions.get(key)
     if found is None:
         found = Once(pickle.loads(packed), key)
@@ -69,7 +69,7 @@ def kept(key: str, packed: bytes = b"") -> Once:
 
 
 def call(once: Once, items: Sequence[Any]) -> tuple[float, list[Any]]:
-    """Return the time taken [s] and function(item) of each item; kernels use one thread, as other workers run too."""
+    """Apply a function to each item; return the time taken [s] and the results. Kernels use one thread."""
     began = time.perf_counter()
     with thread_limit(1):
         results = [once.function(item) for item in items]
@@ -77,7 +77,7 @@ def call(once: Once, items: Sequence[Any]) -> tuple[float, list[Any]]:
 
 
 def serve(pipe: Connection) -> None:
-    """Run the main loop of a worker: for each (function, args, keywords) send (True, result) or (False, exception)."""
+    """Run a worker: for each received (function, args, keywords) send (True, result) or (False, exception)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole process group: the parent handles it
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
@@ -114,15 +114,15 @@ def _answer(letter: bytes) -> bytes:
 
 
 class WorkerDied(RuntimeError):
-    """Error: the process that worked on an item was killed or has ended."""
+    """Error: the worker process ended, or was killed, before it returned the result of an item."""
 
 
 class WorkerProcesses(ThreadPoolExecutor):
-    """An executor of spawned processes, with one thread of this process for each (docs/decisions/014-batch.md).
+    """An executor of new worker processes, each served by one thread of this process (docs/decisions/014-batch.md).
 
-    A process starts at a call for which no other process is free, and is replaced if it dies. A future raises the error
-    of the function with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no
-    process can be started.
+    A process is started if no other process is free, and is replaced if it dies. A future raises the error of the
+    function with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no process can
+    be started.
     """
 
     def __init__(self, workers: int) -> None:
@@ -135,11 +135,11 @@ class WorkerProcesses(ThreadPoolExecutor):
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Call ``fn(*args, **kwargs)`` on a worker; the function and its arguments are pickled."""
+        """Call ``fn(*args, **kwargs)`` in a worker process; function and arguments are sent pickled."""
         return super().submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Kill all workers at once."""
+        """Kill all worker processes at once."""
         with self._changing:
             self._ended = True
             for process in self._workers:
@@ -171,7 +171,7 @@ class WorkerProcesses(ThreadPoolExecutor):
             ours, theirs = multiprocessing.Pipe()
             with self._changing:
                 if self._ended:
-                    raise ChildProcessError("the worker processes have been ended")
+                    raise ChildProcessError("the worker processes were stopped")
                 process = multiprocessing.get_context("spawn").Process(target=serve, args=(theirs,), daemon=True)
                 # Linear algebra libraries would start one thread per core in every process: two workers took three
                 # times as long.
@@ -204,7 +204,7 @@ class WorkerProcesses(ThreadPoolExecutor):
         )
 
     def _end(self, process: SpawnProcess, pipe: Connection) -> int:
-        """Remove a worker whose pipe has closed; return its exit code, which is negative if a signal killed it."""
+        """Clean up after a worker that has ended; return its exit code, which is negative if a signal killed it."""
         pipe.close()
         with self._changing:
             process.join(5.0)

@@ -1,4 +1,4 @@
-"""Reads every file once, and keeps its records without samples and the locations of the samples."""
+"""First pass over the files: reads every file once, and keeps its records without samples and where the samples are."""
 
 import hashlib
 import logging
@@ -21,7 +21,7 @@ from rockpulse.run.journal import Message
 
 @dataclass(frozen=True, slots=True)
 class SamplesLocation:
-    """Location of the samples of one channel, with checksums."""
+    """Where the samples of one channel are stored (file, member of an archive, channel), with checksums."""
 
     path: str  # the file, or the zip archive
     member: int | None  # index of the file in the archive; None outside archives
@@ -32,7 +32,7 @@ class SamplesLocation:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
-    """A record without its samples, and the locations of the samples in files; small and picklable."""
+    """A record without its samples, and where its samples are stored; it takes little memory and can be pickled."""
 
     record: Record  # zeros instead of the samples, in the memory of one number
     parts: tuple[SamplesLocation, ...]  # several for a record split over several files
@@ -44,9 +44,9 @@ class Located:
         return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
 
     def read(self, options: ReadOptions) -> Record:
-        """Read the record with its samples, with the options of the survey.
+        """Read the record again, with its samples, with the same options as in the first pass over the files.
 
-        Raises RecordRefused if a file has changed since the survey, RockpulseError or OSError if reading fails.
+        Raises RecordRefused if a file has changed since then, RockpulseError or OSError if reading fails.
         """
         samples = [_samples(part, options, self.record.source) for part in self.parts]
         return replace(self.record, acceleration=samples[0] if len(samples) == 1 else np.concatenate(samples))
@@ -68,7 +68,7 @@ def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.nda
 
 @lru_cache(maxsize=2)
 def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
-    """Read every channel of a file; the result is cached, as the tasks of a file follow each other."""
+    """Return every channel of a file; the last files are cached, as successive tasks often need the same file."""
     if member is None:
         return tuple(read_source(open_source(Path(path)), options))
     archive = _archive(path, state)
@@ -79,7 +79,7 @@ def _channels(path: str, member: int | None, state: tuple[int, int, int], option
 
 @lru_cache(maxsize=1)
 def _archive(path: str, state: tuple[int, int, int]) -> Archive:
-    """Open an archive; the result is cached for its other members."""
+    """Open an archive; the last one is cached, as successive tasks often need the same archive."""
     return Archive(Path(path))
 
 
@@ -94,7 +94,7 @@ class FileSurvey:
 
 
 def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
-    """Read a file or every member of an archive without keeping samples; every error becomes a row of failures."""
+    """Read a file, or every member of an archive, without keeping samples; every error becomes a row of /failures."""
     located: list[Located] = []
     failures: list[Failure] = []
     messages: list[Message] = []
@@ -123,7 +123,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
 
 
 def unexpected_fault(fault: BaseException) -> RuntimeError:
-    """Return the error to report for an exception that no input should cause."""
+    """Return the error that is reported for an exception which no input file should cause."""
     if isinstance(fault, MemoryError):
         return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
     return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
@@ -132,7 +132,7 @@ def unexpected_fault(fault: BaseException) -> RuntimeError:
 def gather_survey(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """Combine the surveys of all files: join records that are split over files, and collect the failures."""
+    """Combine the contents of all files: join records that are split over several files, and collect the failures."""
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
     located = {id(one.record): one for survey in ordered for one in survey.located}

@@ -1,4 +1,4 @@
-"""The tasks of a batch, one per channel or pair, which are planned without samples and executed by workers."""
+"""The tasks of a batch, one for each channel or pair of channels: planned without samples, executed by workers."""
 
 import hashlib
 import logging
@@ -50,7 +50,7 @@ OF_TASKS = ("paths", "events", "keep", "units", "dt", "files", "pairs", "confirm
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Task:
-    """A channel, or a pair of channels to be rotated, without samples; small and picklable."""
+    """A channel, or a pair of channels to be rotated, without samples; it takes little memory and can be pickled."""
 
     planned: PlannedMotion
     places: Mapping[str, tuple[SamplesLocation, ...]]  # locations of the samples, by id of the record
@@ -58,16 +58,16 @@ class Task:
 
     @property
     def key(self) -> str:
-        """Id of the record or name of the pair, which is the same in every run on the same files."""
+        """Id of the channel or name of the pair, equal in every run on the same files."""
         return self.planned.name
 
     @property
     def source(self) -> str:
-        """Names of the files, as in the rows of failures."""
+        """Names of the files of the channels, as they appear in /failures."""
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """Read the planned motion with its samples, as in the survey; raise the errors of `Located.read`."""
+        """Read again the channels of this task, with their samples; raise the errors of `Located.read`."""
         planned = self.planned
         channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
         vertical, partner = (
@@ -95,18 +95,18 @@ class PackedTask:
 
     @property
     def task(self) -> Task:
-        """The task itself, unpacked."""
+        """Return the unpacked task."""
         found: Task = pickle.loads(zlib.decompress(self.content))
         return found
 
     @property
     def source(self) -> str:
-        """Names of the files, as in the rows of failures."""
+        """Names of the files of the channels, as they appear in /failures."""
         return self.task.source
 
 
 def packed_tasks(planned: list[PlannedMotion], channels: list[Located], config: Config, verb: str) -> list[PackedTask]:
-    """Return the packed tasks of :func:`tasks_of`; both lists are emptied, so that the memory of each is freed."""
+    """Return the packed tasks of :func:`tasks_of`; both lists are emptied step by step, which saves memory."""
     places = {one.record.id: one.parts for one in channels}
     channels.clear()
     tasks = _tasks(_taken_from(planned), places, config, verb)
@@ -114,14 +114,14 @@ def packed_tasks(planned: list[PlannedMotion], channels: list[Located], config: 
 
 
 def _taken_from(planned: list[PlannedMotion]) -> Iterator[PlannedMotion]:
-    """Yield the elements of a list in their order, and remove each."""
+    """Yield the elements of a list in their order, and remove each element from the list."""
     planned.reverse()
     while planned:
         yield planned.pop()
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
-    """Return a task for each channel or pair that an analysis has planned."""
+    """Return a task for each channel or pair of channels that is to be assessed."""
     return list(_tasks(planned, {one.record.id: one.parts for one in channels}, config, verb))
 
 
@@ -140,17 +140,17 @@ def _tasks(
 
 
 def read_options(config: Config) -> ReadOptions:
-    """Return the options of the configuration for reading files."""
+    """Return the options for reading files, from the configuration."""
     records = config.records
     return ReadOptions(records.units, records.dt, records.response, records.files, records.pairs)
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
-    """Return the SHA-256 of the program, the schema, and the options that affect the results of a record.
+    """Return the SHA-256 of the program, the results schema, and the options that affect the results of a record.
 
-    It excludes paths, duplicate selection, workers, names, and options for the end of a run (tables of events and
-    weights, statistics, fits). Units, intervals and confirmed ids are part of the fingerprint of each task; the seed is
-    included only if a probability of overturning is computed.
+    Not included are paths, duplicate selection, workers, names, and options for the end of a run (tables of earthquakes
+    and weights, statistics, fits). Units, sampling intervals and confirmed ids are part of the fingerprint of each
+    task; the seed is included only if a probability of overturning is computed.
     """
     seeded = verb == "assess" and config.has_probability
     bodies = config.bodies_digest
@@ -184,14 +184,13 @@ def digest_of(tasks: Iterable[Task | PackedTask], events: Mapping[str, str], con
 
 
 def _as_default(settings: Any, keys: Iterable[str]) -> Any:
-    """Return a section with some keys reset to their defaults."""
     plain = type(settings)()
     return replace(settings, **{key: plain[key] for key in keys})
 
 
 @lru_cache(maxsize=1)
 def program_digest() -> str:
-    """Return the SHA-256 of the source files, which may change within a version in an editable installation."""
+    """Return the SHA-256 of the source files; in an editable installation they may change without a new version."""
     digest = hashlib.sha256()
     for folder in (Path(__file__).parents[1], Path(str(rocking.__file__)).parent):
         for path in sorted(folder.rglob("*.py")):
@@ -209,7 +208,7 @@ def _digest(texts: Iterable[str]) -> str:
 
 
 def carry_out(task: Task | PackedTask, work: Work, stage: str, config: Config) -> Done:
-    """Read the samples of a task and process its records; every error becomes a row of failures."""
+    """Read the samples of a task and process its records; every error becomes a row of /failures."""
     task = task.task if isinstance(task, PackedTask) else task
     seconds = dict.fromkeys(("read", "condition", "solve", "pack"), 0.0)
 
@@ -246,7 +245,7 @@ def carry_out(task: Task | PackedTask, work: Work, stage: str, config: Config) -
 
 @contextmanager
 def _log_lines() -> Iterator[list[Message]]:
-    """Collect the log messages of this thread for the parent process, except those on the start of a compilation."""
+    """Collect the log messages of this thread for the main process, except those on the start of a compilation."""
     messages: list[Message] = []
     thread = get_ident()
 
@@ -267,7 +266,7 @@ def _log_lines() -> Iterator[list[Message]]:
 
 
 def warm_up(analysis: Analysis) -> None:
-    """Compile or load every kernel of an analysis by processing a short record."""
+    """Compile or load every kernel of an analysis by processing a short artificial record."""
     config = analysis.config
     plain = Config(
         models=config.models,

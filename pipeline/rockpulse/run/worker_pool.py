@@ -1,4 +1,4 @@
-"""The workers of a batch (this process, local processes or a cluster); no item is lost if a worker dies."""
+"""The workers of a batch: this process, local processes or a cluster. Items of workers that die are tried again."""
 
 import logging
 import pickle
@@ -34,14 +34,14 @@ ASK_EVERY = 1.0
 
 @dataclass(frozen=True)
 class WorkerLost:
-    """The result of an item whose worker died at every attempt."""
+    """The result of an item whose worker died at each attempt."""
 
     reason: str  # how the worker ended
 
 
 @dataclass(eq=False)
 class WorkerPool:
-    """The workers of a batch; a context manager that is made by one of the class methods."""
+    """The workers of a batch; use as a context manager, made by one of the class methods."""
 
     executor: Executor | None  # None for this process
     count: Callable[[], int]  # number of items processed at the same time
@@ -54,24 +54,24 @@ class WorkerPool:
 
     @classmethod
     def inline(cls) -> Self:
-        """Use only this process, with all its threads."""
+        """Return a pool that uses only this process, with all its threads."""
         return cls(None, lambda: 1)
 
     @classmethod
     def local(cls, workers: int) -> Self:
-        """Use local processes, each of which runs its kernels on one thread."""
+        """Return a pool of local processes, each of which computes on one thread."""
         if workers < 1:
             raise ValueError(f"workers: expected a whole number of at least 1, got {workers!r}")
         return cls(WorkerProcesses(workers), lambda: workers, deaths=(WorkerDied,), tries=2)
 
     @classmethod
     def scheduler(cls, address: str, timeout: float = 20.0) -> Self:
-        """Use the workers of a running dask.distributed cluster, with one thread for the kernels of each item.
+        """Return a pool of the workers of a running dask.distributed cluster; each item is computed on one thread.
 
-        Each task of the scheduler is a group of items. The scheduler repeats a group whose worker died (its option
-        ``allowed-failures``); if it gives up, each item of the group is tried again, alone. Raises ConfigError if the
-        package ``distributed`` is missing, if no scheduler responds within the timeout [s] at the address, such as
-        ``tcp://10.0.0.1:8786``, or if a worker has another version of rockpulse.
+        Items are sent in groups, each of which is a task for the scheduler. The scheduler repeats a group whose worker
+        died (its option ``allowed-failures``); if it gives up, each item of the group is tried again, alone. Raises
+        ConfigError if the package ``distributed`` is missing, if no scheduler responds within the timeout [s] at the
+        address, such as ``tcp://10.0.0.1:8786``, or if a worker has another version of rockpulse.
         """
         if not ADDRESS.fullmatch(address):
             raise ConfigError(
@@ -83,12 +83,12 @@ class WorkerPool:
 
     @classmethod
     def through(cls, executor: Executor) -> Self:
-        """Use any executor; the caller shuts it down."""
+        """Return a pool that uses the given executor; the caller must shut the executor down."""
         return cls(executor, available_cores, owned=False)
 
     @property
     def size(self) -> int:
-        """Number of items processed at the same time; on a cluster it changes with the workers."""
+        """Number of items that are processed at the same time; on a cluster it changes with the number of workers."""
         return self.count()
 
     def __enter__(self) -> Self:
@@ -104,7 +104,7 @@ class WorkerPool:
     def run(
         self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
-        """Yield each item with the result of a picklable function, in order of completion.
+        """Yield each item with the result of a picklable function, in the order in which they are finished.
 
         A few items per worker, or on a cluster a few groups of items, are submitted in advance. An item whose worker
         died is repeated once, alone and after all others; if its worker dies again, the result is :class:`WorkerLost`.
@@ -159,14 +159,14 @@ class WorkerPool:
             return WorkerLost(str(error))
         except CancelledError as error:
             raise ConnectionError(
-                "the work was cancelled from outside: the scheduler or the executor is gone"
+                "the work was cancelled from outside: the scheduler or the executor has ended"
             ) from error
         results: tuple[float, list[Any]] = pickle.loads(found) if isinstance(found, bytes) else found
         return results
 
 
 def _packed_call(packed: bytes) -> bytes:
-    """Return the packed result of :func:`call` for its packed arguments, which dask thus does not inspect."""
+    """Run :func:`call` with pickled arguments and return its pickled result; dask does not look into bytes."""
     return pickle.dumps(call(*pickle.loads(packed)), protocol=5)
 
 
@@ -176,7 +176,7 @@ def version() -> str:
 
 
 class _Cluster(Executor):
-    """Executor of a running dask.distributed cluster; it raises the errors of :meth:`WorkerPool.scheduler`."""
+    """Executor of a running dask.distributed cluster; it raises the errors listed at :meth:`WorkerPool.scheduler`."""
 
     def __init__(self, address: str, timeout: float) -> None:
         try:
@@ -208,7 +208,7 @@ class _Cluster(Executor):
         self._executor = self._client.get_executor(pure=False)
 
     def size(self) -> int:
-        """Number of threads of all workers, at least 1; it is cached for a second, as a query is slow."""
+        """Number of threads of all workers, at least 1; it is cached for one second, as asking the cluster is slow."""
         now = time.monotonic()
         if now >= self._ask_again:
             try:
@@ -221,7 +221,7 @@ class _Cluster(Executor):
         return self._threads
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Call ``fn(*args, **kwargs)`` on a worker; of :func:`call`, the future contains the packed results."""
+        """Call ``fn(*args, **kwargs)`` on a worker; if `fn` is :func:`call`, the future contains pickled results."""
         if fn is call:
             fn, args = _packed_call, (pickle.dumps(args, protocol=5),)
         future: Future[Any] = self._executor.submit(fn, *args, **kwargs)

@@ -1,1 +1,1 @@
-"""Storage of results: declared variables, HDF5 files that are written atomically, exported tables and checksums."""
+"""Storage of results: declared variables, HDF5 files written as a whole or not at all, exported tables, checksums."""

@@ -1,1 +1,1 @@
-"""Studies on sets of records: site calibration, fragility, risk, code checks and the self-test."""
+"""Studies on sets of records: site calibration, fragility, risk, record selection, code checks and the self-test."""

@@ -1,1 +1,1 @@
-"""Views of results: text, pictures, differences, and the report. A view reads results and computes nothing."""
+"""Views of results: text, pictures, comparisons, and the report. A view reads results and computes no responses."""

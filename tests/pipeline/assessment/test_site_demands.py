@@ -161,6 +161,6 @@ def test_beyond_a_factor_of_four_there_is_no_probability_and_a_lone_channel_says
     assert "scaled to the demand by its own intensity, not by that of a pair" in str(summary["warnings"].values[0])
     assert str(summary["demand_units"].values[0]) == "m s^-2"
     (one, _) = verdicts(answers_of(tree))
-    assert (one.grade.word, one.demands[0].left_out, one.demands[0].earthquakes) == ("", 1, 0)
+    assert (one.deciding.word, one.demands[0].left_out, one.demands[0].earthquakes) == ("", 1, 0)
     assert np.isnan(summary["demand_rotation_ratio"]).all()
     assert np.all(summary["demand_outcome"] == -1)

@@ -101,12 +101,12 @@ def judged(probability, of=None, **options):
 def test_the_words_of_a_probability_at_a_demand(probability, grade):
     found = judged(probability)
     assert (found.grade, found.deciding.few) == (grade, len(probability) < 5)
-    assert (found.grade.word == "") == (grade == Grade.NO_VERDICT)
+    assert (found.deciding.word == "") == (grade == Grade.NO_VERDICT)
 
 
 def test_without_a_demand_there_is_no_word_but_all_numbers():
     found = verdict(probable([0.9, 0.8, 0.1, 0.0, 0.0, 0.0]))
-    assert (found.grade, found.grade.word) == (Grade.NO_VERDICT, "")
+    assert (found.grade, found.deciding.word) == (Grade.NO_VERDICT, "")
     assert (found.deciding.overturned, found.deciding.motions, found.deciding.margin.smallest) == (2, 6, 0.9)
 
 
@@ -381,7 +381,7 @@ def test_the_largest_share_at_the_demand_counts():
 
 @pytest.mark.parametrize(
     ("friction", "share", "words"),
-    [(0.2, 0.2, "slides first"), (0.3, 0.2, "10 %"), (0.3, 0.002, "<1 %"), (0.3, 0.0, "no"), (NAN, NAN, None)],
+    [(0.2, 0.2, "first"), (0.3, 0.2, "10 %"), (0.3, 0.002, "<1 %"), (0.3, 0.0, "no"), (NAN, NAN, None)],
 )
 def test_sliding_is_one_column_without_infinities(friction, share, words):
     found = rubbing(friction, [share] * 5)

@@ -190,7 +190,7 @@ def test_too_few_earthquakes_make_no_design(golden, tmp_path, capsys):
     assert "stele" not in out
     design = tmp_path / "design.h5"
     assert main(["assess", "--sequence", str(golden.site), "--block", "wall=0.25x2.2", "-o", str(design)]) == 2
-    assert "no design: not enough earthquakes (5; at least 7" in capsys.readouterr().err
+    assert "no design spectrum: not enough earthquakes (5; at least 7" in capsys.readouterr().err
 
 
 @pytest.mark.sweep

@@ -225,8 +225,11 @@ def test_the_ground_of_a_site_is_given_once(load):
     assert demand.strength == pytest.approx(0.25 * soil * STANDARD_GRAVITY)
     assert (config.check.ag, config.check.ground, config.hazard.soil) == (0.25, "B", pytest.approx(soil))
     assert load(config.as_text()) == config
-    own = load(text + "[hazard]\nsoil_factor = 1.0\n[[demand]]\nvalue = 2.0\n")
+    own = load(text + "[hazard]\nsoil_factor = 1.0\n[[demand]]\nvalue = 2.0\nlimit_state = 'SLC'\n")
     assert (own.hazard.soil, own.demands[0].strength) == (1.0, 2.0)
+    assert load(text + "[[demand]]\nvalue = '0.29 g'\n").demands[0].name == "PGA 0.29 g"  # a_g S, rounded
+    with pytest.raises(ConfigError, match=r"expected the PGA of \[site\], 0\.29 g \(a_g S\), found 0\.35 g"):
+        load(text + "[[demand]]\nvalue = '0.35 g'\n")
     assert load('[site]\nag = 0.25\n[check]\nspectrum = "en_1998_1"\nground = "C"\n').check.ground == "C"
     assert load('[site]\nag = 0.25\nground = "C"\n[check]\nspectrum = "en_1998_1"\n').hazard.soil == 1.15
     assert load("[site]\nag = 0.25\n").hazard.soil == 1.0
@@ -236,6 +239,16 @@ def test_the_ground_of_a_site_is_given_once(load):
         load('[site]\nag = 0.25\nground = "B"\n')
     with pytest.raises(ConfigError, match=r'\[site\] ag: S of ground B is not known with \[check\] spectrum = "table"'):
         load('[site]\nag = 0.25\nground = "B"\n[check]\nspectrum = "table"\nfile = "s.csv"\n')
+
+
+def test_a_site_may_state_its_pga(load):
+    config = load('[site]\npga = "0.35 g"\n')
+    assert [(one.name, one.strength) for one in config.demands] == [("PGA 0.35 g", 0.35 * STANDARD_GRAVITY)]
+    assert load(config.as_text()) == config
+    with pytest.raises(ConfigError, match=r'expected pga or ag .* found both, "0\.35 g" and 0\.2 g'):
+        load('[site]\npga = "0.35 g"\nag = 0.2\n')
+    with pytest.raises(ConfigError, match=r"\[site\] pga: expected a positive number and its unit"):
+        load('[site]\npga = "0.35"\n')
 
 
 def test_units_and_intervals_of_some_files_are_read_and_written(load):

@@ -154,7 +154,7 @@ def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path,
     done, bodies, config, _ = assessed("plain")
     usage = shutil.disk_usage(tmp_path)
     monkeypatch.setattr("shutil.disk_usage", lambda path: usage._replace(free=1_000_000))
-    with pytest.raises(ResultsError, match=r"the results take \d+ MB, 1 MB are free .* free some space there"):
+    with pytest.raises(ResultsError, match=r"the results need \d+ MB, but 1 MB are free .* free some space there"):
         assemble(tmp_path / "results.h5", empty_tree(bodies, config), done, run={"run_id": "mine"})
     assert list(tmp_path.iterdir()) == []
 

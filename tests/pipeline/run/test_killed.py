@@ -111,7 +111,7 @@ def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, t
     assert struck(folder, target, "record", 3, workers)[0] == -signal.SIGKILL
     assert not target.exists()
     assert_resumed(folder, target, undisturbed, "--workers", "1", "--log-file", str(log))
-    assert "assessing 3 records; finished before: 3, of another state: 0" in log.read_text()
+    assert "assessing 3 records; finished before: 3, to be repeated: 0" in log.read_text()
 
 
 # A kill in the middle of the assembly itself: test_assembly.py.

@@ -121,7 +121,7 @@ def test_the_log_file_tells_the_run_and_is_added_to(folder, tmp_path):
     told = [re.sub(stamp, "", line) for line in lines[1:] if " INFO " in line]
     assert told[1:4] == [
         "INFO reading 4 files",
-        "INFO assessing 4 records; finished before: 0, of another state: 0",
+        "INFO assessing 4 records; finished before: 0, to be repeated: 0",
         f"INFO {tmp_path / 'a.h5'}: 4 records; left out: nothing",
     ]
     assert len(told) == 8

@@ -56,6 +56,7 @@ class _Columns:
 
     @property
     def width(self) -> int:
+        """Number of columns."""
         return self.table.shape[1]
 
     def picked(self, order: Sequence[int], *warnings: str) -> "_Columns":

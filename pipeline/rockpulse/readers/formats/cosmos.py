@@ -208,7 +208,7 @@ def _peak(header: CosmosHeader, factor: float) -> tuple[tuple[float, float], lis
 
 
 def _per_count(header: CosmosHeader, where: str) -> float:
-    """Return m/s2 per count, which is 1e-6 r22 / (r42 r47) g with the real header values r22, r42 and r47.
+    """Return m/s2 per count, which is 1e-6 r22 / (r42 r47) g with floating-point header values r22, r42 and r47.
 
     r22 [microvolts] is the size of a count, r42 [V/g] the sensitivity and r47 the gain. Full-scale output r43 [V] and
     range r44 [g] of the sensor must agree with r42 r47 if they are stated; if r47 is not 1 they are required, because

@@ -122,7 +122,6 @@ def _peak(text: str) -> tuple[float, float]:
 
 
 def _facing(letter: str, sign: str) -> kit.Direction:
-    """Return the direction of a channel with a letter such as U, N or E; a minus reverses it."""
     facing = kit.direction(letter)
     if sign == "+":
         return facing

@@ -214,7 +214,6 @@ def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
 
 
 def _warnings(header: _Header, step: float, samples: np.ndarray) -> list[str]:
-    """Return warnings if the header contradicts the samples."""
     count = samples.size
     notes = [
         f"line {header[key].line}: {key} is not a valid number: {header.text(key)[:40]!r}"

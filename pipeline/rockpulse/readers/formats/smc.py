@@ -171,7 +171,6 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
 
 
 def _origin(event: re.Match[str]) -> datetime | None:
-    """Return the UTC time of the earthquake, to the minute; None if it is invalid."""
     year, month, day, time = (int(event[group]) for group in range(1, 5))
     return kit.instant((year, month, day), (time // 100, time % 100, 0))
 

@@ -73,7 +73,6 @@ def _held(lines: Sequence[str], points: int, block: kit.ChannelSamples) -> list[
 
 
 def _header(lines: Sequence[str]) -> csmip_layout.CsmipHeader:
-    """Return the header of a channel from its 13 lines of text and the lines after them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
     row = lines[_REALS + 1] if len(lines) >= HEADER_LINES else ""

@@ -1,4 +1,4 @@
-"""Long tables: a group of a results file with one row per result and one column per variable."""
+"""Long tables: a group of a results file with one row for each result and one column for each variable."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ CHUNK = 50_000
 
 @dataclass(frozen=True, eq=False)
 class TableColumn:
-    """A column of a long table: where its values are stored, and what they mean."""
+    """A column of a long table: its heading, its meaning, and the variable that contains its values."""
 
     name: str  # heading of the column
     units: str
@@ -45,7 +45,7 @@ class TableColumn:
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Return the values of the column in rows whose indices along each dimension are in `places`."""
+        """Return the values of the column in the rows given by `places`: the indices of rows along each dimension."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -58,7 +58,7 @@ class TableColumn:
 
 @dataclass(frozen=True, eq=False)
 class LongTable:
-    """A table of one group of an open results file; its rows are read when they are needed."""
+    """A table of one group of an open results file; rows are read when they are needed."""
 
     group: str
     dims: tuple[str, ...]  # dimensions of the rows
@@ -72,11 +72,11 @@ class LongTable:
 
     @property
     def per(self) -> str:
-        """Return what a row represents, such as ", one per record x block"; empty for a plain list of rows."""
+        """Return what a row represents, such as ", one per record x block"; empty if the rows are a plain list."""
         return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
 
     def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:
-        """Yield the rows as data frames of at most `size` rows; without rows, yield one empty frame."""
+        """Yield the rows as data frames of at most `size` rows; if there are no rows, yield one empty frame."""
         import pandas as pd
 
         for start in range(0, max(len(self), 1), size):
@@ -95,13 +95,13 @@ def long_table(
     selection: RowSelection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
-    """Create a long table of a group; by default, `dims` are the dimensions of the variable with most dimensions."""
+    """Return a long table of a group; by default, `dims` are the dimensions of the variable with most dimensions."""
     selection = selection or RowSelection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
     dims = _dimensions(dataset, group) if dims is None else tuple(dims)
     if not dims or (columns is not None and not columns):
-        raise ResultsError(f"expected at least one {'column' if dims else 'dimension of which each element has a row'}")
+        raise ResultsError(f"expected at least one {'column' if dims else 'dimension for the rows'}")
     for dim in dims:
         if dim not in dataset.sizes:
             raise ResultsError(
@@ -186,7 +186,7 @@ def results_table(
 
 
 def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
-    """Return the dimensions of the variable with most dimensions, except dimensions that become columns."""
+    """Return the dimensions of the variable with most dimensions, without dimensions that become columns."""
     shown = [one.dims for one in dataset.data_vars.values() if ASKED not in one.dims]
     every = [tuple(str(dim) for dim in dims if dim not in SPREAD) for dims in shown]
     most = [dims for dims in dict.fromkeys(every) if dims and len(dims) == max(map(len, every))]
@@ -200,7 +200,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
 
 
 def _answers_to(column: TableColumn, name: str) -> bool:
-    """Return whether a name is the column's heading, with or without the label in brackets."""
+    """Return whether a name is the heading of a column, with or without the label in brackets."""
     return name in (column.name, column.name.partition("[")[0])
 
 
@@ -209,7 +209,7 @@ def _texts(variable: xr.DataArray) -> np.ndarray:
 
 
 def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """Yield a column with the labels of each dimension, or with its indices if the dimension has no labels."""
+    """Yield, for each dimension, a column with its labels or, if it has no labels, with its indices."""
     for dim in dims:
         if dim in dataset.coords:
             yield _column(dim, dataset.variables[dim])
@@ -219,7 +219,7 @@ def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableCo
 
 
 def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """Yield a column with the record, or other owner, to which each row of a ragged array belongs."""
+    """Yield a column with the record, or other object, to which each row of a ragged array belongs."""
     for variable in dataset.data_vars.values():
         dim = str(variable.attrs.get("sample_dimension", ""))
         if dim in dims:
@@ -266,7 +266,7 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 def _masks(
     dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: RowSelection
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], RowSelection]:
-    """Return row masks for selected names that the table has only as indices, and the selection without these names."""
+    """Return row masks for names that the table contains only as indices, and the selection without these names."""
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:

@@ -50,7 +50,7 @@ class Condition:
 
     @classmethod
     def parse(cls, words: str) -> Self:
-        """Parse a condition that consists of a variable or heading, a comparison and a value.
+        """Read a condition: a variable or its heading, a comparison sign and a value.
 
         >>> Condition.parse("scale factor at P = 10 % < 1")
         Condition(name='factor_10', comparison='<', value='1')
@@ -67,7 +67,7 @@ class Condition:
         return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """Return a mask of the values that meet the condition; raise ResultsError if their type does not allow it."""
+        """Return a mask of the values that meet the condition; raise ResultsError if it does not fit their type."""
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
                 alike = self._named(values.astype(str))
@@ -80,7 +80,7 @@ class Condition:
         return np.asarray(_COMPARISONS[self.comparison](values, self._number(self.value, flag_words(variable))))
 
     def _named(self, texts: np.ndarray) -> np.ndarray:
-        """Return a mask of the strings that match one of the alternatives in the condition."""
+        """Return a mask of the strings that match one of the alternatives of the condition."""
         every, inverse = np.unique(texts, return_inverse=True)
         known = every.tolist()
         # A text may contain pattern characters, such as the brackets of "wall [north]" or the "|" of "A|B".
@@ -108,7 +108,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class RowSelection:
-    """A selection of rows of a table by names, conditions and a limit, with their order; by default all rows."""
+    """A selection of table rows by names, conditions and a limit, with their order; by default all rows."""
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     conditions: tuple[Condition, ...] = ()
@@ -118,7 +118,7 @@ class RowSelection:
 
     @property
     def words(self) -> list[str]:
-        """Return a description of each part of the selection, for a heading or a README."""
+        """Return a description of each part of the selection, as used in a heading or a README."""
         parts = [f"{dim} {' or '.join(patterns)}" for dim, patterns in self.names.items() if patterns]
         parts += [f"{item.name} {item.comparison} {item.value}" for item in self.conditions]
         if self.sort is not None:
@@ -164,10 +164,10 @@ def rows(
     selection: RowSelection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """Return indices (r,) of the selected rows along each of `dims`, and the number of rows without the limit.
+    """Return the indices of the selected rows along each of `dims`, and the number of rows without the limit.
 
-    A condition on a variable with further dimensions must be met by at least one value along them. Rows are sorted by
-    the smallest value (the largest if `descending`) that meets all conditions and `masks`.
+    If a variable has further dimensions, at least one value along them must meet its condition. Rows are sorted by the
+    smallest value (the largest if `descending`) that meets all conditions and `masks`.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
     key = None if selection.sort is None else _variable(dataset, selection.sort)

@@ -1,4 +1,4 @@
-"""Writing of a long table to a CSV, Excel or Parquet file, with a README that describes its columns."""
+"""Writes a long table to a CSV, Excel or Parquet file, with a README that describes its columns."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.Data
         return
     if len(table) >= SHEET_ROWS:
         raise ResultsError(
-            f"{len(table)} rows, and a sheet holds {SHEET_ROWS - 1}: choose fewer (--where, --limit), or a name that "
-            "ends in .csv or .parquet"
+            f"{len(table)} rows, but a sheet has at most {SHEET_ROWS - 1}: choose fewer (--where, --limit), or a name "
+            "that ends in .csv or .parquet"
         )
     with part.open("wb") as file, pd.ExcelWriter(file, engine="openpyxl") as writer:
         written = 0
@@ -66,7 +66,7 @@ def readme_of(path: Path) -> Path:
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a table to write; raise ResultsError if the table or its README cannot be written."""
+    """Return the path of a table to be written; raise ResultsError if the table or its README cannot be written."""
     if not Path(path).name.endswith(SUFFIXES):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
     target = check_file(path, overwrite, SUFFIXES)
@@ -89,9 +89,9 @@ def write_table(
     decimal_comma: bool = False,
     raw: bool = False,
 ) -> tuple[Path, Path]:
-    """Write a table and its README atomically, and return the paths of both; CSV files are written piece by piece.
+    """Write a table and its README, both or none, and return their paths; CSV files are written piece by piece.
 
-    `about` states the origin of the table in the README. `on_rows` is called with the number of rows of each piece.
+    `about` states in the README where the table comes from. `on_rows` is called with the number of rows of each piece.
     `decimal_comma` selects semicolons, decimal commas and a byte order mark. `raw` changes only line breaks in strings.
     """
     target = check_table_target(path, overwrite)
@@ -139,7 +139,7 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
 
 
 def _mark_encoding(path: Path, compressed: bool) -> None:
-    """Add a byte order mark to a file that contains non-ASCII characters, so that spreadsheets recognise UTF-8."""
+    """Add a byte order mark to a file with non-ASCII characters, by which spreadsheets recognise UTF-8."""
     opened = gzip.open if compressed else open
     marked = path.with_name(f"{path.name}.marked")
     with ExitStack() as stack:
@@ -173,14 +173,13 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
 def table_csv(table: pd.DataFrame) -> bytes:
     """Return a table as a CSV file with one header line, all digits of numbers, and the strings of :func:`safe_texts`.
 
-    A text with characters beyond ASCII begins with a byte order mark, from which spreadsheets recognise UTF-8.
+    If the text contains non-ASCII characters, it begins with a byte order mark, by which spreadsheets recognise UTF-8.
     """
     text = safe_texts(table).to_csv(index=False)
     return text.encode("utf-8" if text.isascii() else "utf-8-sig")
 
 
 def _texts(frame: pd.DataFrame) -> list[str]:
-    """Return the columns that contain strings."""
     return [str(name) for name, kind in frame.dtypes.items() if kind.kind in "OU" or str(kind) == "str"]
 
 

@@ -1,4 +1,4 @@
-"""Atomic writing: a temporary file is written beside the target, flushed and renamed; only results are replaced."""
+"""Atomic writing: a temporary file is written, and then replaces the target; only results are ever replaced."""
 
 import glob
 import os
@@ -30,7 +30,7 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
-    """Return the real path of a results file to write; raise ResultsError if the file cannot be written."""
+    """Return the real path of a results file to be written; raise ResultsError if it cannot be written."""
     target = Path(os.path.realpath(path))
     try:
         if target.exists():
@@ -50,12 +50,12 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
 def replacing(
     path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT, size: int = 0
 ) -> Iterator[Path]:
-    """Yield a temporary path; at the end of the ``with`` block, the file written there replaces the target."""
+    """Yield a temporary path in a ``with`` block; at its end, the file written there replaces the target."""
     target = check_target(path, overwrite, kind)
     free = shutil.disk_usage(target.parent).free
     if free < size + LAYOUT:
         raise ResultsError(
-            f"{path}: the results take {(size + LAYOUT) / 1e6:.0f} MB, {free / 1e6:.0f} MB are free in "
+            f"{path}: the results need {(size + LAYOUT) / 1e6:.0f} MB, but {free / 1e6:.0f} MB are free in "
             f"{target.parent}; free some space there"
         )
     part = _part(target)
@@ -77,7 +77,7 @@ def replacing(
 
 
 def remove_parts(path: str | os.PathLike[str]) -> None:
-    """Remove temporary files left by killed writers; call only if no other process can be writing this file."""
+    """Remove temporary files of killed runs; call only if no other process can be writing the results file."""
     target = Path(os.path.realpath(path))
     for left in target.parent.glob(f".{glob.escape(target.name)}.{'[0-9a-f]' * 8}.part"):
         left.unlink()
@@ -116,7 +116,7 @@ def _check_name(path: Path) -> None:
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
-    """Raise ResultsError unless the target is a results file that may be replaced."""
+    """Raise ResultsError if the target exists and is no results file that may be replaced."""
     if not target.is_file():
         raise ResultsError(f"{path}: expected the name of a results file, found a folder or a device")
     if not overwrite:
@@ -143,7 +143,7 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
 
 
 def _kind(target: Path) -> str | None:
-    """Return the kind of a results file of any schema version; None for any other file."""
+    """Return the kind of a results file of any schema version; None if it is no results file."""
     import h5py
 
     with target.open("rb") as file:
@@ -158,7 +158,7 @@ def _kind(target: Path) -> str | None:
 
 
 def flush(path: Path, mode: int) -> None:
-    """Flush a file or a folder from the buffers of the operating system to the disk."""
+    """Write a file or a folder from the buffers of the operating system to the disk."""
     handle = os.open(path, mode)
     try:
         os.fsync(handle)

@@ -1,4 +1,4 @@
-"""Checks of the layout of an untrusted results file: no external links, no oversized arrays, known variables."""
+"""Checks a results file from an unknown source: no external links, no oversized arrays, only known variables."""
 
 from collections.abc import Iterator, Mapping
 from itertools import islice
@@ -42,7 +42,7 @@ def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: boo
 
 
 def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Iterator[str]:
-    """Yield a message for each required variable that is missing in a file."""
+    """Yield a message for each required variable that the file does not contain."""
     found = {path.replace(f"/{NOT_A_COORDINATE}", "/") for path in variables}
     present = {path.rpartition("/")[0] for path in found}
     for title, declared in GROUPS[kind].items():
@@ -82,7 +82,7 @@ FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLE
 
 
 def checked_datasets(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
-    """Return all datasets of an open file by path; raise ResultsError if the file is unsafe to read."""
+    """Return all datasets of an open file by path; raise ResultsError if the file is not safe to read."""
     found: dict[str, h5py.Dataset] = {}
     waiting, seen = [hdf5["/"]], {h5py.h5o.get_info(hdf5["/"].id).addr}
     while waiting:
@@ -119,7 +119,7 @@ def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
         raise ResultsError(f"{where}: its values are kept in another file, which is not read")
     filters = [created.get_filter(number) for number in range(created.get_nfilters())]
     if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
-        raise ResultsError(f"{where}: compressed by {', '.join(foreign)}, which results files never are")
+        raise ResultsError(f"{where}: compressed by {', '.join(foreign)}, which results files never use")
     if h5py.h5ds.is_scale(dataset.id) and is_bare_dimension(dataset.attrs.get("NAME")):
         return  # a dimension without a variable has a length but no values to be read
     declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()

@@ -1,7 +1,7 @@
 """Reads netCDF-4 variables, dimensions and attributes from HDF5 with h5py only.
 
-A dimension is stored as a dimension scale: the variable of the same name, or a dataset without values. xarray with
-h5netcdf takes several times as long for a hundred variables (docs/decisions/005).
+A dimension is stored as an HDF5 dimension scale: the variable of the same name, or a dataset without values. xarray
+with h5netcdf takes several times as long for a hundred variables (docs/decisions/005).
 """
 
 from collections.abc import Hashable, Iterator, Mapping
@@ -16,7 +16,7 @@ from xarray.core import indexing
 
 
 class _Stored(BackendArray):
-    """The values of a variable in an open file; only the requested part is read."""
+    """The values of a variable in an open file; only the requested values are read."""
 
     def __init__(self, stored: h5py.Dataset) -> None:
         self.stored, self.shape, self.dtype = stored, stored.shape, stored.dtype
@@ -29,7 +29,7 @@ class _Stored(BackendArray):
 
 
 def dataset_of(group: h5py.Group) -> xr.Dataset:
-    """Return a group as a dataset that reads numbers on demand; raise ValueError if a dimension has no name."""
+    """Return a group as a dataset whose numbers are read on demand; raise ValueError if a dimension has no name."""
     variables: dict[Hashable, xr.Variable] = {
         one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
         for one in variables_of(group)
@@ -96,7 +96,7 @@ class Variable:
 
 
 def groups_of(group: h5py.Group) -> Iterator[h5py.Group]:
-    """Yield a group and all its subgroups in the order of writing."""
+    """Yield a group and all its subgroups, in the order in which they were written."""
     yield group
     for item in group.values():
         if isinstance(item, h5py.Group):
@@ -104,7 +104,7 @@ def groups_of(group: h5py.Group) -> Iterator[h5py.Group]:
 
 
 def variables_of(group: h5py.Group) -> list[Variable]:
-    """Return the variables of a group in the order of writing."""
+    """Return the variables of a group, in the order in which they were written."""
     datasets = {name: item for name, item in group.items() if isinstance(item, h5py.Dataset)}
     scales = {item: name for name, item in datasets.items() if h5py.h5ds.is_scale(item.id)}
     return [
@@ -134,19 +134,19 @@ def _plain(value: Any) -> Any:
 
 
 def slab(variable: xr.Variable, positions: Mapping[Any, Any]) -> np.ndarray:
-    """Read the values at the given indices or slices along each dimension; unknown dimensions are ignored."""
+    """Read the values at the given indices or slices along each dimension; other dimensions are ignored."""
     box, inside = _box(variable, positions)
     return np.asarray(box.isel(inside).values)
 
 
 def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Read r single values at the given indices (r,) along each dimension."""
+    """Read single values at points given by their indices along each dimension."""
     box, inside = _box(variable, places)
     return np.asarray(box.values[tuple(inside[dim] for dim in box.dims)])
 
 
 def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
-    """Read the smallest box of values that contains all indices; return the box and the indices within it."""
+    """Read the smallest block of values that contains all indices; return it, and the indices within it."""
     box: dict[Any, slice] = {}
     inside = {}
     for dim in variable.dims:
@@ -160,7 +160,7 @@ def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variab
 
 
 def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
-    """Return the word for each value of a flag variable; empty for other variables."""
+    """Return the word for each value of a flag variable; empty if the variable is no flag."""
     if "flag_meanings" not in variable.attrs:
         return {}
     values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
@@ -168,7 +168,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
 
 
 def flags_as_words(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Return the word for each value of a flag; a value without a word is returned as its digits."""
+    """Return the word for each flag value; a value without a word becomes its digits."""
     codes, inverse = np.unique(values, return_inverse=True)
     names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
     return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

@@ -1,4 +1,4 @@
-"""The results file: writing it atomically with provenance, and reading it as a whole or in part."""
+"""The results file: writing it, as a whole or not at all, and reading it completely or in parts."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
 
 
 def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
-    """Raise ResultsError if a variable of the tree to be written to `path` has no unit or no long name."""
+    """Raise ResultsError if a variable of a tree has no unit or no long name; `path` is used in the message."""
     for node in tree.subtree:
         for name, variable in node.to_dataset(inherit=False).variables.items():
             for attribute in ("units", "long_name"):
@@ -150,7 +150,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
 
 @contextmanager
 def damage_reported(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Convert errors caused by a damaged file in the ``with`` block to ResultsError."""
+    """Convert errors caused by a damaged file to ResultsError, in a ``with`` block."""
     try:
         yield
     except RockpulseError:
@@ -164,7 +164,7 @@ WRITTEN_BY = " written by rockpulse "
 
 
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return the root attributes of a file, with versions and history added to the given attributes."""
+    """Return the root attributes of a file: the given ones, the versions of packages, and the history."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}{WRITTEN_BY}{__version__}"
     before = attrs.get("history")
     return {
@@ -209,13 +209,12 @@ class ResultsFile:
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
 
     def dataset(self, group: str) -> xr.Dataset:
-        """Return a group without reading its values; raise ResultsError if the group is missing or damaged."""
+        """Return a group, whose values are read on demand; raise ResultsError if it is missing or damaged."""
         from rockpulse.storage.hdf5.netcdf4 import dataset_of
 
         if group not in self.groups:
             raise ResultsError(
-                f"{self.path}: there is no group {group!r}{hint(group, self.groups)} (there are "
-                f"{', '.join(self.groups)})"
+                f"{self.path}: there is no group {group!r}{hint(group, self.groups)} (groups: {', '.join(self.groups)})"
             )
         if group not in self._opened:
             try:
@@ -239,7 +238,7 @@ class ResultsFile:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Convert errors of HDF5 in the ``with`` block to ResultsError, because they mean that the file is damaged."""
+        """Convert errors of HDF5, which mean that the file is damaged, to ResultsError, in a ``with`` block."""
         try:
             yield
         except (OSError, RuntimeError) as error:
@@ -251,7 +250,7 @@ class ResultsFile:
 
 
 def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:
-    """Return results in memory as a results file; messages show `name` as its path."""
+    """Return results in memory as a results file; messages use `name` as its path."""
     groups = {str(group): node.to_dataset() for group, node in tree.children.items()}
     attrs = {str(key): value for key, value in tree.attrs.items()}
     return ResultsFile(Path(name), str(attrs.get("kind", ASSESSMENT)), attrs, tuple(groups), None, groups)
@@ -259,7 +258,7 @@ def of_tree(tree: xr.DataTree, name: str) -> ResultsFile:
 
 @contextmanager
 def open_results_file(path: str | Path) -> Iterator[ResultsFile]:
-    """Open a results file, whose values are read on demand; raises the errors of :func:`rockpulse.load`."""
+    """Open a results file, whose values are read on demand; raise the errors of :func:`rockpulse.load`."""
     import h5py
 
     with opened(path) as (hdf5, kind):

@@ -1,4 +1,4 @@
-"""Verification that a results file, and on request its input files, are unchanged."""
+"""Verifies that a results file and, on request, its input files have not changed."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -50,7 +50,7 @@ class _Listed:
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
-    """Compare a results file with its checksums and schema and, with `inputs`, its input files with their checksums."""
+    """Check a results file against its checksums and schema and, with `inputs`, its input files against checksums."""
     with checked(path) as (hdf5, kind, _), damage_reported(path):
         file = _listed(hdf5)
         root = file.attrs["/"]
@@ -74,7 +74,7 @@ def verify(
 
 
 def _listed(hdf5: h5py.File) -> _Listed:
-    """List the content of a file; a dimension without a name, possible in other programs' files, is listed as "?"."""
+    """List the content of a file; a dimension without a name (in files of other programs) is listed as "?"."""
     file = _Listed()
     for group in groups_of(hdf5):
         file.attrs[group.name] = attributes(group)
@@ -112,7 +112,6 @@ def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tup
 
 
 def _checksum(variable: h5py.Dataset) -> str:
-    """Return the checksum of the current values of a variable."""
     dtype = np.dtype(object) if h5py.check_string_dtype(variable.dtype) else np.dtype(variable.dtype)
     shape = variable.shape
     checksum = VariableChecksum(dtype, shape)
@@ -126,7 +125,7 @@ def _checksum(variable: h5py.Dataset) -> str:
 
 
 def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
-    """Return, for every record in a results file, the names of its input files and their stored SHA-256, as texts."""
+    """Return, for every record of a results file, the names of its input files and their SHA-256, each as a text."""
     groups = [
         item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
     ]
@@ -139,7 +138,7 @@ def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
 
 
 def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
-    """Return the stored SHA-256 of each input file; several if the file changed during the run."""
+    """Return the stored SHA-256 of each input file; there are several if the file changed during the run."""
     found: dict[str, set[str]] = {}
     for source, checksum in stored:
         for name, one in _apart(source, checksum):
@@ -148,7 +147,7 @@ def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
 
 
 def record_folders(configuration: str) -> list[Path]:
-    """Return the folders in a stored configuration to which stored file names may be relative."""
+    """Return the folders of a stored configuration to which the stored file names may be relative."""
     try:
         named = stored_sections(configuration).get("records", {}).get("paths", ())
     except ResultsError:
@@ -158,13 +157,13 @@ def record_folders(configuration: str) -> list[Path]:
 
 
 def existing_path(source: str, folders: Iterable[Path]) -> str:
-    """Return the stored path of a file, or the path in one of the folders if the file exists only there."""
+    """Return the stored path of a file or, if it does not exist, the path of the file in one of the folders."""
     named = (source, *(str(folder / source) for folder in folders))
     return next((name for name in named if _there(_location(name)[0])), source)
 
 
 def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
-    """Split the stored file names of a record, and return each name with its checksum."""
+    """Split the stored file names of a record; return each name with its checksum."""
     checksums = checksum.split(BETWEEN)
     names = [source] if len(checksums) == 1 and _there(_location(source)[0]) else source.split(BETWEEN)
     if len(checksums) == 1:
@@ -175,12 +174,12 @@ def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
 
 
 def _there(path: str | Path) -> bool:
-    """Return whether a file exists; a name that is too long or an unreadable folder counts as missing."""
+    """Return whether a file exists; False also if its name is too long or its folder cannot be read."""
     return os.path.exists(path)  # noqa: PTH110 - Path.exists raises for these
 
 
 def _location(source: str) -> tuple[Path, str | None]:
-    """Return the path on disk and the archive member of a stored file name such as ``archive.zip!member``."""
+    """Return the path of a stored file name and, for ``archive.zip!member``, the name of the archive member."""
     if "!" in source and not _there(source):
         archive, _, member = source.partition("!")
         while not _there(archive) and "!" in member:
@@ -191,7 +190,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Yield the files, sorted, each with its SHA-256, the error on reading it, or None if the file is missing."""
+    """Yield the files, sorted, each with its SHA-256, the error raised on reading it, or None if it is missing."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

@@ -107,14 +107,14 @@ class TreeWriter:
             self._variables[path][begin : begin + len(values)] = values
 
     def read(self, path: str, begin: int, end: int) -> np.ndarray:
-        """Read back the values at the indices `begin` to `end` - 1 of the first dimension, strings as numpy strings."""
+        """Read the values already written at the indices `begin` to `end` - 1 of the first dimension of a variable."""
         variable = self._variables[path]
         if h5py.check_string_dtype(variable.dtype):
             return np.asarray(variable.asstr()[begin:end]).astype(str)
         return np.asarray(variable[begin:end])
 
     def _complete(self) -> None:
-        """Write the checksums and the name of the writer to the file."""
+        """Write the checksums and the name of this program to the file."""
         for path, checksum in self._checksums.items():
             shape = self._shapes[path]
             if shape and self._written[path] != shape[0]:
@@ -131,13 +131,12 @@ class TreeWriter:
         return self._hdf5.create_dataset(path, shape, dtype, fillvalue=value, track_order=True, **most)
 
     def _make_scale(self, group: str, dim: str, scale: h5py.Dataset, name: str) -> None:
-        """Turn a dataset into the HDF5 scale of the dimension `dim`."""
         scale.attrs["_Netcdf4Dimid"] = np.int32(self._numbers[group, dim])
         scale.make_scale(name)
         self._scales[group, dim] = scale
 
     def _take_place(self, group: str, dim: str, dtype: Any, fill: np.ndarray | None) -> h5py.Dataset:
-        """Replace the placeholder of a dimension, and all references to it, by the variable of the same name."""
+        """Replace the placeholder of a dimension by the variable of the same name, also in all references to it."""
         before = self._scales[group, dim]
         attached = [
             (self._variables[path].id, dims.index(dim))
@@ -170,7 +169,7 @@ class TreeWriter:
             held[name] = stored[name] = value
 
     def _close(self, error: BaseException | None) -> None:
-        """Close the file, and truncate it after an error; raise OSError if it could not be written."""
+        """Close the file, truncated to zero bytes after an error; raise OSError if it could not be written."""
         faults: list[Exception] = []
         if error is None:
             try:
@@ -201,7 +200,7 @@ def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
 def add_dataset(
     writer: TreeWriter, path: str, dataset: xr.Dataset, attrs: Mapping[str, Any], sizes: Mapping[str, int] | None = None
 ) -> None:
-    """Add a group with the variables of a dataset, but not their values; `sizes` overrides sizes of dimensions."""
+    """Add a group with the variables of a dataset, but without values; `sizes` replaces sizes of dimensions."""
     writer.add_group(path, {**{str(dim): size for dim, size in dataset.sizes.items()}, **(sizes or {})}, attrs)
     # CF: variables name their coordinates that are not dimensions.
     further = {name: set(dataset[name].dims) for name in dataset.coords if name not in dataset.dims}
@@ -231,7 +230,7 @@ CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 
 class VariableChecksum:
-    """The checksum of one variable, whose values are added in pieces."""
+    """Computes the checksum of one variable, whose values are added in pieces."""
 
     def __init__(self, dtype: np.dtype[Any], shape: tuple[int, ...]) -> None:
         self._text = dtype.kind in "UO"

@@ -42,7 +42,7 @@ class StoredVariable:
 
     @property
     def absent(self) -> Any:
-        """The value that represents missing data: NaN, an empty string or -1."""
+        """The value that marks missing data: NaN, an empty string or -1."""
         return {float: np.nan, str: ""}.get(self.kind, -1)
 
     def values(self, values: Any) -> np.ndarray:
@@ -79,14 +79,14 @@ def real(long_name: str, units: str = "1", take: Callable[..., Any] | None = Non
 
 
 def whole(long_name: str, take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
-    """Declare a variable of whole numbers: counts and indices."""
+    """Declare a variable of whole numbers, such as counts and indices."""
     return StoredVariable(int, "1", long_name, take, **more)
 
 
 def flag(
     words: Iterable[str], long_name: str, take: Callable[..., Any] | None = None, first: int = 0, **more: Any
 ) -> StoredVariable:
-    """Declare a variable whose integer values, starting at `first`, represent words."""
+    """Declare a variable of integers, each of which represents one of the words; the first word is `first`."""
     return StoredVariable(np.int8, "1", long_name, take, words=tuple(words), first=first, **more)
 
 
@@ -97,7 +97,7 @@ def along(
     /,
     **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """Declare variables with the same dimensions; `by(name)` gives the function `take` of a variable that has none."""
+    """Declare variables with the same dimensions; `by(name)` returns the function `take` for variables without one."""
     return {
         name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()
@@ -105,9 +105,12 @@ def along(
 
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:
-    """Return every declared variable with its values; raise KeyError if `values` has too few or too many names."""
-    if unmatched := declared.keys() ^ values.keys():
-        raise KeyError(f"not both declared and given: {', '.join(sorted(unmatched))}")
+    """Return every declared variable with its values; raise KeyError unless `values` has exactly the declared names."""
+    lacking, undeclared = (
+        ", ".join(sorted(one)) for one in (declared.keys() - values.keys(), values.keys() - declared.keys())
+    )
+    if lacking or undeclared:
+        raise KeyError(f"declared without values: {lacking or '-'}; values without a declaration: {undeclared or '-'}")
     return {name: variable.variable(values[name]) for name, variable in declared.items()}
 
 

@@ -15,7 +15,7 @@ GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "
 
 
 def _column(table: str, pick: Callable[[Any], np.ndarray]) -> Callable[[Any], np.ndarray]:
-    """Return a function that reads one column of a table of an assessed record and joins it over the models."""
+    """Return a function that reads one column of a table of an assessed record, joined over all models."""
 
     def taken(one: Any) -> np.ndarray:
         found = [pick(rows) for rows in getattr(one, table)]
@@ -33,7 +33,7 @@ def _model(rows: Any) -> np.ndarray:
 
 
 def _pointers(table: str) -> dict[str, StoredVariable]:
-    """Declare the index columns of a table of one record; the index of this record is 0."""
+    """Declare the index columns of a table of one record; in these the index of the record is 0."""
     return {
         "record_index": whole("index of the record in /summary", _column(table, _first_record)),
         "block_index": whole("index of the block in /summary", _column(table, lambda rows: rows.block)),

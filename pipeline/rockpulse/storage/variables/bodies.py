@@ -13,7 +13,7 @@ from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
 
 def _lifting(lanes: Block) -> np.ndarray:
-    """Return the smallest horizontal acceleration that lifts each body (m,) [m/s2]."""
+    """Return the smallest horizontal acceleration that lifts each body [m/s2]."""
     from rocking.search.capacity import uplift_scale  # imports the solvers, which viewing results does not need
 
     return uplift_scale(lanes, np.array([-1.0, 1.0]))

@@ -45,7 +45,7 @@ def _comment(config: Config) -> str:
 
 
 def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
-    """Declare a variable and the two ends of its 90 % interval."""
+    """Declare a variable and the lower and upper limit of its 90 % interval."""
     meanings = {
         name: long_name,
         f"{name}_low": f"lower end of the 90 % interval of {name}",

@@ -27,7 +27,7 @@ OF_RECORDS: Declared = along(
 
 
 def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -> dict[str, StoredVariable]:
-    """Declare a variable and the two ends of its confidence interval."""
+    """Declare a variable and the lower and upper limit of its confidence interval."""
     return {
         name: real(meaning, units, explanation=explanation),
         **{

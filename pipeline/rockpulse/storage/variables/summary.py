@@ -80,7 +80,7 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    """Return a function that stacks the values of `pick` for every model into one array (block, case, model, ...)."""
+    """Return a function that stacks `pick(record, model)` for every model into one array (block, case, model, ...)."""
     return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 
@@ -89,7 +89,7 @@ def _of_search(name: str) -> Callable[[Any], Any]:
 
 
 def _where_searched(name: str) -> Callable[[Any], Any]:
-    """Return a function that reads an integer result of the search for scale factors; -1 without a search."""
+    """Return a function that reads an integer result of the search for scale factors; -1 where nothing was searched."""
     return _per_model(
         lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
     )
@@ -112,7 +112,7 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
 
 
 def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
-    """Declare each measure and, if it is sensitive to baseline drift, a flag for doubtful values."""
+    """Declare each measure and, if baseline drift affects it, a flag for doubtful values."""
     found = {}
     for one in measures:
         long_name = f"{one.meaning or one.long_name}{one.stored}"

@@ -1,1 +1,1 @@
-"""Checks of bodies according to design codes, and their comparison with time histories."""
+"""Checks of bodies according to design codes, and their comparison with results of records."""

@@ -1,4 +1,4 @@
-"""The code checks of the bodies of a configuration, compared with time histories of the same bodies."""
+"""The code checks of the bodies of a configuration, compared with results of the same bodies under records."""
 
 import math
 import os
@@ -81,7 +81,7 @@ def check(
     """
     codes = [code] if isinstance(code, str) else [one for one in CODES if one != FRAME] if code is None else list(code)
     if unknown := [one for one in codes if one not in CODES]:
-        raise ConfigError(f"code: expected some of {', '.join(CODES)}, found {unknown[0]!r}{hint(unknown[0], CODES)}")
+        raise ConfigError(f"code: expected one of {', '.join(CODES)}, found {unknown[0]!r}{hint(unknown[0], CODES)}")
     if isinstance(results, Config):
         raise ConfigError("results: expected the results of assess, found a Config; give it as config=")
     if results is None and config is None:
@@ -132,7 +132,7 @@ _Mechanisms: TypeAlias = Mapping[str, tuple[Sequence[Mechanism], str, Sequence[F
 
 
 def _mechanisms(config: Config, confidence_factor: float = 1.0) -> _Mechanisms:
-    """Return the mechanisms of all bodies, with their compressive strength divided by the confidence factor."""
+    """Return the mechanisms of all bodies; their compressive strength is divided by the confidence factor."""
     found: dict[str, tuple[Sequence[Mechanism], str, Sequence[FloorSettings]]] = {}
     for body in config.bodies:
         try:
@@ -171,11 +171,10 @@ def _of_records(
     others: Mapping[str, str],
     rule: str,
 ) -> dict[str, list[Checked]]:
-    """Return the checks of the rotations of all bodies for each demand and limit state, by the name of the code.
+    """Return the checks of rotations under records, for each demand and limit state, by the name of the code.
 
-    A demand that names SLV or SLC is that of this limit state only.
-
-    The rotations are those of the mechanisms `assessed`, whose strength is not divided by the confidence factor.
+    A demand whose name contains SLV or SLC is used only for this limit state. The rotations belong to the mechanisms
+    `assessed`, whose strength is not divided by the confidence factor.
     """
     columns: dict[str, list[Checked]] = {}
     for demand in answers.demands:
@@ -193,7 +192,7 @@ def _of_records(
 def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np.ndarray]:
     """Return `probability`, `factor_50` and `beside` (the reason for missing values) of m bodies, from the results.
 
-    `others` gives for each body the reason why the results are not those of the same body, or an empty text.
+    `others` gives for each body the reason why the results are of a different body, or an empty text.
     """
     beside = [why or ("" if answers.probable else "the results contain no probability") for why in others.values()]
     probability, factor = np.full((2, len(beside)), math.nan)
@@ -211,12 +210,12 @@ def history_results(answers: Answers, others: Mapping[str, str]) -> dict[str, np
 
 
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """Return the bodies of a configuration by name; a body with pedestals also has an entry for each pedestal."""
+    """Return the bodies of a configuration by name; a body with pedestals has a further entry for each pedestal."""
     return {name: body for body in config.bodies for name in (body.name, *body.with_pedestals())}
 
 
 def _others(answers: Answers, stored: str, config: Config) -> dict[str, str]:
-    """Return for each body of a configuration why the results are not those of the same body, or an empty text."""
+    """Return, for each body of a configuration, why the results are of a different body; empty if they are not."""
     assessed = _bodies(config_from_text(stored))
     return {name: _why_not(name, answers, assessed.get(name), body) for name, body in _bodies(config).items()}
 

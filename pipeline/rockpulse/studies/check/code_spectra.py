@@ -35,7 +35,7 @@ def displacement_of(period: float, acceleration: float) -> float:
 
 
 class TableEnds(ConfigError):
-    """Error: a period is longer than the last period of a tabulated spectrum."""
+    """Error: a period is beyond the last period of a tabulated spectrum."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """Return the spectral displacement S_De [m] at a period [s], which is the largest up to this period."""
+        """Return the spectral displacement S_De [m] at a period [s]; it is never larger at a shorter period."""
         return displacement_of(period, self(period, damping))
 
 
@@ -90,7 +90,7 @@ class TabledSpectrum:
         return float(self.acceleration[0])
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """Return S_e [m/s2] at a period [s]; raise TableEnds if the table ends before this period."""
+        """Return S_e [m/s2] at a period [s]; raise TableEnds if the period is beyond the last row of the table."""
         if period > self.period[-1]:
             raise TableEnds(
                 f"{self.words}: the table ends at {self.period[-1]:g} s, but {period:.3g} s is needed: extend it"
@@ -106,7 +106,7 @@ class TabledSpectrum:
 
 @dataclass(frozen=True)
 class GivenSpectrum:
-    """A spectrum for 5 % damping given as a function of (k,) periods."""
+    """A spectrum for 5 % damping, given as a function of an array of periods."""
 
     elastic: Callable[[np.ndarray], np.ndarray]
     ground: float  # a_g S [m/s2]
@@ -122,7 +122,7 @@ ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """Return the spectrum of [check], with file names relative to `folder`; ConfigError if there is none."""
+    """Return the spectrum of [check]; file names are relative to `folder`. Raise ConfigError if none is given."""
     if settings.file is not None:
         return TabledSpectrum(*read_spectrum(folder / settings.file), str(folder / settings.file))
     if settings.ag is None:

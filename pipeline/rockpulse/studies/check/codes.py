@@ -58,7 +58,7 @@ class Checked(NamedTuple):
 
     @property
     def activation_ratio(self) -> float:
-        """Acceleration that activates the mechanism, divided by the demand [-]; a ratio of 1 or more passes."""
+        """Acceleration that sets the mechanism in motion, divided by the demand [-]; a ratio of 1 or more passes."""
         return self.activation / self.activation_demand
 
 
@@ -116,7 +116,7 @@ def circolare_2019(
 
 
 def allowed_displacement(body: Mechanism, limit_state: str) -> float:
-    """Return d_SLV or d_SLC [m] of Circolare 7/2019, C8.7.1.2.1.6."""
+    """Return the allowed displacement d_SLV or d_SLC [m] of Circolare 7/2019, C8.7.1.2.1.6."""
     limits = [STATES[limit_state][0] * body.collapse_displacement, body.unsupported * body.lever]
     return min(limits + [body.rupture_displacement] * (limit_state == "slv"))
 
@@ -181,7 +181,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
 
 
 def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Return the largest spectral displacement [m] up to a period: (C8.7.1.2.1.8), or (C8.7.1.12) on floors."""
+    """Return the largest spectral displacement [m] at periods up to `period`: (C8.7.1.2.1.8); (C8.7.1.12) on floors."""
     if not floors:
         return spectrum.displacement(period, damping)
     own = max(one.period for one in floors)
@@ -197,7 +197,7 @@ CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], 
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Combine the checks of both directions of rotation: return the worse acceleration and displacement checks."""
+    """Combine the checks of both directions of rotation: take the worse acceleration and the worse displacement."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:

@@ -26,7 +26,7 @@ SENSES = ("positive", "negative")
 
 
 class Weight(NamedTuple):
-    """A weight of a mechanism, with its position relative to the corner."""
+    """A weight of a mechanism, with its position relative to the corner about which the body turns."""
 
     weight: float  #: [N]; of any value if the body has no restraints
     arm: float  #: x, distance behind the corner [m]
@@ -35,7 +35,7 @@ class Weight(NamedTuple):
 
 
 class Force(NamedTuple):
-    """A horizontal force that resists the rotation within a range of displacements of its point of action."""
+    """A horizontal force that resists the rotation while its point of action is within a range of displacements."""
 
     force: float  #: [N]; negative if it drives the rotation
     height: float  #: [m]
@@ -60,7 +60,7 @@ class Mechanism:
 
     @property
     def multiplier(self) -> float:
-        """Multiplier alpha_0 that activates the mechanism [-]: Circolare 7/2019, (C8.7.1.1)."""
+        """Multiplier alpha_0 that sets the mechanism in motion [-]: Circolare 7/2019, (C8.7.1.1)."""
         return self.at(0.0)
 
     @property
@@ -81,7 +81,7 @@ class Mechanism:
         return any(one.tie and math.isinf(one.ends) for one in self.forces)
 
     def at(self, rotation: float, untied: bool = False) -> float:
-        """Return the multiplier alpha at a rotation [rad]; `untied` omits the ties."""
+        """Return the multiplier alpha at a rotation [rad]; with `untied`, as if there were no ties."""
         held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
         for force in self.forces:
             acts = force.begins <= force.height * rotation <= force.ends
@@ -91,7 +91,7 @@ class Mechanism:
 
     @property
     def collapse_displacement(self) -> float:
-        """Spectral displacement d_0 at which the resistance without the ties becomes zero [m]."""
+        """Spectral displacement d_0 at which the resistance of the body without its ties becomes zero [m]."""
         weights = sum(one.weight * one.height for one in self.weights)
         return max(0.0, self.at(0.0, untied=True) * self._driving / weights) * self.lever
 
@@ -103,7 +103,7 @@ class Mechanism:
 
     @property
     def rupture_displacement(self) -> float:
-        """Spectral displacement at which ties break that carry more than half of the largest multiplier [m]."""
+        """Spectral displacement [m] at which ties break that provide more than half of the largest multiplier."""
         ties = sorted((one for one in self.forces if math.isfinite(one.ends)), key=lambda one: one.ends / one.height)
         begins = (one.begins / one.height * (1.0 + ROUNDING) for one in self.forces)
         most, lost = max(self.at(rotation) for rotation in (0.0, *begins)), 0.0
@@ -114,12 +114,12 @@ class Mechanism:
         return math.inf
 
     def capacity(self, displacement: float) -> float:
-        """Return the multiplier alpha [-], at least 0, at the rotation that gives a spectral displacement [m]."""
+        """Return the multiplier alpha [-], not below 0, at a spectral displacement [m]."""
         return max(0.0, self.at(displacement / self.lever))
 
 
 def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
-    """Return the loads whose mass belongs to the building, and the forces of all restraints, for theta > 0."""
+    """Return the loads whose mass stays with the building, and the forces of all restraints, for theta > 0."""
     weights, forces = [], []
     for load in restraints.loads:
         assert load.friction is not None  # loads without friction move with the body
@@ -136,7 +136,7 @@ def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[For
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
-    """Return the mechanisms towards theta > 0 and theta < 0; only one if both are equal or a wall prevents the other.
+    """Return the mechanisms towards theta > 0 and theta < 0; only one if they are equal or a wall prevents the other.
 
     `block` may have several restitutions, which have no effect. If loads move with the block, `alone` is the body
     without them and `carried` lists them as separate weights. Raises ValueError for a tie without a yield force.
@@ -165,9 +165,9 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
 
 
 def mechanisms(body: BlockSettings, confidence_factor: float = 1.0) -> dict[str, tuple[Mechanism, ...]]:
-    """Return the mechanisms of a body by name, alone and on each of its pedestals (see :func:`senses_of`).
+    """Return the mechanisms of a body by name, alone and with each of its pedestals (see :func:`senses_of`).
 
-    `confidence_factor` divides its compressive strength.
+    Its compressive strength is divided by `confidence_factor`.
     """
     if body.compressive_strength is not None:
         body = replace(body, compressive_strength=body.compressive_strength / confidence_factor)

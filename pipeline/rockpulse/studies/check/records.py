@@ -22,7 +22,7 @@ FEWEST, FOR_MEAN = 3, 7
 
 
 class Rotations(NamedTuple):
-    """The largest rotations over alpha_c of a body under the records at a demand."""
+    """The largest rotations, over alpha_c, of a body under the records scaled to a demand."""
 
     records: int  #: number of records, or of pairs with the worst direction of each
     unknown: int  #: number of records without a rotation
@@ -31,7 +31,7 @@ class Rotations(NamedTuple):
 
 
 def rotations_of(peaks: np.ndarray) -> Rotations:
-    """Return the rotations compared with the limits, from (n,) largest rotations over alpha_c under n records.
+    """Return the rotations that are compared with the limits, from n largest rotations over alpha_c.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def rotations_of(peaks: np.ndarray) -> Rotations:
 
 
 def rotations_at(answers: Answers, demand: str) -> dict[str, Rotations]:
-    """Return the rotations of each body at a demand, for the restitution that gives the largest rotations."""
+    """Return the rotations of each body at a demand; of several restitutions, the largest ones."""
     motions, far = answers.motions, too_far(answers, demand)
     kept = motions.kept(far | weak(answers, demand)[:, np.newaxis])
     fallen, rotation = nominal_motion(answers, demand)
@@ -71,7 +71,7 @@ def check_records(
 ) -> Checked:
     """Check the rotations of a body according to C8.7.1.2.1.9, with the limits of its worse direction of rotation.
 
-    `assessed` are the mechanisms whose rotations are given, by default `senses`, which have the strength of the check.
+    `assessed` are the mechanisms whose rotations are given; by default they are `senses`, the mechanisms of the check.
     """
     statement = ""
     if rotations.records < FEWEST:

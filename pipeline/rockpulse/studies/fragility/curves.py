@@ -1,8 +1,8 @@
-"""A fragility curve: its fit to observed capacities, and its confidence band over events.
+"""A fragility curve: its fit to observed capacities, and its confidence band over earthquakes (events).
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
    capacity. Records of one event are not independent, so a band is computed by leaving out each event in turn
-   (docs/decisions/012). If the data do not determine a number, a statement gives the reason.
+   (docs/decisions/012). If a number cannot be determined from the data, the text `statement` gives the reason.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ from rockpulse.warning_text import as_stored
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A fragility curve, or the reason why there is none; numbers that the data do not determine are NaN."""
+    """A fragility curve, or the reason why there is none; numbers that cannot be determined from the data are NaN."""
 
     status: Status  # whether there is a curve, or why not
     band: Band  # whether there is a band, or why not
@@ -51,7 +51,7 @@ class Curve:
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the probability and both ends of its confidence band [-] at levels (k,); NaN if not determined."""
+        """Return the probability and the limits of its confidence band [-] at levels (k,); NaN if unknown."""
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
             nothing = np.full(levels.shape, np.nan)
@@ -63,7 +63,7 @@ class Curve:
 
     @cached_property
     def log_beta(self) -> np.ndarray:
-        """Logarithms of beta (1 + events,): first from all observations, then with each event left out in turn."""
+        """Logarithms (1 + events,) of beta: first from all observations, then with each event left out in turn."""
         with np.errstate(invalid="ignore"):  # a curve fitted without an event may decrease
             return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
 
@@ -115,7 +115,7 @@ def fit_capacities(
     capacities = np.asarray(capacities, dtype=float)
     open_ended = np.isposinf(capacities)
     if limits is None and np.any(open_ended):
-        raise ConfigError("fragility: infinite capacities need limits: the largest measure that was analysed")
+        raise ConfigError("fragility: infinite capacities require limits, the largest value that was analysed")
     levels = np.where(open_ended, capacities if limits is None else np.asarray(limits, dtype=float), capacities)
     rows = Observations.of(levels, np.where(open_ended, ABOVE, EXACT), clusters, records)
     return fit_curve(rows, model, confidence)

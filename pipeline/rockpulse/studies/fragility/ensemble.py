@@ -28,7 +28,7 @@ from rockpulse.studies.fragility.statements import missing
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """Return beta divided by the beta of a reference curve, with both jackknife limits; NaN if not determined."""
+    """Return beta divided by the beta of a reference curve, with its lower and upper limit (jackknife); else NaN."""
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
@@ -36,7 +36,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
-    """Return the slope d ln median/d ln u for a property u of the records, and the p-value; NaN if not determined."""
+    """Return the slope d ln median/d ln u for a property u of the records, and its p-value; NaN if undetermined."""
     nothing = np.nan, np.nan
     known = rows.with_property(column)
     if not np.all(known):
@@ -77,7 +77,7 @@ class Ensemble:
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Return the observations for one limit state, one measure and some bodies, all given by their indices."""
+        """Return the observations for one limit state, one measure and some bodies (`lanes`), all given by index."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -102,13 +102,13 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """Properties (n, c) in the order of STATED, the magnitude as exp(magnitude); NaN if not stated in a file."""
+        """Properties (records, STATED) from the files; exp(magnitude) for the magnitude, NaN if unknown."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
 
     def quality_counts(self) -> tuple[list[int], list[int]]:
-        """Return the number of records and of events for which each property in TESTED is known."""
+        """Return, for each property in TESTED, the numbers of records and of events for which it is known."""
         every = np.ones((len(self.ids), 1))  # the intensity measure is known for every record
         values = np.column_stack([self.qualities, every, self.stated])
         known, clusters = np.isfinite(values) & (values > 0.0), np.array(self.clusters, dtype=str)
@@ -118,7 +118,7 @@ class Ensemble:
 def gather_ensemble(
     parts: Sequence[Part], lanes: int, config: Config, selection: SelectedRecords | None = None
 ) -> Ensemble:
-    """Join the capacities of all records, sorted by id, into one ensemble."""
+    """Join the parts of all records into one ensemble, sorted by record id; `lanes` is the number of bodies."""
     done = joined([empty_capacity(lanes, config, selection), *parts])
     return Ensemble(
         ids=done["record"].tolist(),
@@ -136,7 +136,7 @@ def gather_ensemble(
 
 
 def stored_ensemble(tree: xr.DataTree) -> Ensemble:
-    """Return the capacities that are stored in a fragility file."""
+    """Return the capacities stored in a fragility file."""
     table = tree["capacities"].to_dataset()
     config = config_from_text(str(tree.attrs["configuration"]))
     factors, reached = (table[name].values for name in ("factor", "reached"))
@@ -158,19 +158,19 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """The curves (g, s, k) of g groups of bodies, and slopes and p-values (g, s, k, c) of their sufficiency tests."""
+    """The curves (g, s, k) of g groups of bodies for s limit states in k measures, with their sufficiency tests."""
 
     curves: np.ndarray
     slope: np.ndarray
     p_value: np.ndarray
 
     def of(self, attribute: str) -> np.ndarray:
-        """Return one attribute of every curve as an array (g, s, k)."""
+        """Return one attribute of every curve as an array (groups, limit states, measures)."""
         return np.vectorize(lambda curve: getattr(curve, attribute), otypes=[object])(self.curves)
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Fit all curves and test sufficiency; a group of several bodies is fitted only in dimensionless measures."""
+    """Fit all curves and test sufficiency; for a group of several bodies only in dimensionless measures."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

@@ -101,7 +101,7 @@ class FragilityAnalysis(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Empty arrays in place of the capacities under a record without results."""
+        """Arrays without rows, with the names, types and further dimensions of every part."""
         return empty_capacity(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
@@ -126,7 +126,7 @@ class FragilityAnalysis(Analysis):
         return tree
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Return the plan of the analysis; records that a [fragility] selection does not name are skipped."""
+        """Return the plan of the analysis; records missing in the table [fragility] selection are skipped."""
         plan = super().plan(records, failures)
         if self.selection is None:
             return plan
@@ -151,7 +151,7 @@ def _curves(
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return levels common to all limit states of a body, and the curves with their bands at these levels."""
+    """Return intensity levels for all limit states of each body, and the curves with their bands at these levels."""
     groups, states, measures = fits.curves.shape
     level = np.full((groups, measures, POINTS), np.nan)
     tables = [np.full((groups, states, measures, POINTS), np.nan) for _ in range(3)]
@@ -219,7 +219,7 @@ def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
-    """Return the ratios of dispersions and their lower and upper limits as one array (3, g, s, k)."""
+    """Return the ratios of dispersions with lower and upper limits, as one array (3, groups, states, measures)."""
     table = np.full((3, *fits.curves.shape), np.nan)
     if REFERENCE in measures:
         column = list(measures).index(REFERENCE)

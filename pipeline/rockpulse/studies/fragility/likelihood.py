@@ -21,7 +21,7 @@ EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observations of capacities in one intensity measure, in the order of their levels."""
+    """Observed capacities in one intensity measure, exact or only above or below a level, sorted by level."""
 
     level: np.ndarray  # (n,) the capacity, or the level with which it is compared; positive
     kind: np.ndarray  # (n,) EXACT, ABOVE or NOT_ABOVE
@@ -35,7 +35,7 @@ class Observations:
     def of(
         cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None, weight: Any = None
     ) -> Self:
-        """Create observations from arrays; by default each row has weight one, its own event and its own record.
+        """Return observations made from arrays; by default each row has weight one, its own event and its own record.
 
         Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
         """
@@ -66,18 +66,18 @@ class Observations:
         return int(np.unique(self.record).size)
 
     def with_property(self, column: int) -> np.ndarray:
-        """Return a mask (n,) of the rows in which the property in a column is known and positive."""
+        """Return a mask of the rows in which the property of this column is known and positive."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
 
     def only(self, kept: np.ndarray) -> "Observations":
-        """Return the observations selected by a mask (n,), and only the events that still occur among them."""
+        """Return the observations selected by a mask, with only the events that still occur among them."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Return the weights (1 + events, n) of the observations: first for all events, then without each event."""
+        """Return weights (1 + events, rows) of the rows: first for all events, then with each event left out."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 
@@ -90,7 +90,7 @@ ROUNDING, LARGEST_CONDITION = 1e-12, 1e14
 
 @dataclass(frozen=True)
 class Family:
-    """A symmetric distribution for the logarithm of capacity."""
+    """A symmetric probability distribution for the logarithm of capacity."""
 
     cdf: Callable[[np.ndarray], np.ndarray]  # F(z)
     # z -> value and first two derivatives of log f
@@ -128,11 +128,11 @@ FAMILIES: dict[str, Family] = {
 
 
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return a mask (q,) of the data sets whose likelihood has a maximum at finite a and b, so that a curve exists.
+    """Return a mask of the data sets whose likelihood has a maximum at finite a and b, so that a curve exists.
 
-    `x` (n,) are the logarithms of levels and `kind` (n,) their kinds; `weights` (q, n) are the weights of q data sets.
+    `x` (n,) are the logarithms of levels and `kind` (n,) their kinds; each row of `weights` (q, n) is one data set.
     Without exact capacities, the levels reached and not reached must overlap (Albert & Anderson 1984). With exact
-    capacities, there is no maximum only if these are all equal and no other row contradicts their value.
+    capacities, there is no maximum only if these are all equal and no other observation contradicts their value.
     """
 
     def extremes(of: int) -> tuple[np.ndarray, np.ndarray]:
@@ -149,7 +149,7 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the log-likelihood of each row without its term log b, and its first two z-derivatives, each (q, n).
+    """Return each row's log-likelihood, without its term log b, and its first two derivatives in z, each (q, n).
 
     `design` (n, k) has the columns 1, ln x and any covariates; z = design @ theta. `theta` (q, k) are the parameters
     (a, b, ...) of q data sets; b must be positive if a row is EXACT.
@@ -167,7 +167,7 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the maximum-likelihood parameters (q, k) for q rows of weights (q, n); NaN if there is no maximum."""
+    """Return the maximum-likelihood parameters (q, k) for q data sets, given by their weights (q, n); else NaN."""
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0
     exact = np.where(kind == EXACT, 1.0, 0.0)

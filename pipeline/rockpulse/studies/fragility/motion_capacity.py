@@ -39,12 +39,12 @@ def scale_capacities(
     """Run the incremental dynamic analysis of one record: find the first scale factor that reaches each limit state.
 
     The `states` are "uplift" (in closed form), values of theta_max/alpha_c, and "overturning". Each of m blocks is
-    computed at `points` scale factors up to `factor_max`. If the model cannot resolve a scale factor (free flight), the
-    limit state counts as reached.
+    computed at `points` scale factors up to `factor_max`. If the model gives no result at a scale factor (free flight),
+    the limit state counts as reached.
 
-    Returns the scale factors (s, m), inf if none reaches the state; a larger factor may not. The step (m,) is the
-    ratio of successive scale factors [-]: an interval narrower than the step may be missed, which makes the first scale
-    factor larger. The step is 1 for uplift alone.
+    Returns the scale factors (s, m), inf if no scale factor reaches the state; at larger scale factors the state may
+    not be reached again. The step (m,) is the ratio of successive scale factors [-]: an interval narrower than the step
+    may be missed, so that the first scale factor is too large. The step is 1 if uplift is the only state.
     """
     record = scene.record
     solved, vertical = _acting(scene, equation)
@@ -71,7 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Return (s, r, m): 1 if the record reaches a state at the scale factors (r, m), 0 if not, or :data:`NOT_KNOWN`."""
+    """Return (states, factors, blocks): 1 if the state is reached, 0 if not, NOT_KNOWN without a result."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)
@@ -92,14 +92,14 @@ def reached_at(
 
 
 def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
-    """Return the equation of motion of a model, and the vertical acceleration that the model uses, or None."""
+    """Return the equation of motion of a model, and the vertical acceleration that it uses (None if it uses none)."""
     equation = MODELS[model].equation
     assert equation is not None
     return equation, MODELS[model].vertical_of(scene)
 
 
 class FragilityBodies(NamedTuple):
-    """The blocks of all bodies: a body with several restitutions has several blocks."""
+    """The blocks of all bodies; a body with several restitutions has a block for each."""
 
     block: Block
     bodies: Bodies
@@ -113,13 +113,13 @@ def motion_capacity(
 
     "measures" (1, k, m) are the intensity measures of the unscaled ground motion in the direction of each body, in the
     order of ``[fragility] measures``, and "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
-    "factors" (1, s, m), the first scale factor that reaches each limit state (inf if none), and "step" (1, m). Other
-    analyses add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), for the rows of the record in a
-    `selection`. An incremental analysis ends at the limits of ``[fragility] factors``, and stripes beyond these
-    limits are unknown.
+    "factors" (1, s, m), the first scale factor that reaches each limit state (inf if there is none), and "step" (1, m).
+    Other analyses add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), one for each row of the record
+    in a `selection`. An incremental analysis ends at the limits of ``[fragility] factors``; stripes beyond these limits
+    are unknown.
 
-    For a body beside a wall, the record and its reverse are two rows of one earthquake. Raises ValueError if a record
-    has no intense phase or the model rejects it, TooWeak if its PGA is too small or it is not in the selection.
+    For a body beside a wall, the record and its reverse are two observations of one earthquake. Raises ValueError if a
+    record has no intense phase or the model rejects it, TooWeak if its PGA is too small or it is not in the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -154,13 +154,13 @@ def motion_capacity(
 
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
-    """Return the named intensity measures (k, m) of an unscaled record for (m,) blocks, each in its own unit."""
+    """Return the intensity measures (names, blocks) of an unscaled record, each in its own unit."""
     on = RecordOnBodies.slender(scene.record, lambda: scene.waves, block.weaker)
     return np.stack([np.broadcast_to(MEASURES[name].value(on), block.shape) for name in names])
 
 
 def record_qualities(scene: Scene) -> dict[str, float]:
-    """Return the properties of a record that QUALITIES names."""
+    """Return the properties of a record listed in QUALITIES, by name."""
     sizes = np.abs(scene.waves.between(scene.phase.start, scene.phase.end).impulse)
     return {
         "duration": scene.phase.duration,
@@ -170,7 +170,6 @@ def record_qualities(scene: Scene) -> dict[str, float]:
 
 
 def _reversed(scene: Scene) -> Scene:
-    """Return the scene with the sign of the record reversed."""
     waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
     return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
@@ -183,7 +182,7 @@ def _stripes(config: Config, selection: SelectedRecords | None) -> int:
 
 
 def _weights(record: str, config: Config, selection: SelectedRecords | None) -> dict[str, np.ndarray]:
-    """Return the weight (r,) of each scale factor of a record; empty for an incremental analysis."""
+    """Return the weight of each scale factor of a record, by name; empty for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
     if selection is None:
@@ -195,7 +194,7 @@ def _weights(record: str, config: Config, selection: SelectedRecords | None) -> 
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: SelectedRecords | None
 ) -> dict[str, np.ndarray]:
-    """Return the measures of the scene `ground`, and the capacities of (m,) blocks that feel the scene `there`."""
+    """Return the measures of the motion `ground`, and the capacities of blocks that move under the motion `there`."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":

@@ -1,4 +1,4 @@
-"""Checks whether the data determine a fragility curve and its confidence band, and words the reason if not."""
+"""Checks whether a fragility curve and its band can be determined from the data, and states the reason if not."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """Return the status FITTED if a curve can be fitted to the data, else the status that gives the reason."""
+    """Return the status FITTED if a curve can be fitted to the data, otherwise the status of the reason."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -38,7 +38,7 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
-    """Return the reason for a missing band, or an empty list; `slopes` are b from all data, then without each event."""
+    """Return the reason for a missing band, or an empty list; `slopes` are b with all, then without each event."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:
@@ -48,7 +48,7 @@ def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[W
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Return whether the median of a curve is above or below all levels of the observations."""
+    """Return whether the median of a curve is above or below all observed levels."""
     if median > np.max(rows.level):
         return Extrapolated.ABOVE
     if median < np.min(rows.level):
@@ -57,7 +57,7 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
 
 
 def extrapolation_statement(median: float, rows: Observations) -> list[WarningText]:
-    """Return a warning if the median of a curve is outside the levels of the observations, else an empty list."""
+    """Return a warning if the median of a curve is outside the observed levels, otherwise an empty list."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return []

@@ -26,7 +26,7 @@ AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
-    """Overturning probabilities of m bodies under r records at l levels; logarithms are of values in SI units."""
+    """Overturning probabilities of m bodies under r records at l levels of a measure; logarithms of SI values."""
 
     at: np.ndarray  #: (m, r, l) logarithms of the levels; the step is the same for all bodies and records
     probability: np.ndarray  #: (m, r, l) probability of overturning [-]
@@ -37,7 +37,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
-        """Create the curves from spectra and `own`, the ln of the records' measures; ResultsError if a C is missing."""
+        """Return the curves from spectra and `own`, ln of the records' measures; ResultsError if C has no spectrum."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -57,25 +57,25 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the index (m, r) of the interval of stored levels that contains or is nearest to a level."""
+        """Return the index (bodies, records) of the stored interval that contains a level, or is nearest to it."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
-        """Interpolate values (m, r, l) at a level of each body and record; constant beyond the stored levels."""
+        """Interpolate values (bodies, records, levels) at one level for each body and record."""
         step = self.step_of(log_level)
         share = np.clip((log_level - values_at(self.at, step)) / self.spacing, 0.0, 1.0)
         low = values_at(values, step)
         return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean and standard deviation (m,) over the records of the ln of the level that overturns each body."""
+        """Return, for each body, mean and standard deviation over the records of ln of the level that overturns it."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Return the ln of the levels (m,) at which the mean probability over records with `weights` (r,) is 1/2."""
+        """Return, for each body, ln of the level at which the mean probability over the weighted records is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -85,12 +85,12 @@ class BodyCurves(NamedTuple):
 
 
 def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Select from values (m, r, l) the elements (m, r) with the indices `place` along the last axis."""
+    """Return the elements (bodies, records) of `values` (bodies, records, levels) at the level indices `place`."""
     return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return /spectra, and /summary of the records with spectra; ConfigError for a measure that is not stored."""
+    """Return /spectra and, for its records, /summary; raise ConfigError for a measure that is not stored."""
     measured = [one.name for one in STORED_LEVELS]
     if measure not in measured:
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, found {measure}")
@@ -105,7 +105,7 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 def curves_in_parts(
     spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
 ) -> Iterator[tuple[np.ndarray, BodyCurves]]:
-    """Yield indices and curves of the bodies that the spectra cover, in parts of limited size."""
+    """Yield indices and curves of the bodies within the range of the spectra, in parts of limited size."""
     own = np.log(summary[measure].values.astype(float))
     covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
     for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):

@@ -58,13 +58,13 @@ def several_events(count: int) -> str:
 
 
 def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
-    """Return the warnings on a hazard in words, with the ground and the component to which the hazard must refer."""
+    """Return, as text, the warnings on the hazard, and the ground and component to which it must refer."""
     wanted = f"must refer to the ground at the site, and to {COMPONENTS[config.records.components]}"
     return "; ".join([*warnings, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
-    """Return a description of the records and the distribution of a fragility."""
+    """Describe the records and the distribution on which a fragility curve is based."""
     settings, chosen = config.fragility, config.fragility.selection is not None
     of, alike = (
         ("records chosen elsewhere", "weighted as given") if chosen else (DATA[settings.data], "equally weighted")
@@ -146,7 +146,7 @@ def fragility_frequency(
 
 
 def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of one body, which stays at rest below the level exp(floor)."""
+    """Return the result variables of one body, which remains at rest at levels below exp(`floor`)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
@@ -177,7 +177,7 @@ def _of_body(rows: Observations, floor: float, asked: _RiskOptions) -> dict[str,
 
 
 def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the variables of one frequency; the data cover the levels exp(`low`) to exp(`high`)."""
+    """Return a frequency and the values derived from it; the records cover exp(`low`) to exp(`high`)."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -192,7 +192,7 @@ def _frequency(whole: Integral, low: float, high: float, asked: _RiskOptions) ->
 
 
 def _warning(below: float, above: float, low: float, high: float, hazard: Hazard) -> str:
-    """Return a warning if much of the frequency comes from levels outside the data; empty if not."""
+    """Return a warning if much of the frequency comes from levels outside the data; otherwise an empty text."""
     parts = []
     ends = zip((below, above), (low, high), ("below", "above"), hazard.covered, strict=True)
     for share, limit, side, end in ends:
@@ -205,7 +205,7 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
 
 
 def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _RiskOptions) -> dict[str, Any]:
-    """Return the confidence limits of the frequency and the probability, or the reason why there are none."""
+    """Return the confidence limits of the frequency and of the probability, or the reason why they are missing."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
         return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}
@@ -228,14 +228,14 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
 
 
 def _uplift_level_known(rows: Observations, floor: float) -> bool:
-    """Return whether the level of uplift is known, and agrees with all observations."""
+    """Return whether the level at which the body lifts is known and agrees with all observations."""
     lifted, level = math.exp(floor), rows.level
     against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
     return lifted > 0.0 and not np.any(against)
 
 
 def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
-    """Return the logarithm of the level below which each body stays at rest; -inf if unknown or not in PGA."""
+    """Return, for each body, ln of the level below which it remains at rest; -inf if unknown or not in PGA."""
     if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
     lifting = np.log(table["uplift_acceleration"].values)
@@ -243,7 +243,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:
-    """Return bins of equal width in ln level that cover nearly all of the frequency, and the share of each."""
+    """Return bins of equal width in ln level that contain nearly all of the frequency, and the share of each."""
     summed = np.cumsum(whole.contribution) / np.sum(whole.contribution)
     low, high = np.interp([0.5 - 0.5 * HELD, 0.5 + 0.5 * HELD], summed, whole.log_level).tolist()
     edges = np.linspace(low, high, BINS + 1)
@@ -288,7 +288,7 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     [0.006738, 0.000599, 0.599146, 1.0]
     """
     if not (math.isfinite(age) and age > 0.0) or not 0.0 < confidence < 1.0:
-        raise ConfigError(f"age, confidence: expected a positive time and a share, got {age!r}, {confidence!r}")
+        raise ConfigError(f"age, confidence: expected a positive time and a share below 1, got {age!r}, {confidence!r}")
     frequency, low, high = (risk[f"frequency{end}"].values for end in ("", "_low", "_high"))
     largest = np.full(frequency.shape, -math.log1p(-confidence) / age)
     values = {

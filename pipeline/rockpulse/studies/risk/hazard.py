@@ -21,7 +21,7 @@ from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
-    """Return the factor from a unit of a measure to SI; raise ConfigError, with the location `where`, if unknown."""
+    """Return the factor that converts a unit to SI; raise ConfigError for an unknown unit, located by `where`."""
     known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
@@ -29,7 +29,7 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """Return the measure; raise ConfigError, with the location `where`, if it is not a measure of hazards."""
+    """Return the measure if hazards can be given in it; otherwise raise ConfigError, located by `where`."""
     if measure not in HAZARD:
         found = f"found {measure!r}{hint(measure, HAZARD)}"
         raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, {found}")
@@ -37,7 +37,7 @@ def known_measure(measure: str, where: str) -> str:
 
 
 class _Hazard(ABC):
-    """The base class of hazards of one site: an annual rate of exceedance over levels of a measure."""
+    """The base class of hazards at one point: the annual rate of exceedance over levels of a measure."""
 
     measure: str
     unit: str
@@ -54,7 +54,7 @@ class _Hazard(ABC):
 
     @property
     def unit_in_si(self) -> float:
-        """Factor that converts the unit to SI."""
+        """Factor that converts the unit of the levels to SI."""
         return MEASURES[self.measure].known_units[self.unit]
 
     @property
@@ -68,7 +68,7 @@ class _Hazard(ABC):
 
     @abstractmethod
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the logarithm of the rate at logarithms of levels in SI units."""
+        """Return ln of the annual rate at levels given by ln, in SI units."""
 
 
 @dataclass(frozen=True)
@@ -114,17 +114,17 @@ class PowerLawHazard(_Hazard):
 
     @property
     def knots(self) -> np.ndarray:
-        """Logarithms of the levels at which the slope changes; empty for a power law."""
+        """Logarithms of the levels at which the log-log slope changes; empty, as it is constant."""
         return np.zeros(0)
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level for which the hazard is given: 0 and infinity for a power law."""
+        """Range of levels for which the hazard is given: 0 to infinity for a power law."""
         return 0.0, math.inf
 
     @property
     def words(self) -> str:
-        """Description of the hazard."""
+        """Description of the hazard in words."""
         return f"power law {self.k0:g} x^-{self.k:g} of {self._levels}"
 
     @property
@@ -133,7 +133,7 @@ class PowerLawHazard(_Hazard):
         return np.array([self.k])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the logarithm of the rate at logarithms of levels in SI units."""
+        """Return ln of the annual rate at levels given by ln, in SI units."""
         one = math.log(self.unit_in_si * self.soil_factor)
         return np.asarray(math.log(self.k0) - self.k * (log_level - one))
 
@@ -142,7 +142,7 @@ class PowerLawHazard(_Hazard):
         return math.log(self.k) + self.log_rate(log_level)
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
+        """Return the integral of the rate over ln x from ln of a level, in SI units, to infinity [1/year]."""
         return np.exp(self.log_rate(log_level)) / self.k
 
 
@@ -214,14 +214,14 @@ class HazardCurve(_Hazard):
 
     @property
     def words(self) -> str:
-        """Description of the hazard."""
+        """Description of the hazard in words."""
         return f"{self.source}: {self.level.size} points of {self._levels}"
 
     def _piece(self, log_level: np.ndarray) -> np.ndarray:
         return np.clip(np.searchsorted(self.knots, log_level, side="right") - 1, 0, self.slopes.size - 1)
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the logarithm of the rate at logarithms of levels in SI units."""
+        """Return ln of the annual rate at levels given by ln, in SI units."""
         piece = self._piece(log_level)
         return np.asarray(np.log(self.rates[piece]) - self.slopes[piece] * (log_level - self.knots[piece]))
 
@@ -231,7 +231,7 @@ class HazardCurve(_Hazard):
             return np.asarray(np.log(self.slopes[self._piece(log_level)]) + self.log_rate(log_level))
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of the rate over ln x from logarithms of levels in SI units to infinity [1/year]."""
+        """Return the integral of the rate over ln x from ln of a level, in SI units, to infinity [1/year]."""
         piece = self._piece(log_level)
         ends = np.append(self.knots[1:-1], np.inf)
         level = self.slopes == 0.0  # never in the last piece
@@ -297,7 +297,7 @@ class SiteHazards:
 
     @classmethod
     def distinct(cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None) -> Self:
-        """Create the hazards of m bodies from keys (m, k); `hazard` is called once for each distinct key."""
+        """Return the hazards of bodies, given by a row of `keys` for each; `hazard` makes a hazard from a row."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
         return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)
@@ -309,24 +309,24 @@ class SiteHazards:
 
     @property
     def unit(self) -> str:
-        """Unit of the levels in messages."""
+        """Unit of the levels, as used in messages."""
         return self.hazards[0].unit
 
     @property
     def unit_in_si(self) -> float:
-        """Factor that converts the unit to SI."""
+        """Factor that converts the unit of the levels to SI."""
         return self.hazards[0].unit_in_si
 
     @property
     def covered(self) -> tuple[float, float]:
-        """First and last level of the hazards; NaN if these differ between the hazards."""
+        """First and last level common to all hazards; NaN if they differ."""
         ends = np.array([one.covered for one in self.hazards])
         low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
         return low, high
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings on the hazards, and the largest distance of a body from the point of its hazard."""
+        """Warnings on the hazards, and the largest distance of a body from the point of its hazard curve."""
         texts = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
             return texts
@@ -334,7 +334,7 @@ class SiteHazards:
 
     @property
     def words(self) -> str:
-        """Description of the hazards."""
+        """Description of the hazards in words."""
         if len(self.hazards) == 1:
             return self.hazards[0].words
         return f"{len(self.hazards)} hazards of {self.measure} in {self.unit}, such as {self.hazards[0].words}"
@@ -344,11 +344,11 @@ class SiteHazards:
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the logarithm of each body's annual rate at logarithms (m, ...) of levels in SI units."""
+        """Return ln of the annual rate for each body, at levels (m, ...) given by ln, in SI units."""
         return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
-        """Return the integral of each body's rate over ln x from logarithms (m, ...) of levels to infinity [1/year]."""
+        """Return, for each body, the integral of the rate over ln x from ln of levels (m, ...) to infinity [1/year]."""
         return self._of_each(log_level, "integral_above")
 
     def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
@@ -359,14 +359,14 @@ class SiteHazards:
         return found
 
     def log_ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the logarithms (m, 1) of the first and the last level of each body's hazard."""
+        """Return ln (m, 1) of the first and of the last level of each body's hazard."""
         with np.errstate(divide="ignore"):
             ends = np.log([self.hazards[number].covered for number in self.of_body.tolist()])
         return ends[:, :1], ends[:, 1:]
 
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
-    """Return `count` positive numbers, one for each body; a single value is repeated. ConfigError for other values."""
+    """Return `count` positive numbers, one for each body; a single number is repeated. ConfigError for other input."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

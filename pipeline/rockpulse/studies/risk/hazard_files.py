@@ -1,4 +1,4 @@
-"""Readers of hazard curves of one or many points: rates or probabilities, OpenQuake's files, or return periods."""
+"""Reads hazard curves of one or many points: rates or probabilities, OpenQuake files, or return periods."""
 
 import re
 from collections.abc import Callable
@@ -37,7 +37,7 @@ OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """The content of a hazard file: levels in the file's unit and annual rates [1/year], for one point or n points."""
+    """The content of a hazard file: levels in its own unit and annual rates [1/year], for one or n points."""
 
     path: str
     measure: str
@@ -49,7 +49,7 @@ class _Sheet(NamedTuple):
     rock: bool = False  #: whether the levels are for rock
 
     def curve(self, row: int, soil_factor: float, warnings: tuple[str, ...] = ()) -> HazardCurve:
-        """Return the hazard curve of one row in SI units, without levels whose probability is 1 or 0."""
+        """Return the hazard curve of one row in SI units, without levels of probability 1 or 0."""
         in_si = unit_factor(self.measure, self.unit, self.path)
         where = self.path if self.places is None else f"{self.path}, place {place_in_words(*self.places[row])}"
         level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
@@ -66,7 +66,7 @@ class _Sheet(NamedTuple):
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """Return the row of the point nearest to a site, and its distance as a warning; ConfigError if too far."""
+        """Return the row of the point nearest to a site, and a warning with its distance; ConfigError if too far."""
         if self.places is None:
             if site is None:
                 return 0, ()
@@ -164,7 +164,6 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Return sites as an array (m, 2) of longitudes and latitudes; raise ConfigError if a site is invalid."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)
@@ -180,14 +179,14 @@ def _checked_sites(sites: ArrayLike) -> np.ndarray:
 
 
 def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
-    """Return the hazard that the section [hazard] describes; file names are relative to `folder`."""
+    """Return the hazard described in the section [hazard]; file names are relative to `folder`."""
     return _of_factor(settings, folder)(settings.soil)
 
 
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """Return the hazards of `count` bodies; `sites` or `soil_factor` that are None are taken from [hazard]."""
+    """Return the hazards of `count` bodies; where `sites` or `soil_factor` is None, the values of [hazard] are used."""
     for key, stated, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil != 1.0, soil_factor),
@@ -206,7 +205,7 @@ def site_hazards_of(
 
 
 def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Hazard]:
-    """Return a function of the soil factor that creates the hazard described in [hazard]."""
+    """Return a function that makes the hazard of [hazard] for a given soil factor."""
     site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
     if settings.k0 is not None and settings.k is not None:
         if site is not None:
@@ -245,7 +244,7 @@ def _measure_of(path: str, text: str) -> str:
 
 
 def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
-    """Convert probabilities in a number of years to annual rates of a Poisson process; inf for probability 1."""
+    """Convert probabilities in a number of years to annual rates of a Poisson process; probability 1 gives inf."""
     if not years > 0.0 or np.any((probability < 0.0) | (probability > 1.0)):
         raise ConfigError(f"{path}: expected probabilities from 0 to 1 in a positive number of years")
     with np.errstate(divide="ignore"):
@@ -280,7 +279,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
 
 
 def _with_one_heading(lines: list[str]) -> str:
-    """Return the lines with one heading: return periods in a first line ("TR = 30") are joined to the column names."""
+    """Return the lines with one heading: return periods in a first line ("TR = 30") are added to the column names."""
     above = lines[0] if lines else ""
     if len(lines) < 2 or len(re.findall(r"\bTR\s*=\s*\d+", above, re.IGNORECASE)) < 2:
         return "\n".join(lines)
@@ -343,7 +342,7 @@ FARTHEST = 50.0
 
 
 def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
-    """Return longitude and latitude (n, 2) of the rows [degrees]; None without these columns."""
+    """Return longitude and latitude (n, 2) of the rows [degrees]; None if these columns are missing."""
     columns = {str(name).lower(): str(name) for name in table.columns}
     if not {"lon", "lat"} <= columns.keys():
         return None
@@ -353,7 +352,7 @@ def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the index (m,) of the point nearest to each site, and its distance [m]; ConfigError beyond 50 km."""
+    """Return the index of the point nearest to each site, and its distance [m]; ConfigError beyond 50 km."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 
@@ -370,12 +369,11 @@ def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np
 
 
 def place_in_words(longitude: float, latitude: float) -> str:
-    """Return a longitude and a latitude in words."""
+    """Return a longitude and a latitude as text."""
     return f"{longitude:.4g} E {latitude:.4g} N"
 
 
 def _on_sphere(places: np.ndarray) -> np.ndarray:
-    """Convert longitudes and latitudes (n, 2) to points (n, 3) on the unit sphere."""
     longitude, latitude = np.radians(places).T
     level = np.cos(latitude)
     return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

@@ -52,7 +52,7 @@ class Integral(NamedTuple):
 def integrate(
     family: Family, line: tuple[float, float], hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
 ) -> Integral:
-    """Integrate the fragility F(A + B ln x), which is 0 below exp(floor), over a hazard; `line` is (A, B)."""
+    """Integrate the fragility F(A + B ln x), 0 for x below exp(`floor`), over a hazard; `line` is (A, B)."""
     a, b = line
     lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
     logistic, middle = family.deviation != 1.0, -a / b
@@ -91,27 +91,27 @@ def integrate(
 
 
 def _decay(rate: float, length: float) -> float:
-    """Return the integral of exp(-rate t) from 0 to `length`, which may be inf if the rate is positive."""
+    """Return the integral of exp(-rate t) from 0 to `length`; `length` may be inf if the rate is positive."""
     if rate == 0.0:
         return length
     return 1.0 / rate if length == math.inf else -math.expm1(-rate * length) / rate
 
 
 def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
-    """Return A and B of F(A + B ln x), (1 + events, 2): fitted to all data, then with each earthquake left out."""
+    """Return A and B of F(A + B ln x), (1 + events, 2): fitted to all data, then with one earthquake left out each."""
     events = len(rows.events)
     return _lines(rows, family, np.vstack([np.ones(events), 1.0 - np.eye(events)]))
 
 
 def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
-    """Return A and B (q, 2) of F(A + B ln x), fitted for each of q rows of earthquake weights; NaN without a fit."""
+    """Return A and B (q, 2) of F(A + B ln x), fitted with each of q rows of earthquake weights; NaN without a fit."""
     u, centre, spread = standardised(np.log(rows.level))
     theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
     return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
 
 
 def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """Return the logarithms of the frequencies for q fitted lines (A, B), accurate to 1e-4; NaN for B <= 0."""
+    """Return ln of the frequencies for q fitted lines (A, B), accurate to 1e-4; NaN for B <= 0."""
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
     density = family.log_density(CAPACITY)[0] + math.log(STEP)
@@ -132,7 +132,7 @@ def band_of(
     seed: int,
     floor: float = -math.inf,
 ) -> Limits:
-    """Return the bootstrap limits of the frequency exp(estimate); `lines` is from :func:`fitted_lines`."""
+    """Return the bootstrap limits of the frequency exp(`estimate`); `lines` come from :func:`fitted_lines`."""
     events = len(rows.events)
     error = jackknife_error(_frequencies(family, lines, hazard, floor)[:, np.newaxis])[0]
     counts = draw_earthquakes(events, resamples, seed)

@@ -36,7 +36,7 @@ DEGREES = {"longitude": (-180.0, 360.0), "latitude": (-90.0, 90.0)}
 
 
 class Inventory(NamedTuple):
-    """A table of free bodies with their sites."""
+    """A table of free bodies, with the coordinates of their sites."""
 
     names: list[str]
     block: Block  #: (m,) bodies
@@ -135,7 +135,9 @@ def inventory_frequency(
     """
     spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
-        raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
+        raise ConfigError(
+            f"years, confidence: expected a positive time and a share below 1, got {years!r}, {confidence!r}"
+        )
     lanes = block.lanes()
     count = lanes.shape[0]
     if not isinstance(hazard, SiteHazards):
@@ -175,7 +177,7 @@ def inventory_frequency(
 def _of_bodies(
     curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
-    """Return the variables of (m,) bodies; `events` (k, r) are the weights of r records in each of k earthquakes."""
+    """Return the result variables of m bodies; `events` (k, r) are the weights of r records in k earthquakes."""
     # P is linear in ln x between two levels, so that its increase is multiplied by the mean of H between them.
     whole_above = hazards.integral_above(curves.at)
     slope = np.diff(curves.probability, axis=2) / curves.spacing
@@ -185,7 +187,7 @@ def _of_bodies(
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
-        """Return the frequency (m, r) from levels with logarithms above `log_level`."""
+        """Return the part (bodies, records) of the frequency from levels above `log_level`, given as ln."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)

@@ -1,1 +1,1 @@
-"""Selection of records whose mean spectrum fits a target spectrum."""
+"""Selection of records whose mean spectrum matches a target spectrum."""

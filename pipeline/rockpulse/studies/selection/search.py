@@ -1,7 +1,7 @@
-"""Searches for a set of spectra whose mean fits a target, by greedy choice from several starts and exchange of members.
+"""Searches for a set of spectra with a mean close to a target, by greedy choice from several starts and by exchange.
 
 .. note:: The scale factor of each spectrum makes the mean over the periods of its ratio to the target equal to 1, so
-   that every member is as strong as the target. The search minimises max/min over the periods of the mean
+   that all members are about as strong as the target. The search minimises max/min over the periods of the mean
    ratio of the set. Finally all scale factors are multiplied by a common factor, which centres the deviations.
 """
 
@@ -23,7 +23,7 @@ class SpectrumSet(NamedTuple):
 
 
 def own_factors(ratios: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Return the scale factor (m,) that makes the mean of each row of `ratios` (m, k) 1; NaN outside the bounds."""
+    """Return the scale factor with which the mean of each row of `ratios` becomes 1; NaN outside the bounds."""
     with np.errstate(divide="ignore"):
         factors = 1.0 / ratios.mean(axis=1)
     return np.where((factors >= bounds[0]) & (factors <= bounds[1]), factors, np.nan)
@@ -76,7 +76,7 @@ def _spread(ratios: np.ndarray) -> np.ndarray:
 
 
 def _best(shapes: np.ndarray, codes: np.ndarray, others: list[int], per_event: int) -> tuple[float, int]:
-    """Find the spectrum that, added to the others, gives the smallest spread; return this spread and its index."""
+    """Find the spectrum that gives the smallest spread if added to the others; return this spread and its index."""
     taken = np.bincount(codes[others], minlength=codes.max() + 1)[codes] >= per_event
     taken[others] = True
     spread = np.where(taken, np.inf, _spread(shapes[others].sum(axis=0) + shapes))
@@ -92,7 +92,7 @@ def _greedy(shapes: np.ndarray, codes: np.ndarray, start: int, count: int, per_e
 
 
 def _exchanged(shapes: np.ndarray, codes: np.ndarray, members: list[int], per_event: int) -> list[int]:
-    """Exchange one member at a time, always by the best exchange, until none reduces the spread; return the members."""
+    """Repeat the exchange of one member that reduces the spread most, while there is one; return the members."""
     spread = float(_spread(shapes[members].sum(axis=0)))
     while True:
         others = [members[:place] + members[place + 1 :] for place in range(len(members))]

@@ -1,4 +1,4 @@
-"""Selection of records whose mean spectrum fits a target spectrum, and the tree of its results."""
+"""Selection of records whose mean spectrum matches a target spectrum, and the tree of its results."""
 
 import os
 from collections import Counter
@@ -76,7 +76,7 @@ def select(
 
 
 class SelectionAnalysis(Analysis):
-    """The selection: computes the spectrum of every record, and searches for the set whose mean fits the target."""
+    """The selection: computes the spectrum of every record, and searches for the set that matches the target best."""
 
     name = "select"
     doing = "computing spectra"
@@ -154,7 +154,7 @@ class SelectionAnalysis(Analysis):
         return self.described(tree, "Selection of records by their mean spectrum")
 
     def _require_enough(self, factors: np.ndarray, events: Sequence[str]) -> None:
-        """Raise ConfigError if the usable records of different earthquakes are fewer than requested."""
+        """Raise ConfigError if fewer records of different earthquakes can be used than were requested."""
         asked = self.config.selection
         usable = Counter(event for event, factor in zip(events, factors, strict=True) if np.isfinite(factor))
         enough = sum(min(asked.per_earthquake, count) for count in usable.values())
@@ -171,14 +171,14 @@ class SelectionAnalysis(Analysis):
 
 
 def record_spectrum(motion: Motion, watch: Watch, periods: np.ndarray) -> Part:
-    """Return id and 5 % damped pseudo-acceleration [m/s2] of one record at (k,) periods [s], as arrays with one row."""
+    """Return id and 5 % damped pseudo-acceleration [m/s2] of one record at the periods [s], as arrays of one row."""
     with watch("solve"):
         spectrum = [spectral_acceleration(motion.record, period) for period in periods.tolist()]
     return {"record": np.array([motion.record.id]), "spectrum": np.array([spectrum])}
 
 
 def target_spectrum(config: Config, periods: np.ndarray) -> tuple[np.ndarray, str]:
-    """Return the target [m/s2] at (k,) periods [s], from the table of [selection] or from [check], and its name."""
+    """Return the target spectrum [m/s2] at the periods [s], from [selection] or else [check], and its name."""
     if config.selection.target is None:
         if not config.check.given:
             raise ConfigError(

@@ -1,1 +1,1 @@
-"""Stored cases that test an installation, and a conventional solver to compare with."""
+"""Stored cases that test an installation, and a conventional solver for comparison."""

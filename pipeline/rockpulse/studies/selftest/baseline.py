@@ -1,8 +1,8 @@
-"""The reference method for errors and run times: scipy's ``solve_ivp``, restarted after each impact.
+"""A conventional solver, used to compare errors and run times: scipy's ``solve_ivp``, restarted after each impact.
 
-It is tuned for speed. Time at rest is skipped up to the next sample above the threshold, a run ends when the block
-overturns, the first step of a tiny hop has the length of the hop, and the peak after the end of the record follows from
-the energy. ``max_step`` is dt, as longer steps would miss changes of slope in the record.
+It is tuned for speed. Time at rest is skipped up to the next sample above the threshold of uplift, a run ends when the
+block overturns, the first step of a very short free motion is as long as the motion, and the peak after the end of the
+record follows from the energy. ``max_step`` is dt, as longer steps would miss changes of slope in the record.
 """
 
 import math
@@ -16,7 +16,7 @@ MOST_HOPS = 100_000
 
 
 class Baseline(NamedTuple):
-    """The result of the reference method."""
+    """The result of the conventional solver."""
 
     peak_rotation_ratio: float  #: theta_max/alpha [-], inf when overturned
     outcome: str  #: AT_REST, ROCKS, OVERTURNS or UNRESOLVED
@@ -132,7 +132,7 @@ def baseline_response(
 
 
 def afterwards(x: float, u: float, alpha: float, restitution: float, linear: bool) -> tuple[float, bool]:
-    """Return peak/alpha after the record and whether the block overturns; at its end x = theta/alpha > 0, u = x'/p."""
+    """Return peak/alpha after the record, and whether the block overturns; `x` = theta/alpha > 0 and `u` = x'/p."""
 
     def potential(x: float) -> float:
         return -0.5 * (1.0 - x) ** 2 if linear else (math.cos(alpha * (1.0 - x)) - 1.0) / alpha**2

@@ -61,7 +61,7 @@ class Case:
     tie_height: float  # [m]
 
     def motions(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the horizontal and the vertical ground acceleration (n,) [m/s2]."""
+        """Return the horizontal and the vertical ground acceleration [m/s2]."""
         both = [synthetic_motion(one, self.samples, self.quiet) for one in (self.ground, self.vertical or self.ground)]
         return both[0], both[1] if self.vertical else np.zeros(both[0].size)
 
@@ -70,7 +70,7 @@ class Case:
         return replace(self, scale=scale)
 
     def row(self) -> dict[str, Any]:
-        """Return the values of the case by column of the table."""
+        """Return the values of the case by the column names of the table of cases."""
         return asdict(self)
 
     def block(self) -> Block:
@@ -150,7 +150,7 @@ def solve_case(stored: AnsweredCase) -> CaseResult:
 
 
 def _cost(start: float, active: int) -> float:
-    """Return the time since `start` per active sample [ns]; NaN without active samples."""
+    """Return the time since `start` per sample in which the block moves [ns]; NaN without such samples."""
     return 1e9 * (time.perf_counter() - start) / active if active else np.nan
 
 

@@ -1,1 +1,1 @@
-"""The design spectrum or design sequence of a site, from its records."""
+"""The design spectrum or design sequence of a site, derived from its records."""

@@ -1,4 +1,4 @@
-"""Calibration of the design of a site on its records: overturning spectrum and impulse sequences."""
+"""Calibration of a site from its records: the design spectrum, and the design sequences of bodies."""
 
 import os
 from collections.abc import Callable, Iterable, Sequence
@@ -35,7 +35,7 @@ def calibrate(
     units: str | None = None,
     dt: float | None = None,
 ) -> xr.DataTree:
-    """Calibrate the design of a site on a set of records: overturning spectrum, and impulse sequence of each body.
+    """Derive the design spectrum of a site, and the design sequence of each body, from a set of records.
 
     The spectrum is the predictive quantile over earthquakes of the records' overturning spectra. The sequence has the
     median I_s/I, interval dT and number of main impulses N of the half-waves in the intense phases (section sequence),
@@ -79,7 +79,7 @@ def calibrate(
 
 
 class NothingCalibrated(RecordRefused):
-    """Error: no record could be calibrated; ``failures`` has a row for each record."""
+    """Error: no record could be used for the calibration; ``failures`` has a row for each record."""
 
     def __init__(self, message: str, failures: Sequence[Failure]) -> None:
         super().__init__(message)
@@ -87,7 +87,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """The calibration of a site: computes the spectrum and half-waves of every record, and from them the design."""
+    """The calibration of a site: computes spectrum and half-waves of each record, then design spectrum and sequence."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -96,7 +96,9 @@ class SiteCalibration(Analysis):
     def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
         if config.sequence.main_count == "none":
-            raise ConfigError('[sequence] main_count: "none" has no design; expected "half-largest" or a number')
+            raise ConfigError(
+                '[sequence] main_count: "none" gives no design sequence; expected "half-largest" or a number'
+            )
         blocks = config.bodies if bodies is None else bodies
         self.block_names: list[str] = []
         self.lanes: Block | None = None
@@ -114,11 +116,11 @@ class SiteCalibration(Analysis):
 
     @cached_property
     def empty_part(self) -> Part:
-        """Empty arrays in place of the results of a record, for records without results."""
+        """Arrays without rows, with the names, types and further dimensions of every part."""
         return empty_spectrum_record()
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Return the plan of the calibration; raise ConfigError before any processing if a record has no weight."""
+        """Return the plan of the calibration; raise ConfigError before any computation if a record has no weight."""
         plan = super().plan(records, failures)
         known = [name for one in plan.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
@@ -126,7 +128,7 @@ class SiteCalibration(Analysis):
         return plan
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Compute the design of the site from the results of all records."""
+        """Compute design spectrum and sequence of the site from the results of all records."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
@@ -147,7 +149,7 @@ class SiteCalibration(Analysis):
 
 
 def load_design(path: str | Path) -> DesignSpectrum:
-    """Read the design from a site file of ``rockpulse calibrate``.
+    """Read the design spectrum from a site file of ``rockpulse calibrate``.
 
     Parameters
     ----------
@@ -161,7 +163,7 @@ def load_design(path: str | Path) -> DesignSpectrum:
     Raises
     ------
     ResultsError
-        For a file of another kind, or a site file with too few earthquakes for a design.
+        For a file of another kind, or a site file with too few earthquakes for a design spectrum.
     OSError
         If the file cannot be opened.
 
@@ -179,10 +181,10 @@ def load_design(path: str | Path) -> DesignSpectrum:
 
 
 def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum:
-    """Return the design in a site tree in memory, as :func:`load_design` does for a file; messages call it `name`."""
+    """Return the design spectrum of a site tree, as :func:`load_design` does for a file; `name` is used in messages."""
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     if np.isnan(spectra["spectrum_design"].values).any():
-        raise ResultsError(f"{name}: no design: {str(site['site_warnings'].item()).splitlines()[0]}")
+        raise ResultsError(f"{name}: no design spectrum: {str(site['site_warnings'].item()).splitlines()[0]}")
     return DesignSpectrum(
         spectra["p"].values,
         spectra["restitution"].values,

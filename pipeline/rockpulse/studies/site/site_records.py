@@ -1,4 +1,4 @@
-"""One record of a site: scaling to a target, and the facts of the record in a site file."""
+"""One record of a site: its scaling to a target, and the facts about it in a site file."""
 
 import math
 from dataclasses import replace
@@ -24,12 +24,12 @@ USUAL_FACTORS = (0.25, 4.0)
 
 
 def measured_value(name: str, record: Record, config: Config) -> float:
-    """Return the value of a named intensity measure of a conditioned record."""
+    """Return the value of an intensity measure of a conditioned record; `name` is the name of the measure."""
     return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Return the factor [-] that scales a record to the configured target; RecordRefused for a measure of zero."""
+    """Return the factor [-] that scales a record to the configured target; RecordRefused if the measure is zero."""
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
@@ -47,7 +47,7 @@ def scaled(record: Record, factor: float) -> Record:
 
 
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """Return the record scaled to the target, and the factor [-]; raise RecordRefused if scaling is impossible."""
+    """Return the record scaled to the target, and its scale factor [-]; raise RecordRefused if this is impossible."""
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
@@ -58,7 +58,7 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
 
 
 def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, Any]:
-    """Return the values of one scaled record that a site file stores, by variable."""
+    """Return the values that a site file stores for one scaled record, by variable."""
     return {
         "record": record.id,
         "source": record.source,
@@ -73,7 +73,7 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
 
 
 def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
-    """Return a warning if some scale factors (n,) of records are unusually small or large, else an empty list."""
+    """Return a warning if scale factors of records are unusually small or large, otherwise an empty list."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if not odd:

@@ -1,9 +1,9 @@
-"""Design of a site: predictive quantiles over earthquakes of overturning spectra, and the sequences of bodies.
+"""Design spectrum of a site (predictive quantiles of overturning spectra over earthquakes), and sequences of bodies.
 
-.. note:: At every p and C the design is exceeded by a further earthquake with the probability 1 - quantile
+.. note:: At every p and C the probability that a further earthquake exceeds the design spectrum is 1 - quantile
    (:func:`rockpulse.earthquakes.record_quantiles`). The intervals are from resampling earthquakes. With fewer than
-   1/(1 - quantile) earthquakes there is no design. I_s/I, dT and the number of main impulses are the weighted medians
-   of the sequences of the records (:func:`rockpulse.record_sequence`).
+   1/(1 - quantile) earthquakes there is no design spectrum. I_s/I, dT and the number of main impulses are the weighted
+   medians of the sequences of the records (:func:`rockpulse.record_sequence`).
 """
 
 import math
@@ -35,7 +35,7 @@ from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTR
 from rockpulse.studies.site.site_records import empty_facts, facts_of_record, scaled_motion, unusual_factors_warning
 from rockpulse.warning_text import WarningText, as_stored
 
-#: Smallest number of earthquakes of a design.
+#: Smallest number of earthquakes for a design spectrum.
 FEWEST_EVENTS = 5
 #: Variables of the records by the parameter of the sequence of which they give the median.
 SHAPE = {"ratio": "record_ratio", "interval": "record_interval", "main_count": "record_main_count"}
@@ -73,7 +73,7 @@ def empty_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Return the number of earthquakes that a quantile needs: at least five, with at least one beyond the quantile."""
+    """Return how many earthquakes a quantile requires: at least five, and enough that one lies beyond the quantile."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
@@ -85,7 +85,7 @@ def spectrum_design(
     config: Config,
     warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Return the groups /site and /spectra with the quantiles of the spectra, the sequence and the bodies."""
+    """Return the groups /site and /spectra: quantiles of the spectra, the design sequence, and the bodies."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     counted = weights > 0.0
@@ -148,7 +148,7 @@ def _shape(
     numbers: np.ndarray,
     quantiles: Callable[..., list[Quantiles]],
 ) -> dict[str, float]:
-    """Return I_s/I, dT and the number of main impulses by name: medians over records, and their intervals."""
+    """Return I_s/I, dT and number of main impulses by name: medians over the records, and their intervals."""
     known = (weights > 0.0) & np.isfinite(done["record_interval"])
     if not np.any(known):
         raise RecordRefused(
@@ -178,7 +178,7 @@ def _bodies(
     weights: np.ndarray,
     spacing: str,
 ) -> dict[str, np.ndarray]:
-    """Return the design values (m,) of the bodies by name; NaN outside the spectrum, or if all weights are zero."""
+    """Return the design values of the bodies by name; NaN outside the spectrum, or if all weights are zero."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}
@@ -215,7 +215,7 @@ def _bodies(
 
 
 def _response(blocks: Block, sequence: ImpulseSequence) -> dict[str, np.ndarray]:
-    """Return the response of (m,) blocks to (m,) sequences, and to these sequences without end, by name."""
+    """Return the response of m blocks to m sequences, and to the same sequences without an end, by name."""
     own = sequence_response(blocks, sequence, table_rows=int(np.max(np.asarray(sequence.main_count))), paired=True)
     endless = sequence_response(blocks, replace(sequence, main_count=None), table_rows=0, paired=True)
     assert own.half_cycles is not None

@@ -1,1 +1,1 @@
-"""The changes between two results files."""
+"""Comparison of two results files."""

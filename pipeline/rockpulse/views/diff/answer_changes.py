@@ -1,4 +1,4 @@
-"""Decisive changes between two assessments: changed verdicts, ratios that crossed 1, and changed margins."""
+"""Important changes between two assessments: changed verdicts, ratios that crossed 1, and changed safety margins."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ MARGIN = (
 
 
 class Flip(NamedTuple):
-    """A verdict that changed, or a ratio that crossed 1; ``place`` names the record, body, model and demand."""
+    """A changed verdict, or a ratio that crossed 1; ``place`` contains the names of record, body, model and demand."""
 
     place: tuple[str, ...]
     before: str
@@ -30,7 +30,7 @@ class Flip(NamedTuple):
 
 @dataclass
 class Changes:
-    """The changes of one variable: their numbers in all models and in the most complete one, and the first changes."""
+    """The changes of one variable: their number in all models and in the most complete model, and the first changes."""
 
     listed: int = 0
     compared: int = 0
@@ -42,7 +42,7 @@ class Changes:
 
     @property
     def named(self) -> list[Flip]:
-        """Return the first `listed` changes; those in the most complete model come first."""
+        """Return the first `listed` changes; changes in the most complete model come first."""
         return [*self._first, *self._others][: self.listed]
 
     def add(self, places: np.ndarray, leading: np.ndarray, named: Callable[[int], Flip]) -> None:
@@ -54,7 +54,7 @@ class Changes:
 
 
 def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
-    """Return the most complete model that is in both groups /summary; empty if they have no common model."""
+    """Return the most complete model that both assessments contain; empty if they have no model in common."""
     if "model" not in one.coords or "model" not in other.coords:
         return ""
     common = one.sel(model=np.isin(one["model"].values, other["model"].values))
@@ -64,7 +64,7 @@ def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
 def body_changes(
     one: xr.Dataset, other: xr.Dataset, named: Mapping[str, Matched], model: str, ignore: Sequence[str] = ()
 ) -> list[str]:
-    """Return a line for each body whose margin changed, computed from the records that both files contain."""
+    """Return a line for each body whose safety margin changed, computed from the records that both files contain."""
     records, blocks = named["record"], named["block"]
     size = records.first.size
     if not size or not blocks.first.size:
@@ -93,7 +93,7 @@ def body_changes(
 
 
 def _described_margins(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
-    """Return P, the smallest scale factor and the smallest capacity/demand of the bodies as text, by quantity."""
+    """Return P, smallest scale factor and smallest capacity/demand of each body as texts, by quantity."""
     answers = Answers(summary)
 
     def probability(values: np.ndarray, *left_out: np.ndarray) -> list[str]:

@@ -1,4 +1,4 @@
-"""The differences between two results files as text."""
+"""The differences between two results files as text for the terminal."""
 
 import math
 import os
@@ -131,18 +131,15 @@ def _only(one: OnlyIn, most: int) -> str:
 
 
 def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -> str:
-    """Return a title and at most `most` lines below it; empty if there are no lines."""
     said = [paragraph(line, indent, "  ") for line in every]
     return "\n".join([title, *_first(said, most)]) if said else ""
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
-    """Return at most `most` lines, then a line with the number of the others."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
-    """Return a title, a line for each listed change, and a line with the number of the others."""
     rows = tuple(
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
@@ -178,7 +175,7 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
 
 
 def _place(names: Sequence[str]) -> str:
-    """Return the names on one line; the longest names are shortened so that the line fits the column."""
+    """Return the names on one line; the longest names are shortened until the line fits the column."""
     room = PLACE_WIDTH - 2 * (len(names) - 1)
     width = max(map(len, names), default=0)
     while sum(min(len(name), width) for name in names) > room:
@@ -187,7 +184,7 @@ def _place(names: Sequence[str]) -> str:
 
 
 def _cut(name: str, width: int) -> str:
-    """Shorten a name to a width; the end of a record id is kept, as it contains the time."""
+    """Shorten a name to a width; a record id keeps its end, which contains the time."""
     channel, at, start = name.partition("@")
     room = width - len(channel) - len("@…")
     if len(name) > width and at and room > 0:

@@ -1,4 +1,4 @@
-"""Compares two results files: rows in only one file, values beyond a tolerance, and changed verdicts."""
+"""Compares two results files: rows that only one of them has, values that differ, and changed verdicts."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -34,7 +34,7 @@ APART = ("history", "configuration", "kind", "Conventions", "_NCProperties", *OF
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """The differences of one variable: the number of different values, and the place of the largest difference."""
+    """The differences of one variable: how many values differ, and where the largest difference is."""
 
     name: str  # group and variable
     differing: int  # number of values beyond the tolerance
@@ -47,7 +47,7 @@ class VariableDifference:
 
 @dataclass(repr=False)
 class Differences:
-    """All differences between two files; ``sides`` lists changed verdicts and ratios that crossed 1, by variable."""
+    """All differences between two files; ``sides`` has the changed verdicts and ratios that crossed 1, by variable."""
 
     about: list[tuple[str, str, str]] = field(default_factory=list)  # root attributes: name, before, after
     configuration: list[str] = field(default_factory=list)
@@ -85,7 +85,7 @@ def compare_results(
 
     Two numbers are equal if they differ by at most `atol` + `rtol` times the larger number, or if both are NaN or the
     same infinity; texts, integers and flags must be identical. Variables in `ignore` (``name`` or ``/group/name``) are
-    not compared. At most `listed` changed verdicts and `listed` crossed ratios are named.
+    not compared. At most `listed` changed verdicts and `listed` ratios that crossed 1 are named.
     """
     if first.kind != second.kind:
         raise ResultsError(
@@ -134,7 +134,7 @@ def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Ma
 
 
 def _placed(configuration: str) -> list[str]:
-    """Return the lines of a configuration, each preceded by its section; bodies and demands are named."""
+    """Return the lines of a configuration, each preceded by the name of its section and, if it has one, of its body."""
     where, lines = "", []
     for line in configuration.splitlines():
         if line.startswith("["):
@@ -147,7 +147,7 @@ def _placed(configuration: str) -> list[str]:
 
 
 def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) -> None:
-    """Compare the rows of the failures tables as whole rows, regardless of their order."""
+    """Compare the rows of the two tables of failures; their order does not matter."""
     first, second = (
         list(map("{} ({}) {}: {}".format, *(dataset[name].values for name in ("kind", "stage", "file", "reason"))))
         for dataset in (one, other)
@@ -157,7 +157,6 @@ def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) ->
 
 
 def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], rtol: float, atol: float) -> None:
-    """Match the rows of a group in both files, and compare the variables that both contain."""
     one, other, group = rows.one, rows.other, rows.group
     for name in sorted(set(one.attrs) | set(other.attrs)):
         old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (one, other))
@@ -182,7 +181,7 @@ def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], 
 
 
 def _not_alike(before: xr.Variable, after: xr.Variable) -> str:
-    """Return the reason why two variables cannot be compared (units, flags, dimensions or type); empty if they can."""
+    """Return why two variables cannot be compared (units, flags, dimensions or type); empty if they can."""
     for what in ("units", "flag_meanings"):
         if str(before.attrs.get(what)) != str(after.attrs.get(what)):
             return f"{what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}"
@@ -238,7 +237,7 @@ def _compare_values(
 def _parts(
     before: xr.Variable, after: xr.Variable, rows: list[Matched]
 ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yield the index of the first row and the values in both files, for one part of a variable after the other."""
+    """Yield a variable in parts: the index of the first row of the part, and the values of both files."""
     if not rows:
         yield 0, np.asarray(before.values), np.asarray(after.values)
         return
@@ -274,13 +273,13 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
 
 
 def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Return the indices in `places` at which a ratio crossed 1."""
+    """Return those indices of `places` at which a ratio crossed 1."""
     one, other = old.reshape(-1)[places], new.reshape(-1)[places]
     return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
 
 
 def _relative(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Return the relative differences of numbers; inf if only one is finite, and 1 for texts and integers."""
+    """Return the relative differences: inf if only one number is finite, and 1 for texts and integers."""
     if old.dtype.kind != "f" or new.dtype.kind != "f":
         return np.ones(old.shape)
     with np.errstate(invalid="ignore", divide="ignore"):

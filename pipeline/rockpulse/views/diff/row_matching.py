@@ -1,4 +1,4 @@
-"""Matches the rows of two results files by name, by the row that contains them, or by the row they refer to."""
+"""Matches the rows of two results files, by name or by the record, body and model to which a row belongs."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from rockpulse.storage.export.long_table import POINTS_AT
 
 @dataclass(frozen=True)
 class OnlyIn:
-    """Names that only the first or only the second of two files contains; ``what`` is the kind of the named objects."""
+    """Names that only the first or only the second of two files contains; ``what`` is the kind of object they name."""
 
     what: str
     first: tuple[str, ...]
@@ -20,7 +20,7 @@ class OnlyIn:
 
 
 def add_only(only: list[OnlyIn], what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
-    """Add to `only` the names that only one of two lists contains, unless they were added before."""
+    """Add to `only` the names that only one of two lists contains, unless they were already added."""
     before, after = dict.fromkeys(map(str, first)), dict.fromkeys(map(str, second))
     gone = tuple(name for name in before if name not in after)
     new = tuple(name for name in after if name not in before)
@@ -31,7 +31,7 @@ def add_only(only: list[OnlyIn], what: str, first: Iterable[Any], second: Iterab
 
 @dataclass(frozen=True, eq=False)
 class Matched:
-    """The rows that both files contain along one dimension, given by their indices in each file."""
+    """The rows along one dimension that both files contain, as indices in the first and in the second file."""
 
     first: np.ndarray
     second: np.ndarray
@@ -41,7 +41,7 @@ class Matched:
 
 @dataclass
 class RowMatcher:
-    """Matches the rows of one group in two files; ``only`` and ``warnings`` collect what could not be matched."""
+    """Matches the rows of one group of two files; ``only`` and ``warnings`` list what could not be matched."""
 
     group: str
     one: xr.Dataset
@@ -52,7 +52,7 @@ class RowMatcher:
     _matched: dict[str, Matched | None] = field(default_factory=dict)
 
     def of(self, dim: str) -> Matched | None:
-        """Return the rows along a dimension that both files contain; None if rows cannot be matched."""
+        """Return the rows along a dimension that both files contain; None if the rows cannot be matched."""
         if dim not in self._matched:
             self._matched[dim] = self._match(dim)
         return self._matched[dim]
@@ -86,7 +86,7 @@ class RowMatcher:
         return matched
 
     def _by_owner(self, dim: str, sizes: str) -> Matched | None:
-        """Match the samples of rows that have the same number of samples in both files."""
+        """Match the samples of those rows that have the same number of samples in both files."""
         owner = self.of(str(self.one[sizes].dims[0]))
         if owner is None:
             return None
@@ -113,7 +113,7 @@ class RowMatcher:
         return Matched(first, second, name, owner.whole and bool(alike.all()))
 
     def _by_pointers(self, dim: str) -> Matched | None:
-        """Match the rows that refer to the same record, body, case and model, in the order of the files."""
+        """Match rows that belong to the same record, body, restitution and model, in the order of the files."""
         pointers = [name for name in POINTS_AT if name in self.one and self.one[name].dims == (dim,)]
         alike = all(np.array_equal(self.one[name].values, self.other[name].values) for name in pointers)
         if alike and all(matched.whole for matched in self.named.values()):
@@ -140,7 +140,7 @@ class RowMatcher:
         return Matched(first, second, self._names(dim, pointers, first), whole)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
-        """Return a function that gives, for a matched row, the names it refers to and its index in the first file."""
+        """Return a function that gives, for a matched row, the names of its record, body and model, and its index."""
         labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:
@@ -153,7 +153,7 @@ class RowMatcher:
         return name
 
     def _common(self, pointed: np.ndarray, at: str, side: str) -> np.ndarray:
-        """Return for each row the index of the name it refers to among the matched names; -1 for other names."""
+        """Return, for each row, the index of its record, body or model among those that both files contain; else -1."""
         if at not in self.named:
             return pointed.astype(np.int64)
         place = getattr(self.named[at], side)
@@ -165,7 +165,7 @@ class RowMatcher:
 def _in_order(
     first_key: np.ndarray, second_key: np.ndarray, first_known: np.ndarray, second_known: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, int, bool]:
-    """Return the matched indices in both files, the number of unmatched keys, and whether all rows match."""
+    """Return the indices of matched rows in both files, the number of unmatched keys, and whether all rows match."""
     if np.array_equal(first_key, second_key) and first_known.all() and second_known.all():
         return np.arange(first_key.size), np.arange(first_key.size), 0, True
     rows = []

@@ -1,4 +1,4 @@
-"""Pictures of the scale factors at which bodies overturn: all intervals, or the smallest of every record."""
+"""Pictures of the scale factors at which bodies overturn: all intervals, or the smallest factor of every record."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -178,7 +178,7 @@ def critical_scale(
 
 
 def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[str], model: str) -> np.ndarray:
-    """Return the values of a variable by record, body and restitution; NaN if the variable is missing."""
+    """Return the values of a variable, flattened in the order record, body, restitution; NaN if it is missing."""
     count = len(records) * len(blocks) * summary.sizes.get("case", 1)
     if name not in summary:
         return np.full(count, np.nan)
@@ -206,7 +206,7 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:
-    """Draw a dot at the scale factor of every row; dots of lower bounds are hollow."""
+    """Draw a dot at the scale factor of every row; a hollow dot is a lower bound."""
     dots: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 3.6, "mec": BLACK, "mew": 0.7, "zorder": 3}
     for rows, face in ((~bound, BLACK), (bound, "white")):
         drawn = rows & np.isfinite(factors)
@@ -215,7 +215,6 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> N
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
-    """Draw the scale factors of one model, and return the smallest scale factor."""
     appearance, factor = style.look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0

@@ -48,7 +48,6 @@ FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIN
 
 
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
-    """Return the names of a record and a body, and the title of their picture."""
     summary = tree["summary"].to_dataset()
     record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     names = f"{style.plain(record)}, {style.plain(selection.named_body(summary, block, case))}"
@@ -94,7 +93,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
-    """Return equally spaced values from below the smallest to above the largest of all given values."""
+    """Return equally spaced values that span `values` and, with a margin of 10 %, also all values of `marked`."""
     low, high = min([values[0], *(0.9 * one for one in marked)]), max([values[-1], *(1.1 * one for one in marked)])
     return np.linspace(low, high, len(values)).tolist()
 
@@ -109,7 +108,7 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 
 def has_spectra(tree: xr.DataTree) -> bool:
-    """Return whether an assessment with a probability has overturning spectra, or few records to compute them from."""
+    """Return whether an assessment has overturning spectra, or P for so few records that they can be computed."""
     if "spectra" in tree.children:
         return True
     probability = tree["summary"].to_dataset()["overturning_probability"].values
@@ -118,15 +117,15 @@ def has_spectra(tree: xr.DataTree) -> bool:
 
 
 def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[str] | None = None) -> xr.Dataset:
-    """Return the spectra in the file or, if it has none, spectra computed from the records at the nearest C."""
+    """Return the stored spectra, or compute them from the records at the tabulated C nearest to `restitution`."""
     if "spectra" in tree.children:
         stored = tree["spectra"].to_dataset()
         return stored if records is None else stored.sel(record=list(records))
     names = tree["summary"].to_dataset()["record"].values.tolist() if records is None else list(records)
     if len(names) > MARCHED:
         raise ResultsError(
-            f"the file does not hold the spectra of its {len(names)} records, and those of at most {MARCHED} are "
-            'computed for a picture: name one record, or assess again with [uncertainty] spectrum = "all"'
+            f"the file does not contain the spectra of its {len(names)} records, and at most {MARCHED} spectra "
+            'are computed for a picture: name one record, or assess again with [uncertainty] spectrum = "all"'
         )
     nearest = float(RESTITUTIONS[np.argmin(np.abs(RESTITUTIONS - restitution))])
     uncertainty = selection.settings_of(tree, UncertaintySettings).of_draws()
@@ -270,7 +269,7 @@ def plot(
         raise TypeError(f"plot: a {type(what).__name__} takes no options, found {unknown}")
     if isinstance(what, ImpulseSequence) and block is not None:
         if not isinstance(block, Block):
-            raise TypeError(f"plot: expected a Block that gives the sequence its times, found {type(block).__name__}")
+            raise TypeError(f"plot: expected a Block, whose half-cycles give the times, found {type(block).__name__}")
         return style.whole_figure(limit_accelerogram(block, what))
     drawer = next(draw for kind, draw in _BY_TYPE.items() if isinstance(what, kind))
     return style.whole_figure(drawer(what))
@@ -288,7 +287,7 @@ def _of_dataset(spectrum: xr.Dataset) -> Axes:
 
 
 def _first(tree: xr.DataTree) -> str:
-    """Return the kind of picture that is drawn by default."""
+    """Return the kind of picture that is drawn if no kind is given."""
     found = str(tree.attrs.get("kind", ASSESSMENT))
     for kind in FIRST.get(found, ()):
         if kind != "spectrum" or has_spectra(tree):

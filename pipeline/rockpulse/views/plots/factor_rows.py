@@ -26,7 +26,7 @@ LISTED = 3
 def drawn_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """Return the indices of the drawn rows, the indices combined in each merged row, the row names, and notes."""
+    """Return the indices of the drawn rows, the rows combined in each merged row, the names of all rows, and notes."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
@@ -50,7 +50,7 @@ def drawn_rows(
 
 
 def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the ticks of the drawn rows; NaN for a merged row that combines different ticks."""
+    """Return the tick of each drawn row; NaN if it combines rows with different ticks."""
     found = ticks[kept]
     for place, group in enumerate(merged, start=kept.size - len(merged)):
         if np.unique(ticks[group]).size > 1:
@@ -59,7 +59,7 @@ def ticks_of_rows(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarr
 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Set a logarithmic axis of scale factors and name the rows; rows without a factor are marked up to `last`."""
+    """Format a logarithmic axis of scale factors and name the rows; rows without a factor are marked up to `last`."""
     ax.set_xscale("log")
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:
@@ -76,7 +76,7 @@ def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: 
 
 
 def legend_once(ax: Axes, columns: int) -> int:
-    """Draw a legend that contains every label once, and return its number of rows."""
+    """Draw a legend in which every label appears once, and return its number of rows."""
     handles, labels = ax.get_legend_handles_labels()
     names = list(dict.fromkeys(labels))
     legend_above(ax, columns, across=True, handles=[handles[labels.index(name)] for name in names], labels=names)
@@ -86,7 +86,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """Return the scale factors of the records for each demand; NaN for factors above `end`."""
+    """Return the scale factors that bring each record to each demand; NaN for scale factors above `end`."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
@@ -98,12 +98,12 @@ def factors_to_demands(
 
 
 def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
-    """Return the smallest scale factor for a demand, or `otherwise` if that is smaller."""
+    """Return the smallest scale factor for any demand, or `otherwise` if that is smaller."""
     return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """Draw a tick in each row at the scale factor for each demand; ticks of demands after the first are shorter."""
+    """Draw in each row a tick at the scale factor for each demand; ticks after the first demand are shorter."""
     for place, (name, factors) in enumerate(needed.items()):
         words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
@@ -111,12 +111,12 @@ def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
 
 
 def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
-    """Return the notes that explain the ticks of demands."""
+    """Return the notes that explain the ticks."""
     return notes(tick=bool(needed), no_tick=any(np.isnan(factors).any() for factors in needed.values()))
 
 
 def configured_uncertainty(tree: xr.DataTree) -> str:
-    """Describe the uncertainty that the probability includes, from the stored configuration."""
+    """Describe the uncertainty that the probability of overturning includes, from the stored configuration."""
     known, search = settings_of(tree, UncertaintySettings), settings_of(tree, SearchSettings)
     low, high = map(six_digits, (min(known.restitution), max(known.restitution)))
     factor, less = (six_digits(100.0 * spread) for spread in (known.factor, known.geometry))
@@ -134,7 +134,7 @@ _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
-    """Draw bars that end at the scale factors for P = 10 % and P = 50 %, and at the end of the search."""
+    """Draw the bars of one row, which end at the scale factors for P = 10 % and P = 50 % and at the upper limit."""
     edges = [begin, *np.clip(factors, begin, end), end]
     for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
         if high > low:
@@ -144,7 +144,7 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 
 
 def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None:
-    """Label a row with "none found", at the upper limit of the search or beside the line of the scale factor 1."""
+    """Write "none found" in a row, at the upper limit of the search or beside the line of the scale factor 1."""
     words, (where, side) = (
         say("plot.rows.none_up_to", factor=six_digits(end)),
         (end, "right") if at_end else (1.0, "left"),
@@ -153,5 +153,5 @@ def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None
 
 
 def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    """Draw a bar from one scale factor to another; `words` is the key of the label in the section [plot.bar]."""
+    """Draw a bar from one scale factor to another; `words` is the key of its label in the section [plot.bar]."""
     ax.barh(place, high - low, left=low, height=2.0 * HALF, label=say(f"plot.bar.{words}"), **style)

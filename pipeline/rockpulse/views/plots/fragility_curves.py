@@ -1,4 +1,4 @@
-"""Draws the fragility curves of a body, one of them with its confidence band, over intensity measures."""
+"""Draws fragility curves of a body over intensity measures, and the confidence band of one of them."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -129,7 +129,7 @@ def _measure_words(own: xr.Dataset) -> str:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw the curves over one measure and return the notes; `alone` is true if there is no other panel."""
+    """Draw the curves over one measure and return the notes; `alone` is true if the picture has only this panel."""
     level, measure = own["level"].values, str(own["measure"].item())
     drawn = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
@@ -172,12 +172,11 @@ def _panel(
 
 
 def _named(state: str) -> str:
-    """Return the name of a limit state, or the formula of its rotation."""
     return say(f"limit_state.{state}") if state.isalpha() else rf"$\theta_{{max}}/\alpha_c \geq$ {numerals(state)}"
 
 
 def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
-    """Draw a mark for the capacity of every record that reached a limit state, at its cumulative share."""
+    """Draw a mark for the capacity of every record that reached a limit state, at its cumulative share of records."""
     from scipy.stats import CensoredData, ecdf
 
     factor = own["factor"].sel(limit_state=state).values
@@ -193,7 +192,7 @@ def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance:
 
 
 def _shown(own: xr.Dataset) -> np.ndarray:
-    """Return a mask of the levels at which a curve is between 0 and 1; all levels if there are none."""
+    """Return a mask of the intensity levels at which any curve is between 0 and 1; of all levels if there are none."""
     probability = own["probability"].transpose("limit_state", "point").values
     rising = np.flatnonzero(np.any((probability > _TAIL) & (probability < 1.0 - _TAIL), axis=0))
     every = np.ones(probability.shape[1], dtype=bool)
@@ -203,14 +202,14 @@ def _shown(own: xr.Dataset) -> np.ndarray:
 
 
 def _crossing(own: xr.Dataset, drawn: np.ndarray) -> bool:
-    """Return whether a curve lies above the curve of a milder limit state."""
+    """Return whether the curve of any limit state lies above the curve of a milder limit state."""
     probability = own["probability"].transpose("limit_state", "point").values[:, drawn]
     probability = probability[~np.isnan(probability).any(axis=1)]  # no curve
     return bool(np.any(probability[1:] > np.minimum.accumulate(probability[:-1]) + _ABOVE))
 
 
 def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return levels and values of a curve, interpolated smoothly between the levels of the file."""
+    """Return intensity levels and values of a curve, interpolated smoothly between the levels of the file."""
     from scipy.interpolate import PchipInterpolator
 
     level, values = one["level"].values, one[name].values
@@ -237,7 +236,7 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, drawn: n
 
 
 def _merged_warnings(warnings: dict[str, list[str]], states: int) -> list[str]:
-    """Return each distinct warning on the curves with the limit states that it concerns."""
+    """Return each different warning once, after the names of the limit states that it concerns."""
     every = say("plot.fragility.all")
     words = [
         f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {warning}."

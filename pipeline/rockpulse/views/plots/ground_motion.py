@@ -22,9 +22,10 @@ from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, INSTANT
 from rockpulse.views.shared.formatting import fixed, three_digits
 from rockpulse.views.shared.record_facts import Known, RecordFacts
 from rockpulse.views.shared.words import say
+from rockpulse.warning_text import with_codes
 
 #: Advice if the samples of a record are not in the file.
-STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
+STORE = 'the file does not contain the accelerograms; assess again with [records] store = "all"'
 #: Stored variables whose name differs from that of the field of a record.
 _FIELDS = {"event_title": "event"}
 _ACCELERATION = real("ground acceleration", "m s^-2", dims=("sample",))
@@ -106,8 +107,9 @@ def motion_of_record(
             **{name: RECORD[name].variable(value, ()) for name, value in scalars.items()},
         }
     )
-    words = RecordFacts(lambda name: getattr(record, _FIELDS.get(name, name))).described
-    return motion.assign_attrs(record=record.id, words=words)
+    codes = with_codes(record.warnings)[1]
+    facts = RecordFacts(lambda name: codes if name == "warning_codes" else getattr(record, _FIELDS.get(name, name)))
+    return motion.assign_attrs(record=record.id, words=facts.described)
 
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:
@@ -118,7 +120,7 @@ def stored_record(tree: xr.DataTree, record: str) -> Record:
 
 
 def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -> dict[str, xr.Variable]:
-    """Return variables of /records for one record; `sizes` is the variable with the number of its samples."""
+    """Return variables of /records for one record; the variable `sizes` has the number of samples of each record."""
     record = str(own["record"].item())
     found = ragged(tree, sizes, names, record)
     if found is None:
@@ -191,7 +193,7 @@ def _phase(motion: xr.Dataset) -> tuple[float, float]:
 
 
 def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None:
-    """Draw the acceleration, and fill the strong half-waves of the intense phase."""
+    """Draw the acceleration in a time window, and fill the strong half-waves of the intense phase."""
     time, acceleration = motion["time"].values, motion["acceleration"].values
     inside = (time >= window[0]) & (time <= window[1])
     ax.plot(*thinned(time[inside], acceleration[inside], INSTANTS), color=GREY, lw=0.6)
@@ -207,7 +209,7 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
 
 
 def _strong(motion: xr.Dataset) -> np.ndarray:
-    """Return the mask of the half-waves of the intense phase whose impulse is above half of the largest impulse."""
+    """Return the mask of half-waves in the intense phase whose impulse is above half of the largest impulse."""
     impulse, centroid = np.abs(motion["impulse"].values), motion["centroid"].values
     first, last = _phase(motion)
     within = (centroid >= first) & (centroid <= last)

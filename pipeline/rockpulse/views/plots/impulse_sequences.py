@@ -89,7 +89,7 @@ def limit_accelerogram(
 
 
 def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Return a mask (k,) of the main impulses among all impulses, as both kinds may have the same size."""
+    """Return a mask of the main impulses among all impulses; secondary impulses may have the same size."""
     table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)
@@ -102,14 +102,12 @@ def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarra
 
 
 def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, words: str, color: str, lw: float, ms: float) -> None:
-    """Draw impulses as arrows that point away from zero."""
     ax.vlines(times, 0.0, sizes, color=color, lw=lw)
     for chosen, marker, label in ((sizes > 0.0, "^", words), (sizes <= 0.0, "v", None)):
         ax.plot(times[chosen], sizes[chosen], ls="none", marker=marker, ms=ms, color=color, label=label)
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
-    """Draw the half-cycles as bars along the bottom, with the largest rotation of each."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label=say("limit_state.overturning"))

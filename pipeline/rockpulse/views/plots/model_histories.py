@@ -99,13 +99,11 @@ def histories(
     models = [selection.one_name(summary, "model", name) for name in models]
     for name in models:
         if name not in DRAWN:
-            raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')
+            raise ResultsError(f'model "{name}": expected a model that computes a motion: {", ".join(DRAWN)}')
         if factor != 1.0 and name not in FOLLOWING:
-            raise ResultsError(
-                f'model "{name}": expected one that follows the record to a factor on it: {", ".join(FOLLOWING)}'
-            )
+            raise ResultsError(f'model "{name}": expected a model that can use a scaled record: {", ".join(FOLLOWING)}')
     if not (np.isfinite(factor) and factor > 0.0):
-        raise ResultsError(f"factor: expected a positive factor on the record, got {factor:g}")
+        raise ResultsError(f"factor: expected a positive scale factor, got {factor:g}")
     if factor == 1.0:
         return [_history(tree, record, block, name, case) for name in models]
     body = selection.block_of(summary, block, case)
@@ -145,7 +143,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
 def stored_history(
     tree: xr.DataTree, record: str, block: str, model: str, case: int
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the stored times [s] and rotations theta/alpha_c of the unscaled record; None if they are not stored."""
+    """Return the stored times [s] and rotations theta/alpha_c under the unscaled record, or None if not stored."""
     if "records" not in tree.children or "rotation" not in tree["records"]:
         return None
     summary, kept = tree["summary"].to_dataset(), tree["records"].to_dataset()
@@ -179,7 +177,7 @@ def _of_sequence(
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
-    """Return the times of the impacts in a history; slow impacts are omitted."""
+    """Return the times of the impacts in a rotation history; slow impacts are left out."""
     before, after = rotation[:-1], rotation[1:]
     if body.side:
         # A reversal at the wall between two samples is found by mirroring the motion after it.
@@ -194,7 +192,7 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
 ) -> list[ModelHistory]:
-    """Recompute the motion of a body under a record at each scale factor; raise ResultsError if this is impossible."""
+    """Recompute the motion of a body under a record at each scale factor; raise ResultsError if data are missing."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
     azimuth, own = float(summary["azimuth"].sel(record=record)), float(summary["body_azimuth"].sel(block=block))
@@ -209,7 +207,7 @@ def recomputed(
     if row.takes == "half-waves":
         return _worse(model, body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
     if row.vertical and had_vertical(summary, record):
-        raise ResultsError(f"{record}: the vertical channel acted and is not in the file: {_AGAIN}, or {_OTHERS}")
+        raise ResultsError(f"{record}: the file lacks the vertical channel, which was used: {_AGAIN}, or {_OTHERS}")
     if selection.ragged(tree, "row_size", ["acceleration"], record) is None:
         raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
     motion = stored_record(tree, record)
@@ -223,12 +221,11 @@ def recomputed(
 
 
 def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
-    """Return the stored half-waves of a record as the input of a model."""
     summary = tree["summary"].to_dataset().sel(record=record)
     waves = selection.ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
     if waves is None:
         raise ResultsError(
-            f"{record}: the file does not hold the half-waves, nor histories of {model}: assess again with "
+            f"{record}: the file contains neither the half-waves nor histories of {model}: assess again with "
             '[records] store = "half_waves" or "all"'
         )
     still = Record(np.zeros(int(summary["npts"])), dt=float(summary["dt"]), id=record)
@@ -236,7 +233,6 @@ def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
 
 
 def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> Scene:
-    """Return a record and its half-waves as the input of a model."""
     others = dict.fromkeys(("start", "end", "peak", "lobes"), np.zeros(waves["impulse"].size))
     return Scene(
         record=record,
@@ -249,7 +245,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
 
 
 def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
-    """Return the motion for each scale factor, from the response in `found` with the largest rotation."""
+    """Return the motion at each scale factor; of the responses in `found`, the one with the largest rotation."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
     time, histories = np.asarray(found[0].time), []
@@ -262,6 +258,6 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHist
 
 
 def _ratio(body: Block, rotation: np.ndarray) -> np.ndarray:
-    """Return theta/alpha_c; beside a wall it is positive away from the wall, also if the reversed record is worse."""
+    """Return theta/alpha_c; for a body beside a wall, rotations away from the wall are positive."""
     ratio = body.ratio(rotation)
     return np.abs(ratio) if body.side else ratio

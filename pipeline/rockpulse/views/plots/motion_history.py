@@ -15,7 +15,7 @@ _PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
 
 
 class HalfCycle(NamedTuple):
-    """One half-cycle of a block: velocity, duration, number of secondary impulses, and their interval."""
+    """One half-cycle of a block: initial velocity, duration, number of secondary impulses, and their interval."""
 
     start_velocity: float  # u_i [-]
     duration: float  # [s], inf where the block overturns

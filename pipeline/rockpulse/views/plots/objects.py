@@ -177,7 +177,7 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
 
 
 def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
-    """Draw the first eight bodies, each given by its name, block and periods of its floor [s]."""
+    """Draw the first eight bodies, each given by its name, its block and the periods of its floor [s]."""
     drawn = drawn[:MOST]
     rows = math.ceil(len(drawn) / IN_ROW)
     figure = style.figure_of(height=3.2 * rows)

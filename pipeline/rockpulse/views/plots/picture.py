@@ -1,4 +1,4 @@
-"""Writes figures as files whose bytes are reproducible and whose SVG ids are unique."""
+"""Writes pictures as files that are equal for equal figures, and as SVG elements whose ids are unique."""
 
 import hashlib
 import re

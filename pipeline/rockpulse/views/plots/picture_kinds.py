@@ -1,4 +1,4 @@
-"""The kinds of pictures: what each shows, the command that makes its file, and its options."""
+"""The kinds of pictures: what each of them shows, which command makes its file, and which options it has."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from rockpulse.storage.variables.site import SITE_KIND
 
 @dataclass(frozen=True)
 class PictureKind:
-    """One kind of picture: its options, what it shows, and the files from which it is drawn."""
+    """One kind of picture: its options, its content, and the files from which it can be drawn."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
     summary: str  # content of the picture
@@ -78,7 +78,7 @@ OPTIONS = {
 
 
 def kind_list() -> str:
-    """Return the list of all kinds of pictures as text."""
+    """Return the list of all kinds of pictures as text for the terminal."""
     from rockpulse.views.shared.formatting import paragraph
 
     lines = []

@@ -92,13 +92,12 @@ def _answer(history: ModelHistory) -> str:
 
 
 def _away(histories: Sequence[ModelHistory]) -> bool:
-    """Return whether the body turns only away from its wall."""
     known = [history.one_sided for history in histories if history.time.size]
     return bool(known) and all(known)
 
 
 def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
-    """Return limits of the rotation axis, symmetric without a wall; narrow for rotations far below alpha_c."""
+    """Return limits of the rotation axis, symmetric for a body without a wall; narrow for small rotations."""
     finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
     largest = max(finite, default=0.0)
     if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
@@ -109,7 +108,7 @@ def _limits(histories: Sequence[ModelHistory]) -> tuple[float, float]:
 
 
 def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
-    """Return the limits of the time axis [s] between which any body moves, from pairs of times and rotations."""
+    """Return the time window [s] in which any body moves, from a pair of times and rotations for each motion."""
     largest = [min(np.nanmax(np.abs(rotation), initial=0.0), 1.0) for _, rotation in motions]
     found = [time[np.abs(one) > _MOVES * most] for (time, one), most in zip(motions, largest, strict=True)]
     moving = np.concatenate([np.zeros(0), *found])

@@ -23,7 +23,7 @@ LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """Return the name along a dimension that matches a name or pattern; raise ResultsError unless one matches."""
+    """Return the only name along a dimension that matches a name or pattern; raise ResultsError for none or several."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]
@@ -53,7 +53,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
-    """Return the indexer that selects a restitution, given by its number from 1; empty if there is only one."""
+    """Return the indexer that selects a restitution by its number from 1; empty if there is only one restitution."""
     count = summary.sizes.get("case", 1)
     if not 1 <= case <= count:
         raise ResultsError(f"case: expected the number of a restitution from 1 to {count}, got {case}")
@@ -61,7 +61,7 @@ def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
 
 
 def settings_of(tree: xr.DataTree, section: type[_Section]) -> _Section:
-    """Return the settings of a section of the stored configuration."""
+    """Return a section of the configuration that is stored in the results."""
     sections = stored_sections(str(tree.attrs.get("configuration", "")))
     found: _Section = section_of(section, sections.get(section.heading.strip("[]"), {}))
     return found
@@ -87,7 +87,7 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
 
 
 def plain_bodies(summary: xr.Dataset) -> list[str]:
-    """Return the bodies that overturning spectra represent: free, symmetric, on the ground, in any direction."""
+    """Return the bodies to which overturning spectra apply: symmetric, free, on the ground, with no fixed azimuth."""
     like = (summary["one_sided"].values == 0) & (summary["alpha_2"].values == summary["alpha_c"].values)
     like &= np.isnan(summary["body_azimuth"].values)
     like &= (summary["restraints"].values == "") & (summary["floors"].values == "")
@@ -95,7 +95,7 @@ def plain_bodies(summary: xr.Dataset) -> list[str]:
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
-    """Return the name of a body, with its restitution if the results have several for each body."""
+    """Return the name of a body; its restitution is added if the results have several for each body."""
     if "case" not in summary.dims:
         return block
     c = summary["restitution"].sel(block=block).isel(chosen_case(summary, case))
@@ -103,7 +103,7 @@ def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
 
 
 def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> dict[str, xr.Variable] | None:
-    """Return variables of /records for one record; `sizes` is the variable with the number of its samples."""
+    """Return variables of /records for one record; the variable `sizes` has the number of samples of each record."""
     if "records" not in tree.children or any(name not in tree["records"] for name in (sizes, *names)):
         return None
     stored = tree["records"].to_dataset()
@@ -140,6 +140,8 @@ def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
     names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")
     main, secondary, interval, duration = (float(own[name]) for name in names)
     if not np.isfinite(main):
-        raise ResultsError(f"{record}: no impulse sequence: the intense phase of the record holds too few half-waves")
+        raise ResultsError(
+            f"{record}: no impulse sequence: the intense phase of the record contains too few half-waves"
+        )
     count, spacing = int(own["main_count"]), flag_words(own["spacing"])[int(own["spacing"])]
     return ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, spacing=spacing)

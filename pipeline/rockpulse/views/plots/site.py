@@ -1,4 +1,4 @@
-"""Draws the design of a site: overturning spectra, sequences of equal effect, and limit accelerograms."""
+"""Draws the calibration of a site: overturning spectra, design sequences, and limit accelerograms."""
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,7 @@ from rockpulse.views.text.site import site_warnings
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
-    """Draw the design of a site: the overturning spectra of its records, and the sequences of equal effect.
+    """Draw the calibration of a site: overturning spectra of its records, and sequences with equal effect on a body.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     -------
     (1,) or (2,) ndarray of Axes
         The spectra, and the main impulse over I_s/I with which a sequence overturns the body with the largest main
-        impulse at the same scale factor, for several N; without a design only the spectra.
+        impulse at the same scale factor, for several N; without a design spectrum only the spectra.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
 
 
 def equal_effect(own: xr.Dataset, ax: Axes) -> None:
-    """Draw the main impulse over I_s/I of sequences with the same effect on a body of /site, by the closed form."""
+    """Draw main impulses and ratios I_s/I of sequences with the same effect on a body of the site (closed form)."""
     block, (low, middle, high) = _block(own), (int(own[f"main_count{end}"]) for end in ("_lower", "", "_upper"))
     ratios, interval = np.linspace(0.0, 1.0, 101), float(own["interval"])
     at, most = float(own["main"]), 0.0
@@ -68,13 +68,13 @@ def equal_effect(own: xr.Dataset, ax: Axes) -> None:
 
 
 def site_accelerogram(tree: xr.DataTree, block: str | None = None) -> np.ndarray:
-    """Draw the limit accelerogram of the design of a site for one of its bodies (the paper's Figures 1 and 2)."""
+    """Draw the limit accelerogram of a body under the design sequence of the site (Figures 1 and 2 of the paper)."""
     site = tree["site"].to_dataset()
     name = one_name(site, "block", block)
     own = site.sel(block=name)
     main, ratio = float(own["main"]), float(own["ratio"])
     if not np.isfinite(main):
-        raise ResultsError(f"{name}: the site has no design for this body, so there is no limit accelerogram")
+        raise ResultsError(f"{name}: the site has no design sequence for this body, so there is no limit accelerogram")
     sequence = ImpulseSequence(
         main, ratio * main, float(own["interval"]), np.inf, int(own["main_count"]), spacing=str(site.attrs["spacing"])
     )
@@ -91,7 +91,7 @@ def _sentences(site: xr.Dataset) -> list[str]:
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
-    """Draw the spectra of the records of a site, their quantiles, and the design impulse of every body."""
+    """Draw the overturning spectra of the records of a site, their quantiles, and the design impulse of every body."""
     ax = style.one_axes(ax, height=4.4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     restitution = float(np.median(site["restitution"])) if site.sizes["block"] else 0.9

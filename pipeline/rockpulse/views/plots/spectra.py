@@ -102,7 +102,7 @@ def rocking_spectrum(
 
 
 def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
-    """Draw a numbered mark for every body, and return the legend entries with their names."""
+    """Draw a numbered mark for every body, and return the legend entries with the names of the bodies."""
     handles = []
     ring: dict[str, Any] = {"ls": "none", "marker": "o", "mfc": "white", "mec": BLACK}
     for number, (name, (p, alpha)) in enumerate(bodies.items(), start=1):
@@ -118,7 +118,6 @@ def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
 
 
 def _edges(values: np.ndarray) -> tuple[float, float]:
-    """Return the outer edges of the map cells around the first and the last value."""
     steps = np.diff(values) if values.size > 1 else 0.1 * values
     return float(values[0] - 0.5 * steps[0]), float(values[-1] + 0.5 * steps[-1])
 
@@ -225,7 +224,7 @@ def overturning_spectra(
 
 
 def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
-    """Draw the overturning spectra of an assessment with its bodies, by default at their median restitution."""
+    """Draw the overturning spectra of an assessment with its bodies, by default at the median C of the bodies."""
     summary = tree["summary"].to_dataset()
     own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
     plain = summary.sel(block=names)
@@ -250,7 +249,7 @@ def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
 
 
 def curves_below_axes(ax: Axes, curves: np.ndarray) -> list[str]:
-    """Return a sentence with the number of curves that lie entirely below the Axes; empty if there are none."""
+    """Return a sentence on the number of curves that lie entirely below the Axes; an empty list if there are none."""
     below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
     return [say("plot.spectra.below", count=below, total=len(curves))] if below else []
 

@@ -1,4 +1,4 @@
-"""The style that all pictures share: size for an A4 page, colours, line styles, labels and notes."""
+"""The style of all pictures: size for an A4 page, colours, line styles, labels and notes."""
 
 import re
 import textwrap
@@ -44,7 +44,7 @@ Panels: TypeAlias = Axes | Sequence[Axes] | np.ndarray
 
 
 class Look(NamedTuple):
-    """The style of a curve: colour, line and marker, so that colour is not the only difference."""
+    """The style of a curve: colour, line and marker, so that curves can be distinguished without colour."""
 
     label: str
     color: str
@@ -66,7 +66,7 @@ _CYCLE = [
 
 
 def look(name: str) -> Look:
-    """Return the style of a model, given by its name in the results."""
+    """Return the style of the curves of a model; `name` is its name in the results."""
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
     color, line, marker = MODELS[name].look
@@ -96,7 +96,7 @@ def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
 
 
 def _ours(ax: Axes) -> bool:
-    """Return whether rockpulse made the figure of the Axes, so that its title and margins may be set."""
+    """Return whether rockpulse made the figure of the Axes: only then are its title and margins set."""
     return whole_figure(ax).get_label() == _OURS
 
 
@@ -191,12 +191,12 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
 
 
 def notes(**held: bool) -> list[str]:
-    """Return the sentences of the section [plot.note] whose keys are given as True."""
+    """Return the sentences of the section [plot.note] whose keys are given with the value True."""
     return [say(f"plot.note.{key}") for key, holds in held.items() if holds]
 
 
 def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
-    """Label a logarithmic axis with plain numbers, or only powers of ten if the ratio of its ends is `wide` or more."""
+    """Label a logarithmic axis with plain numbers, or with powers of ten if its ends differ by a factor of `wide`."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
@@ -228,7 +228,7 @@ def unit(units: str) -> str:
 
 
 def readable_name(long_name: str) -> str:
-    """Return the part of a long name before the first semicolon, with symbols as formulas."""
+    """Return the part of a long name before the first semicolon, with its symbols written as formulas."""
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 
@@ -239,12 +239,12 @@ def label(variable: xr.DataArray, symbol: str = "") -> str:
 
 
 def plain(name: object) -> str:
-    """Escape a name given by the user, so that matplotlib reads no formula in it."""
+    """Escape a name given by the user, so that matplotlib does not read it as a formula."""
     return escaped(str(name)).replace("$", r"\$")
 
 
 def wrapped(words: str, width: int) -> str:
-    """Wrap text to lines of `width` characters; a formula is not cut and counts as many characters as it shows."""
+    """Wrap text to lines of `width` characters; a formula is not split, and counts as the characters it displays."""
     pieces = _MATHEMATICS.findall(words)
     # Each formula is replaced by as many private characters as it shows.
     for place, piece in enumerate(pieces):

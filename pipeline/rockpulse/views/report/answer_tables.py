@@ -31,7 +31,7 @@ def model_heading(model: str) -> Heading:
 
 
 class AnswerCells:
-    """Makes table cells for records and bodies from their indices; ``names`` are cells with record ids and marks."""
+    """Makes table cells for a record or body, given by its index; ``names`` are the cells with record ids."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
@@ -48,7 +48,7 @@ class AnswerCells:
 
     @property
     def marks(self) -> set[CellMark]:
-        """Marks of the results of every model, and of the scale factors."""
+        """Marks that appear in the results of any model or in the scale factors."""
         return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
 
     def record(self, record: int) -> Cell:
@@ -61,7 +61,7 @@ class AnswerCells:
         return Cell(body.block, link=f"body-{body.place}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """Return a cell with the probability of overturning or, if the results have none, the result as a word."""
+        """Return a cell with the probability of overturning or, if it was not computed, the result as a word."""
         if self.answers.probable:
             (cell,) = self.cells(col.columns("overturning_probability"), [record], [lane])[0]
             return cell
@@ -77,7 +77,7 @@ class AnswerCells:
         return int(np.argmax(np.nan_to_num(table[record])))
 
     def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
-        """Return rows of cells of the columns `of`; row k is for record `records[k]` and body `lanes[k]`."""
+        """Return a row of cells for each record `records[k]` and body `lanes[k]`; `of` are the columns."""
         places = (np.array(one, dtype=int) for one in (records, lanes))
         return col.filled(of, col.AnswerRows(self.answers, *places))
 

@@ -25,7 +25,7 @@ LEFT, BOTTOM, TOP = 52, 20, 8
 
 @dataclass(frozen=True)
 class Support:
-    """The floor and the pedestals [m] (from the top) below a body; the first `joined` pedestals rock with the body."""
+    """The floor and the pedestals [m], from the top, below a body; the first `joined` pedestals rock with the body."""
 
     floor: bool = False
     pedestals: Sequence[tuple[float, float]] = ()
@@ -33,7 +33,7 @@ class Support:
 
 
 def body_drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
-    """Return an `<svg>` element of a body with its restraints and sizes; `length` formats a length [m]."""
+    """Return an `<svg>` element of a body with its restraints and sizes; `length` converts a length [m] to text."""
     below, top = sum(height for _, height in support.pedestals), body.top
     width = max(body.width, *(one for one, _ in support.pedestals), 0.25 * (top + below))
     scale = (SIDE - 2 * MARGIN) / max(width, top + below)
@@ -79,13 +79,11 @@ def body_drawing(body: Outline, support: Support, label: str, length: Callable[[
 
 
 def _tie(tie: TieLine, x: Any, y: Any) -> str:
-    """Return the line of a tie, from its attachment on the body to its anchor."""
     start, end, level = x(tie.attached), x(tie.edge) + tie.outward * 20, y(tie.height)
     return f'<path class="tie" d="M{start} {level}H{end}m0 -4v8M{start} {level - 4}v8"/>'
 
 
 def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
-    """Return an arrow from the first to the second point."""
     length = math.hypot(x1 - x0, y1 - y0)
     along, across = ((x1 - x0) / length * 5, (y1 - y0) / length * 5), ((y0 - y1) / length * 3, (x1 - x0) / length * 3)
     ends = [(x1 - along[0] + sign * across[0], y1 - along[1] + sign * across[1]) for sign in (1, -1)]
@@ -94,7 +92,7 @@ def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
 
 
 def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
-    """Return an `<svg>` element of an accelerogram [m/s2]; the intense phase from start to end [s] is shaded."""
+    """Return an `<svg>` element of an accelerogram [m/s2]; the intense phase, from start to end [s], is shaded."""
     peak = float(np.max(np.abs(acceleration)))
     end = dt * (acceleration.size - 1)
     span, high = WIDTH - LEFT, HEIGHT - BOTTOM - TOP

@@ -38,6 +38,7 @@ from rockpulse.views.report.verdict import (
     by_severity,
     cards,
     counted_by,
+    priorities,
     ties,
 )
 from rockpulse.views.shared.files_used import files_used
@@ -72,8 +73,8 @@ def page_content(
 ) -> SimpleNamespace:
     """Collect the data of the page from the results and, if given, from a site file, a fragility file and code checks.
 
-    `checked` is the missing table of the spectrum if the checks could not be made. `full` adds the configuration and
-    the SHA-256 of the input files.
+    `checked` is the name of the file of the spectrum if this file is missing, so that checks could not be made. `full`
+    adds the configuration and the SHA-256 of the input files.
     """
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
@@ -104,6 +105,7 @@ def page_content(
         cards=cards(answers, found, drawn),
         drawings=drawn,
         limits=limits(said, found, answers),
+        priorities=priorities(answers, found, checked if isinstance(checked, xr.Dataset) else None),
         verdict=(shown := body_table(answers, found)),
         cases=body_table(answers, found, every=True) if shown.footnotes else None,
         ties=ties(answers, found),
@@ -135,7 +137,6 @@ def page_content(
 
 
 def _code_checks(checked: xr.Dataset | str, found: Sequence[BodyVerdict]) -> ReportSection:
-    """Return the section on the code checks, with the bodies in the order of their verdicts."""
     if isinstance(checked, str):
         return ReportSection((say("check.no_table", file=checked),), (), ())
     names = dict.fromkeys(one.body.block for one in sorted(found, key=by_severity))
@@ -145,10 +146,12 @@ def _code_checks(checked: xr.Dataset | str, found: Sequence[BodyVerdict]) -> Rep
     return ReportSection((), (), (replace(check_table(checked, order), footnotes=notes),))
 
 
-def code_checks(tree: xr.DataTree, config: Config | None = None) -> xr.Dataset | str | None:
-    """Return the code checks of the bodies of the results by [check] of `config`, else by the one in the results.
+def code_checks(
+    tree: xr.DataTree, config: Config | None = None, code: str | Sequence[str] | None = None
+) -> xr.Dataset | str | None:
+    """Return the code checks of the bodies, with the section [check] of `config`, or of the results if it has none.
 
-    Returns None if no spectrum or no body is given, and the name of a table of the spectrum that does not exist.
+    Returns None if no spectrum or no body is given, or the name of the spectrum file if this file does not exist.
     """
     chosen = config_from_text(str(tree.attrs.get("configuration", "")))
     if config is not None and config.check.given:
@@ -158,7 +161,7 @@ def code_checks(tree: xr.DataTree, config: Config | None = None) -> xr.Dataset |
     file = chosen.check.file
     if file is not None and not (chosen.folder / file).exists():
         return file
-    return check(tree, chosen)
+    return check(tree, chosen, code)
 
 
 def _fact(key: str) -> Fact:
@@ -166,14 +169,13 @@ def _fact(key: str) -> Fact:
 
 
 def _model(name: str, judging: bool) -> Fact:
-    """Describe a model as a fact; `judging` is true if the verdicts follow from this model."""
+    """Describe a model as a fact; `judging` is true if the verdicts are based on this model."""
     heading = say(f"models.{name}")
     words = translated(f"model_words.{name}", MODELS[name].words) if name in MODELS else ""
     return Fact(say("method.judging", model=heading) if judging else heading, (words,))
 
 
 def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[Fact, ...]:
-    """Return the assumptions of the assessment as facts."""
     facts = [_fact(f"assumption.{name}") for name in _ASSUMPTIONS]
     acted = int((summary["vertical_channel"] != "").sum())
     vertical = say("assumption.vertical.none")
@@ -188,7 +190,7 @@ def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[
 
 
 def parties(tree: xr.DataTree, config: Config | None = None) -> tuple[Fact, ...]:
-    """Return project, client and author, if stated in the configuration or in the results."""
+    """Return project, client and author as stated in the configuration or in the results."""
     chosen = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else config
     given = {name: str(chosen.report[name]) for name in ("project", "client", "author")}
     return tuple(Fact(say(f"page.{name}"), (words,)) for name, words in given.items() if words)
@@ -209,7 +211,7 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
 
 
 def body_pages(cells: AnswerCells, found: list[BodyVerdict], configuration: str) -> list[SimpleNamespace]:
-    """Collect the data of the section on each body, the worst verdict first: verdicts, facts, and worst records."""
+    """Collect the data of the section on each body (verdicts, facts, worst records); the worst verdict comes first."""
     answers = cells.answers
     given = {name: one for one in config_from_text(configuration).bodies for name in (one.name, own_name(one.name))}
     pages = []
@@ -274,7 +276,7 @@ def _of_block(answers: Answers, block: str, restitutions: list[float], given: Bl
 
 
 def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ...]]:
-    """Return mass, density, ties, loads, thrusts, modes of the floor and pedestals of a body, each as lines."""
+    """Return mass, density, ties, loads, thrusts, floor modes and pedestals of a body, each as lines of text."""
     found: dict[str, tuple[str, ...]] = {"mass": () if math.isnan(one.real("mass")) else (one.number("mass", "kg"),)}
     parts = {name: every for name, every in json.loads(one.text("restraints") or "{}").items() if name != "hinge"}
     parts |= {"floors": json.loads(one.text("floors") or "[]")}
@@ -287,7 +289,7 @@ def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ..
 
 
 def _numbers(part: dict[str, float | str | None]) -> list[str]:
-    """Describe the properties of a restraint or support, without those that are not given or have no effect."""
+    """Describe a restraint or support by its properties, without those that are not given or have no effect."""
     words = []
     for name, value in part.items():
         if isinstance(value, str):
@@ -299,7 +301,7 @@ def _numbers(part: dict[str, float | str | None]) -> list[str]:
 
 
 def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
-    """Return a table of the records with the smallest scale factors for the body at `place`."""
+    """Return a table of the records with the smallest scale factors for the body with index `place`."""
     answers = cells.answers
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
@@ -313,7 +315,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
 
 
 def _by_name(cells: AnswerCells, record: int) -> Cell:
-    """Return a cell with earthquake, station and direction of a record, or with its id if these are unknown."""
+    """Return a cell with earthquake, station and direction of a record or, if these are unknown, its id."""
     known, cell = Known(cells.answers.summary, record=cells.answers.records[record]), cells.record(record)
     return cell._replace(text=records.record_named(known, cell.text))
 
@@ -347,7 +349,6 @@ def _of_record(one: Known, event: str, full: bool) -> tuple[Fact, ...]:
 
 
 def _sequence(one: Known) -> str:
-    """Describe the impulse sequence of a record on one line."""
     if math.isnan(one.value("main_impulse")):
         return say("fact.no_sequence")
     return say(

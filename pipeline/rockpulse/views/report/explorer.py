@@ -45,7 +45,7 @@ BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 
 @dataclass(frozen=True)
 class TimeColumns:
-    """A time window [s] that is divided into columns of equal width."""
+    """A time window [s], divided into columns of equal width."""
 
     start: float
     end: float
@@ -70,7 +70,7 @@ class Explorer(NamedTuple):
 
 
 def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] = ()) -> Explorer | None:
-    """Return the data of the interactive part, or None for a model or results without motions."""
+    """Return the data of the interactive part, or None if the model or the results provide no motions."""
     answers, words = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
@@ -101,14 +101,14 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] 
 
 
 class _Scenes:
-    """Collects the scenes of the page: motions of a body under one record at several scale factors."""
+    """Makes the scenes of the page; a scene is the motion of a body under one record at several scale factors."""
 
     def __init__(self, tree: xr.DataTree, answers: Answers, words: Mapping[str, str]) -> None:
         self._tree, self._answers, self._words = tree, answers, words
         self._plain = set(plain_bodies(answers.summary))
 
     def of_body(self, lane: int, body: Body) -> list[dict[str, Any]]:
-        """Return the scenes of a body, one for each of its records; without motions, a scene contains the reason."""
+        """Return a scene for each of a body's selected records; without motions, it contains the reason."""
         found = []
         for row, why in selected_records(self._answers, lane).items():
             reasons = [self._words[one] for one in why]
@@ -183,7 +183,7 @@ def _window(time: np.ndarray, motions: list[ModelHistory]) -> TimeColumns:
 
 
 def _packed_motion(motion: ModelHistory, columns: TimeColumns) -> dict[str, Any]:
-    """Return outcome, largest rotation and time of overturning, and the extreme rotations in each time column."""
+    """Return outcome, largest rotation, time of overturning, and the smallest and largest rotation in each column."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
     if ends == "rocks":
@@ -208,7 +208,7 @@ def _outline(block: Block) -> dict[str, Any]:
 
 
 def selected_records(answers: Answers, lane: int) -> dict[int, list[str]]:
-    """Return the rows of the records shown for a body, each with the reasons why it is shown."""
+    """Return the records selected for a body, by row of /summary, each with the reasons for its selection."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))
     half = answers["factor_50" if answers.probable else "safety_factor"][:, lane]
@@ -221,7 +221,7 @@ def selected_records(answers: Answers, lane: int) -> dict[int, list[str]]:
 
 
 def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
-    """Return the five scale factors shown for a record, in ascending order, with their labels (empty if none)."""
+    """Return five scale factors for a record, in ascending order, each with its label or an empty text."""
     meaning = tuple(SHARES.values()) if answers.probable else ("safety_factor",)
     named = [(1.0, words["as_recorded"])]
     named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
@@ -239,12 +239,12 @@ def factor_steps(answers: Answers, row: int, lane: int, words: Mapping[str, str]
 
 
 def _distance(factor: float, others: Mapping[float, str]) -> float:
-    """Return the smallest difference between the logarithm of a factor and the logarithms of the others."""
+    """Return the smallest difference between the logarithms of a scale factor and of any of the others."""
     return min((abs(math.log(factor / one)) for one in others), default=math.inf)
 
 
 def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
-    """Return pairs of scale factor and probability of overturning that are stored in the results."""
+    """Return the pairs of scale factor and probability of overturning that are stored in the results."""
     if not answers.probable:
         return []
     found = [(float(answers[name][row, lane]), share) for share, name in SHARES.items()]
@@ -259,7 +259,7 @@ def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
 def probability_at(
     factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
 ) -> float | None:
-    """Return the probability of overturning at a scale factor: from the results if stored, else from the curve."""
+    """Return the probability of overturning at a scale factor: the stored one or, if there is none, from the curve."""
     for at, probability in points:
         if math.isclose(at, factor, rel_tol=0.005):
             return probability
@@ -267,12 +267,12 @@ def probability_at(
 
 
 def known(factor: np.ndarray) -> np.ndarray:
-    """Return the factors with NaN replaced by inf."""
+    """Return the scale factors with NaN replaced by inf."""
     return np.where(np.isnan(factor), np.inf, factor)
 
 
 def packed(extremes: np.ndarray) -> dict[str, float | str]:
-    """Return extremes as base64 of 16-bit integers (all minima, then all maxima), and the value of one unit."""
+    """Return minima, then maxima, as 16-bit integers in base64, and the value of one unit of these integers."""
     largest = float(np.nanmax(np.abs(extremes), initial=0.0))
     scale = largest / LARGEST or 1.0
     whole = np.where(np.isnan(extremes), NONE, np.rint(extremes / scale))

@@ -29,14 +29,14 @@ _TOLD = ("failed", "skipped")
 
 
 def event_name(event: str, known: Known | None) -> str:
-    """Return the name of the earthquake of a record or, if it has no name, the earthquake's date."""
+    """Return the name of the earthquake of a record or, if it has no name, its date."""
     if event == UNKNOWN:
         return say("unknown_event.name")
     return event if words_of(event) or known is None else earthquake_words(known) or event
 
 
 def record_label(record: str) -> str:
-    """Return the id of a record; for a design sequence its name in the current language."""
+    """Return the id of a record; a design sequence is named in the current language."""
     start, design, quantile = record.partition(NAME)
     if start or not design:
         return record
@@ -55,13 +55,13 @@ def record_words(known: Known) -> str:
 
 
 def record_named(known: Known, name: str) -> str:
-    """Describe a record by earthquake, station and direction; `name` is added if the station is unknown."""
+    """Describe a record by earthquake, station and direction; its id, `name`, is added if the station is unknown."""
     description = record_words(known)
     return description if description and known.place else ", ".join(filter(None, (description, name)))
 
 
 def used_table(answers: Answers) -> Table:
-    """Return a table of the records by station and earthquake, limited to the strongest records."""
+    """Return a table of the records by station and earthquake; if there are many, only of the strongest records."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -70,11 +70,13 @@ def used_table(answers: Answers) -> Table:
         groups.setdefault(key if key[0] and key[1] else (record, "", ""), []).append(row)
     order = sorted(groups.values(), key=lambda rows: -float(np.max(pga[rows])))
     titles = ("earthquake", "magnitude", "station", "direction", "records", PGA, "worst")
-    headings = tuple(Heading(say(f"head.{title}"), "g" if title == PGA else "") for title in titles)
-    rows = tuple(_used(answers, rows) for rows in order[:ROWS])
+    rows = [_used(answers, rows) for rows in order[:ROWS]]
+    kept = [place for place, title in enumerate(titles) if title != "magnitude" or any(row[place].text for row in rows)]
+    headings = tuple(Heading(say(f"head.{titles[place]}"), "g" if titles[place] == PGA else "") for place in kept)
+    rows = [tuple(row[place] for place in kept) for row in rows]
     caption_key = "caption.used" if len(order) <= ROWS else "caption.strongest"
     caption = say(caption_key, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
-    return Table("used", caption, headings, rows)
+    return Table("used", caption, headings, tuple(rows))
 
 
 def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
@@ -107,7 +109,7 @@ def _worst(answers: Answers, rows: list[int]) -> Cell:
 
 
 def earthquake_table(answers: Answers) -> Table:
-    """Return a table of the earthquakes with facts from the files and the number of their records."""
+    """Return a table of the earthquakes with facts from the files and the numbers of their records."""
     motions = answers.motions
     of_event: dict[str, list[int]] = {}
     for place, event in enumerate(motions.events):
@@ -144,7 +146,7 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
 
 
 def left_out_table(tree: xr.DataTree) -> Table:
-    """Return a table of files and channels that were not assessed: one row for each kind, with reasons."""
+    """Return a table of files and channels that were not assessed: a row for each kind, with the reasons."""
     found, beside = apart(failure_rows(tree))
     rows = []
     for kind, every in found.items():
@@ -175,7 +177,7 @@ def input_table(summary: xr.Dataset, full: bool = False) -> Table:
 
 
 def left_out_files(tree: xr.DataTree) -> Table:
-    """Return a table of files and channels that were not assessed: one row for each reason, failures first."""
+    """Return a table of files and channels that were not assessed: a row for each reason; failures come first."""
     rows = tuple(
         (
             Cell(say(f"left_out.{kind}"), grade="bad" if kind == "failed" else ""),
@@ -190,7 +192,7 @@ def left_out_files(tree: xr.DataTree) -> Table:
 
 
 def warning_table(summary: xr.Dataset) -> Table:
-    """Return a table of the warnings on bodies and records, with a row for each code, or text without a code."""
+    """Return a table of the warnings on bodies and records, with a row for each code or, without a code, each text."""
     groups: dict[tuple[str, str], dict[str, list[int]]] = {}
     for kind, name in (("block", "block_warning"), ("record", "warning")):
         texts = summary[f"{name}s"].values.tolist() if f"{name}s" in summary else []
@@ -204,7 +206,7 @@ def warning_table(summary: xr.Dataset) -> Table:
 
 
 def _warned(summary: xr.Dataset, kind: str, texts: dict[str, list[int]]) -> tuple[Cell, Cell]:
-    """Return two cells: the body or record with a warning, or how many there are, and the text of the warning."""
+    """Return two cells: the body or record with a warning, or their number, and the text of the warning."""
     places = sorted({place for every in texts.values() for place in every})
     noun = "body" if kind == "block" else "record"
     label = Cell(record_label(str(summary[kind].values[places[0]])), link=f"{noun}-{places[0]}")

@@ -1,4 +1,4 @@
-"""The pictures of the report; each is drawn when a template needs it, and its SVG has unique ids."""
+"""The pictures of the report; a picture is drawn when a template needs it, and its SVG has unique ids."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,14 +29,14 @@ IN_A_MAP = 20
 
 @dataclass(frozen=True)
 class PageElement:
-    """An `<svg>` element with its caption; without a picture, the element is empty and ``words`` is the reason."""
+    """An `<svg>` element with its caption; if it could not be drawn, it is empty and ``words`` states the reason."""
 
     svg: Markup
     words: str
 
 
 class Pictures:
-    """Draws the pictures of a report; records are given by row of /summary, bodies by index along block."""
+    """Draws the pictures of a report; a record is given by its row in /summary, a body by its index along block."""
 
     def __init__(
         self, tree: xr.DataTree, site: MatchedFile | None, fragility: MatchedFile | None, found: list[BodyVerdict]
@@ -63,14 +63,13 @@ class Pictures:
         return PageElement(Markup(strip(acceleration, float(one["dt"]), phase)), say("picture.strip"))
 
     def _acceleration(self, record: int) -> np.ndarray:
-        """Return the stored acceleration of a record; empty if it is not stored."""
         if self._stored is None:
             return np.zeros(0)
         last = int(self._stored["row_size"].values[: record + 1].sum())
         return np.asarray(self._stored["acceleration"].values)[last - int(self._stored["row_size"][record]) : last]
 
     def in_full(self, record: int) -> PageElement | None:
-        """Return the large accelerogram of a record with its half-waves and impulses, or None if it is not drawn."""
+        """Return the large accelerogram of a record with half-waves and impulses, or None if it is not drawn."""
         if self._stored is None or record not in self._in_full:
             return None
         from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
@@ -88,7 +87,7 @@ class Pictures:
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> PageElement | None:
-        """Return the rotation of a body under its worst record in the model of the verdict; None if unknown."""
+        """Return the rotation of a body under its worst record, in the model of the verdict; None if it is unknown."""
         own = [one for one in self._found if one.body.place == block and one.recorded.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 
@@ -111,7 +110,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[PageElement]:
-        """Return the main pictures: overturning spectra, and scale factors of the worst body that the spectra omit."""
+        """Return the main pictures: overturning spectra, and the scale factors of the worst body that they omit."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         from rockpulse.views.plots.drawing import has_spectra
@@ -128,7 +127,7 @@ class Pictures:
         return found
 
     def site(self) -> PageElement:
-        """Return the picture of a site; a site file must have been given."""
+        """Return the picture of the site; use only if a site file was given."""
         from rockpulse.views.plots.site import calibration
 
         tree = self._site
@@ -136,7 +135,7 @@ class Pictures:
         return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say("picture.site_spectrum"))
 
     def fragility(self, block: str) -> PageElement:
-        """Return the fragility curves of a body; a fragility file must have been given."""
+        """Return the fragility curves of a body; use only if a fragility file was given."""
         from rockpulse.views.plots.fragility_curves import fragility_panels
 
         tree = self._fragility
@@ -145,7 +144,7 @@ class Pictures:
         return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> PageElement:
-        """Return the picture made by `draw` with ids that start with `name`, or the error message if drawing fails."""
+        """Return the picture made by `draw`, with ids that start with `name`, or the error if drawing fails."""
         from rockpulse.views.plots.picture import svg
 
         try:
@@ -157,7 +156,6 @@ class Pictures:
 
 
 def _spectra(tree: xr.DataTree, restitution: float) -> Axes:
-    """Return the overturning spectra at the stored C that is nearest to a restitution."""
     from rockpulse.views.plots.drawing import spectra_of_records
     from rockpulse.views.plots.spectra import spectra_of_results
 
@@ -168,7 +166,7 @@ def _spectra(tree: xr.DataTree, restitution: float) -> Axes:
 
 
 def _bare(ax: Axes) -> Axes:
-    """Remove title and small print from the figure of Axes, as the page shows them as text."""
+    """Remove title and small print from the figure of the Axes, as the page shows them as text."""
     figure = ax.get_figure(root=True)
     assert figure is not None
     figure.suptitle("")

@@ -1,4 +1,4 @@
-"""The warnings of the report in three grades: may change a verdict, limits its use, or explains it."""
+"""The warnings of the report in three grades: those that may change a verdict, limit its use, or explain it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ GRADES = ("decides", "limits", "notes")
 
 @dataclass(frozen=True)
 class Limit:
-    """A warning in the report: its grade, a heading, and one or two sentences."""
+    """A warning in the report: its severity (``grade``), a heading, and one or two sentences."""
 
     grade: Literal["decides", "limits", "notes"]
     head: str
@@ -46,7 +46,7 @@ def warnings(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Return the warnings on the verdicts, the most serious first; `components` is an option of [records]."""
+    """Return the warnings on the verdicts, the most serious first; `components` is the option in [records]."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -56,8 +56,7 @@ def warnings(
     if answers.demands or motions.kind == "sequence":
         said.append(_confidence(found, motions, site))
     else:
-        how = say("legend.state_demand")
-        said.append(_limit("limits", "no_demand", how=how, unknown=of_unknown_event(motions)))
+        said.append(_limit("limits", "no_demand", unknown=of_unknown_event(motions)))
     said.append(_at_rest(found, motions))
     if files.line:
         counted = files.counted or say("warning.files.none")
@@ -65,6 +64,8 @@ def warnings(
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
         said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
+    if given := sum(has_warning(str(codes), "direction_given") for codes in summary["warning_codes"].values):
+        said.append(_limit("limits", "given", count=counted_words(given, "record")))
     blocks = {one.body.block for one in found}
     if len(blocks) < len(found):
         words = {"blocks": counted_words(len(blocks), "block"), "bodies": counted_words(len(found), "body")}
@@ -75,7 +76,7 @@ def warnings(
 
 
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers) -> list[str]:
-    """Return the lines on the limits of the verdicts: decisive warnings, missing data, and effects not covered."""
+    """Return the lines on the limits of the verdicts: serious warnings, missing data, and effects not considered."""
     grave = [one.head for one in said if one.grade == "decides"]
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
@@ -91,7 +92,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], answers: Answers
 
 
 def _not_covered(summary: xr.Dataset) -> list[str]:
-    """Return the effects that the results leave out, with the number of bodies whose data do not state them."""
+    """Return the effects that are not considered, with the number of bodies for which their data are missing."""
     count = summary.sizes["block"]
 
     def without(*names: str) -> int:
@@ -109,7 +110,7 @@ def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: obj
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """Warn if the verdicts do not follow from the full equation of motion."""
+    """Warn if the verdicts are not computed with the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -120,7 +121,7 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if too few earthquakes have records that can be scaled to a demand."""
+    """Warn if records of too few earthquakes can be scaled to a demand."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.demand] = max(demand.earthquakes, most.get(demand.demand, 0))
@@ -132,12 +133,12 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _most(events: int) -> str:
-    """Return the upper confidence limit of the probability as text if P is 0 for all of the earthquakes."""
+    """Return the upper confidence limit of the probability, as text, if none of the earthquakes overturns a body."""
     return share(float(probability_interval(np.zeros(events))[1]))
 
 
 def _fewest(found: Sequence[BodyVerdict], motions: Motions) -> int:
-    """Return the smallest number of earthquakes that a verdict is based on."""
+    """Return the smallest number of earthquakes on which the verdict of any body is based."""
     counts = [one.deciding.earthquakes for one in found]
     return min(counts, default=motions.event_count)
 
@@ -161,7 +162,7 @@ def _confidence(found: Sequence[BodyVerdict], motions: Motions, site: xr.Dataset
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn if a body that the design does not overturn may overturn within the uncertainty of the design."""
+    """Warn of bodies that do not overturn under the design spectrum, but may within its confidence interval."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     names = [str(name) for name in site["block"].values]
@@ -180,7 +181,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Warn of bodies that may slide, whose ties never break, or with a worse verdict on their pedestal."""
+    """Warn of bodies that may slide, with ties of unlimited elongation, or with a worse verdict on their pedestal."""
     said = []
     for alone, worst in worse_with_pedestal(answers, found):
         value = ratio(worst.share.value)
@@ -195,7 +196,6 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """Warn if the result of a body is unknown under some records."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
@@ -207,7 +207,8 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
     idle, total = (sum(getattr(one.deciding, name) for one in found) for name in ("at_rest", "motions"))
     if not idle or motions.kind == "sequence":
         return None
-    never = sum(0 < one.deciding.at_rest == one.deciding.motions for one in found)
+    every = [one.deciding for one in found]
+    never = sum(0 < one.at_rest == one.motions or (bool(one.demand) and one.largest_rotation == 0.0) for one in every)
     if never:
         bodies = counted_words(len(found), "body")
         return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)
@@ -215,7 +216,6 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
 
 
 def _doubtful(summary: xr.Dataset) -> Limit | None:
-    """Warn if records have doubtful samples."""
     named = [cell for cell in record_cells(summary) if cell.marks]
     if not named:
         return None

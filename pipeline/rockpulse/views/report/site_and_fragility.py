@@ -1,4 +1,4 @@
-"""Makes the report sections on a site file and a fragility file, after a check that they match the results."""
+"""Makes the report sections on a site file and a fragility file, after checking that they match the results."""
 
 import re
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ NAMED = 6
 
 @dataclass(frozen=True, eq=False)
 class MatchedFile:
-    """A site or fragility file in the report, limited to bodies of the results, and its differences from them."""
+    """A site or fragility file in the report: its data for bodies of the results, and how it differs from them."""
 
     tree: xr.DataTree
     missing: tuple[str, ...]  # bodies only in the results
@@ -53,7 +53,7 @@ class MatchedFile:
     settings: tuple[str, ...]  # different settings of the motions: "[conditioning] order = 2, here 4"
 
     def other_motions(self, subject: str, assessed: int) -> list[str]:
-        """Return warnings that the file was made from other records; empty if a design sequence was assessed."""
+        """Return warnings if the file was made from other records; empty if a design sequence was assessed."""
         if not assessed:
             return []
         conditions = {
@@ -67,7 +67,7 @@ class MatchedFile:
 
 
 def matched_file(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> MatchedFile:
-    """Compare a site or fragility file with the results; raise ResultsError if bodies or designs contradict."""
+    """Compare a site or fragility file with the results; raise ResultsError if bodies or design spectra differ."""
     summary = results["summary"].to_dataset()
     site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
     kept, missing, foreign = _bodies(summary, site, kind, name)
@@ -96,7 +96,7 @@ def matched_file(results: xr.DataTree, other: xr.DataTree, kind: str, name: str)
 def _bodies(
     summary: xr.Dataset, other: xr.Dataset, kind: str, name: str
 ) -> tuple[list[int], tuple[str, ...], tuple[str, ...]]:
-    """Return the block indices of common bodies, the bodies only in the results, and the bodies only in the file."""
+    """Return the block indices of common bodies, the names only in the results, and the names only in the file."""
     bodies = bodies_of(summary)
     found: dict[Body, int] = {}
     foreign = []
@@ -125,7 +125,7 @@ def _bodies(
 
 
 def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Return the record ids of a fragility file and their PGA, which is NaN if the file does not contain it."""
+    """Return the record ids of a fragility file and the PGA of each record, NaN if the file does not contain it."""
     ids = capacities["record"].values
     if PGA not in capacities["measure"].values or not capacities.sizes["block"]:
         return ids, np.full(ids.size, np.nan)
@@ -133,7 +133,7 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
-    """Raise ResultsError if the scale factors of the bodies are not those of the design spectrum of the site."""
+    """Raise ResultsError if the scale factors of the bodies do not follow from the design spectrum of the site."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
     model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
     factors = summary["safety_factor"].isel(record=0).sel(model=model)
@@ -142,7 +142,7 @@ def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
         there = designed.get(body.name, np.nan)
         if np.isfinite(here) and abs(here / there - 1.0) > SEARCHED:
             raise ResultsError(
-                f"{name}: the design that was assessed is not that of this site: the factor of {body.name} is "
+                f"{name}: the assessed design spectrum is not from this file: the scale factor of {body.name} is "
                 f"{here:.7g} in the results, {there:.7g} in the site file; {_ASSESS_AGAIN}"
             )
 
@@ -162,7 +162,7 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
 
 
 def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Return whether all numbers agree within the tolerance; a NaN agrees with every number."""
+    """Return whether all pairs of numbers agree within the tolerance; NaN agrees with every number."""
     known = ~np.isnan(np.add(one, other))
     return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
 
@@ -177,7 +177,7 @@ def _set(value: Any) -> str:
 
 @dataclass(frozen=True)
 class ReportSection:
-    """A section of the report; curves of ``blocks`` are drawn, and ``banded`` is False if no curve has a band."""
+    """A report section; curves of ``blocks`` are drawn; ``banded`` is False if no curve has a confidence band."""
 
     warnings: tuple[str, ...]
     statements: tuple[str, ...]
@@ -187,7 +187,7 @@ class ReportSection:
 
 
 def describe_site(of: MatchedFile, assessed: int) -> ReportSection:
-    """Return the report section on the site; `assessed` is the number of assessed records, 0 for a design sequence."""
+    """Return the section on the site; `assessed` is the number of assessed records, 0 for a design sequence."""
     site = of.tree["site"].to_dataset()
     said, tables = [sequence_words(site), coverage(site)], [*site_tables(site), _every_record(site)]
     common = [say("site.common" if assessed else "site.judged_here", same=of.same, assessed=assessed)]
@@ -199,7 +199,7 @@ def describe_site(of: MatchedFile, assessed: int) -> ReportSection:
 
 
 def _not_used(of: MatchedFile) -> list[str]:
-    """Describe the files that the site or the curves do not use; empty if all files were used."""
+    """Describe the input files that the site or the curves do not use; empty if all files were used."""
     files = files_used(of.tree)
     return [f"{files.counted or say('warning.files.none')}: {files.reasons}."] if files.line else []
 
@@ -220,7 +220,7 @@ def _every_record(site: xr.Dataset) -> Table:
 
 
 def describe_fragility(of: MatchedFile, assessed: int, model: str) -> ReportSection:
-    """Return the report section on fragility; `assessed` is the number of records, 0 for a design sequence."""
+    """Return the section on fragility; `assessed` is the number of assessed records, 0 for a design sequence."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=curves_text.displayed_measure(curves))
@@ -240,7 +240,6 @@ def describe_fragility(of: MatchedFile, assessed: int, model: str) -> ReportSect
 
 
 def _warning_table(own: xr.Dataset) -> Table:
-    """Return a table of the warnings on the fragility curves of every body."""
     rows = []
     for block in own["block"].values.tolist():
         found: dict[str, list[str]] = {}

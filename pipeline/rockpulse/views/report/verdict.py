@@ -1,17 +1,18 @@
-"""Makes the verdicts in the report: a card for each body, the table of bodies, and their explanations."""
+"""Makes the verdicts in the report: a card for each body, the table of bodies, and explanations."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
 from markupsafe import Markup, escape
 
 from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.site_demands import FARTHEST
-from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Finding, Grade
 from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import CONFIDENCE
 from rockpulse.errors import ResultsError
@@ -20,9 +21,9 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots.selection import block_of
 from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.report.record_tables import record_named
-from rockpulse.views.shared.formatting import ratio, share, six_digits, three_digits
+from rockpulse.views.shared.formatting import ABSENT, ratio, share, six_digits, three_digits
 from rockpulse.views.shared.record_facts import Known
-from rockpulse.views.shared.table import Cell, Heading, Table
+from rockpulse.views.shared.table import Cell, Heading, Table, number_cell
 from rockpulse.views.shared.table_columns import (
     columns,
     filled,
@@ -35,9 +36,12 @@ from rockpulse.views.shared.table_columns import (
 from rockpulse.views.shared.tie_table import tie_table
 from rockpulse.views.shared.verdict_table import verdict_columns, verdict_rows
 from rockpulse.views.shared.words import counted_words, in_numerals, own_name, say
+from rockpulse.views.text.check import code_words
 
 #: Largest number of rows of a table without a search field, and of bodies with a card on the first page.
 FEW, MOST = 8, 6
+#: Largest number of rows of the list of priorities.
+PRIORITIES = 20
 
 
 class Drawing(NamedTuple):
@@ -49,7 +53,7 @@ class Drawing(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """The card of a body on the first page: drawing, restraints, verdict and sentence; ``key`` is a section id."""
+    """The card of a body on the first page: drawing, verdict and sentence; ``key`` is the id of the body's section."""
 
     key: str
     name: str
@@ -60,7 +64,7 @@ class Card:
 
 
 def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
-    """Return the cards of the bodies with the worst verdicts, the worst first."""
+    """Return the cards of the bodies with the worst verdicts; the worst comes first."""
     worst: dict[int, BodyVerdict] = {}
     for one in sorted(found, key=by_severity):
         worst.setdefault(one.body.place, one)
@@ -73,12 +77,72 @@ def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawin
 def by_severity(one: BodyVerdict) -> tuple[float, float, float]:
     """Return the sort key: worst verdict first, then largest probability, then smallest scale factor.
 
-    A body that slides first follows those that may overturn, as anchors against overturning do not hold it.
+    Bodies that slide first come last, as their rocking is not assessed.
     """
     factor, value = one.deciding.margin.smallest, one.share.value
     likely = 0.0 if math.isnan(value) else value
-    grade = Grade.ROCKS + 0.5 if one.grade == Grade.SLIDES_FIRST else float(one.grade)
+    grade = 0.0 if one.grade == Grade.SLIDES_FIRST else one.deciding.severity
     return -grade, -likely, math.inf if math.isnan(factor) else factor
+
+
+def priorities(answers: Answers, found: Sequence[BodyVerdict], checked: xr.Dataset | None = None) -> Table | None:
+    """Return the table of the bodies in the order in which they need action; None without a verdict.
+
+    A body and the same body with its pedestal are one object with the worse verdict; `checked` are the code checks.
+    """
+    whole = answers.summary["pedestal_of"].values.tolist() if "pedestal_of" in answers.summary else answers.blocks
+    worst: dict[str, BodyVerdict] = {}
+    for one in sorted(found, key=by_severity):
+        worst.setdefault(whole[one.body.place] or one.body.block, one)
+    if all(one.grade == Grade.NO_VERDICT for one in worst.values()) or answers.motions.kind == "sequence":
+        return None
+    names = ("priority", "body", "verdict", *(["code"] if checked is not None else []), "action")
+    rows = []
+    for place, one in enumerate(list(worst.values())[:PRIORITIES], start=1):
+        code, failed = _of_codes(checked, one.body.block)
+        name = Cell(one.body.block, link=f"body-{one.body.place}")
+        of_codes = () if checked is None else (code,)
+        action = Cell(_action(answers, one, failed))
+        rows.append((number_cell(place, str), name, grade_cell(one.deciding), *of_codes, action))
+    more = say("priorities.more", count=len(worst) - PRIORITIES) if len(worst) > PRIORITIES else ""
+    heads = {name: say(f"head.{name}") for name in ("priority", "body", "code", "action")}
+    headings = tuple(Heading(heads.get(name) or say(f"column.{name}.head")) for name in names)
+    return Table("priorities", say("caption.priorities"), headings, tuple(rows), (more,) if more else ())
+
+
+def _of_codes(checked: xr.Dataset | None, block: str) -> tuple[Cell, str]:
+    """Return whether a body passes all criteria of the code checks, some or none, and the names of codes it fails."""
+    if checked is None or block not in checked["block"].values:
+        return Cell(ABSENT), ""
+    of_body = checked[["activation_ratio", "displacement_ratio"]].sel(block=block)
+    ratios = np.stack([own.values for own in of_body.data_vars.values()])
+    known, below = ~np.isnan(ratios), ratios < 1.0
+    failed = ", ".join(code_words(str(code)) for code in checked["code"].values[below.any(axis=0)])
+    if not known.any():
+        return Cell(ABSENT), ""
+    in_part = ("in_part", "fair") if below.sum() < known.sum() else ("fails", "bad")
+    key, grade = in_part if below.any() else ("passes", "good")
+    return Cell(say(f"check.{key}"), float(np.nanmin(ratios)), grade=grade), failed
+
+
+def _action(answers: Answers, one: BodyVerdict, failed: str) -> str:
+    """Return what should be done about a body, as one short line; `failed` are the names of codes that it fails."""
+    found, place = one.deciding, one.body.place
+    known = Known(answers.summary, block=one.body.block)
+    key = found.status
+    if found.grade in (Grade.OVERTURNS, Grade.MAY_OVERTURN) and '"ties"' in known.text("restraints"):
+        key += "_tied"
+    top = _top(answers, found, place)
+    if found.grade <= Grade.ROCKS and key != "no_margin":
+        key = "fails_code" if failed else "keep_free" if top >= 1.0 else "none"
+    fields = {"capacity": ratio(found.margin.smallest), "top": ratio(top), "count": found.earthquakes, "codes": failed}
+    return say(f"action.{key}", needed=FEWEST_AT_DEMAND, **fields)
+
+
+def _top(answers: Answers, found: Finding, place: int) -> float:
+    """Return the largest displacement of the top of a body under records that do not overturn it [cm]."""
+    turn = found.others_rotation * float(answers.summary["alpha_c"].values[place])
+    return 100.0 * float(answers.summary["height"].values[place]) * math.sin(turn)
 
 
 def body_drawings(tree: xr.DataTree) -> list[Drawing]:
@@ -107,7 +171,7 @@ def body_drawings(tree: xr.DataTree) -> list[Drawing]:
 
 
 def sentence(answers: Answers, one: BodyVerdict) -> str:
-    """Return the results for a body at its worst demand, or under the records as recorded, as a sentence."""
+    """Return a sentence with the results for a body at its worst demand or, without demands, under the records."""
     found, motions = one.deciding, answers.motions
     smallest = unexplained(margin_cells(found.margin)[0]).marked
     if motions.kind == "sequence":
@@ -125,8 +189,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
         return say("verdict.not_lifted", motions=counted_words(found.motions, motions.kind), name=found.demand)
     others = ""
     if found.others_rotation > 0.0:
-        turn = found.others_rotation * float(answers.summary["alpha_c"].values[one.body.place])
-        top = 100.0 * float(answers.summary["height"].values[one.body.place]) * math.sin(turn)
+        top = _top(answers, found, one.body.place)
         others = say("verdict.others", rotation=ratio(found.others_rotation))
         others += "" if math.isnan(top) else say("verdict.top", top=ratio(top))
     value = ratio(found.share.value)
@@ -145,7 +208,7 @@ def sentence(answers: Answers, one: BodyVerdict) -> str:
 
 
 def basis(answers: Answers, unused: str) -> str:
-    """Describe what the verdicts are based on: model, records, unused files and demands."""
+    """Describe what the verdicts are based on: model, records, files that were not used, and demands."""
     fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
     said = [say("basis", files=f"; {unused}" if unused else "", **fields)]
     for name, demand in answers.demands.items():
@@ -167,7 +230,7 @@ def motions_words(motions: Motions) -> str:
 
 
 def counted_by(answers: Answers) -> str:
-    """Explain how probability or share is computed, and which values separate the verdicts."""
+    """Explain how the probability, or the share of records, is computed, and which values separate the verdicts."""
     model = model_words(answers.model)
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
@@ -188,9 +251,9 @@ def acceleration_in_words(value: float) -> str:
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = False) -> Table:
-    """Return the table of the bodies, the worst verdict first.
+    """Return the table of the bodies; the worst verdict comes first.
 
-    Each body has one row, for its governing demand and restitution, or with `every` a row for each of them.
+    Each body has one row, for its governing demand and restitution; with `every`, a row for each of them.
     """
     ordered = sorted(found, key=by_severity)
     worst = {one.body.place: one for one in reversed(ordered)}
@@ -212,13 +275,13 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict], every: bool = Fal
 
 
 def ties(answers: Answers, found: Sequence[BodyVerdict]) -> Table | None:
-    """Return the table of the ties; None without ties."""
+    """Return the table of the ties; None if no body has ties."""
     records = [_governing(answers, record) for record in range(len(answers.records))]
     return tie_table(answers, found, records)
 
 
 def _governing(answers: Answers, record: int) -> Cell:
-    """Return the name of a record (a row of /summary) with a link to its section."""
+    """Return a cell with the name of a record, given by its row in /summary, and a link to its section."""
     name = record_cells(answers.summary)[record]
     label = record_named(Known(answers.summary, record=answers.records[record]), name.text)
     return unexplained(name)._replace(text=label, link=f"record-{record}")

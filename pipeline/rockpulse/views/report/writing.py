@@ -1,6 +1,7 @@
 """Writes the report as an HTML page without external resources, or as a PDF printed by a browser."""
 
 import base64
+import dataclasses
 import hashlib
 import os
 import re
@@ -8,17 +9,21 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
+from functools import cache, partial
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from rockpulse.config.configuration import Config, given_config
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import SECTIONS, SEVERAL, Config, given_config
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
+from rockpulse.record.record import BETWEEN
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load_tree
 from rockpulse.storage.variables.fragility import FRAGILITY
@@ -29,8 +34,21 @@ from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.record_tables import record_label
 from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.report.site_and_fragility import matched_file
+from rockpulse.views.report.verdict import by_severity
+from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.table import Fact
-from rockpulse.views.shared.words import in_dates, own_name, result_texts, say, writing
+from rockpulse.views.shared.words import (
+    in_dates,
+    own_name,
+    raw_text,
+    result_texts,
+    say,
+    table,
+    writing,
+)
+from rockpulse.views.shared.words import (
+    language as current_language,
+)
 
 #: Mark in the head of every report; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
@@ -86,6 +104,7 @@ def report(
     language: str = "en",
     config: Config | str | Path | None = None,
     full: bool = False,
+    code: str | Sequence[str] | None = None,
 ) -> Path:
     """Write the report of an assessment as one file: HTML without external resources, or PDF.
 
@@ -108,7 +127,9 @@ def report(
         Configuration whose author, client, project and logo ([report]) replace those in the results, and whose [check],
         if it gives a spectrum, replaces theirs.
     full : bool
-        Whether to add the configuration, and the SHA-256 of the input files and of the files of results.
+        Whether to add the configuration, the SHA-256 of the input files and of the files of results, and their folders.
+    code : str or sequence of str, optional
+        Codes of the check, as in :func:`rockpulse.check`; by default all that the results allow.
 
     Returns
     -------
@@ -132,7 +153,7 @@ def report(
     as_pdf = target.suffix.lower() == ".pdf"
     if as_pdf:
         browser()  # checked before any work
-    page = report_page(results, site, fragility, language, None if config is None else given_config(config), full)
+    page = report_page(results, site, fragility, language, None if config is None else given_config(config), full, code)
     with FileSet() as parts:
         parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
         check_report_target(output, overwrite)  # another process may have written it in the meantime
@@ -141,7 +162,7 @@ def report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Return the path of a report to be written; raise ResultsError if it cannot or must not be written."""
+    """Return the path of a report to be written; raise ResultsError if it must not or cannot be written."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
@@ -171,6 +192,7 @@ def report_page(
     language: str = "en",
     config: Config | None = None,
     full: bool = False,
+    code: str | Sequence[str] | None = None,
 ) -> str:
     """Return the HTML page of the report as text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -184,15 +206,16 @@ def report_page(
     kinds = [kind for kind in (SITE_KIND, FRAGILITY) if kind in trees]
     others = {kind: matched_file(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
     beside = others.get(SITE_KIND), others.get(FRAGILITY)
-    checked = code_checks(loaded[ASSESSMENT], config)
+    checked = code_checks(loaded[ASSESSMENT], config, code)
     if isinstance(checked, xr.Dataset):
         named = dict(zip(stored, tree["summary"].to_dataset()["block"].values.tolist(), strict=True))
         checked = checked.assign_coords(block=[named.get(name, name) for name in checked["block"].values.tolist()])
+    plain = str if full else partial(plain_words, folders=_folders(loaded[ASSESSMENT], given[ASSESSMENT]))
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
         autoescape=True,
         undefined=StrictUndefined,
-        finalize=lambda value: escaped(value) if type(value) is str else value,
+        finalize=lambda value: escaped(plain(value)) if type(value) is str else value,
         trim_blocks=True,
         lstrip_blocks=True,
     )
@@ -201,7 +224,7 @@ def report_page(
     with writing(language):
         content = page_content(tree, *beside, checked, full)
         curves = content.fragility.blocks if content.fragility else ()
-        gravest = sorted(content.found, key=lambda one: (one.grade, one.share.value), reverse=True)
+        gravest = sorted(content.found, key=by_severity)
         worst = [one.body.block for one in gravest]
         return environment.get_template("report.html").render(
             say=say,
@@ -215,7 +238,7 @@ def report_page(
             files=[
                 Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind], full)) for kind in given if kind in trees
             ],
-            explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5", stored),
+            explorer=explorer(tree, Path(results).name if isinstance(results, str | Path) else "results.h5", stored),
             style=Markup(_text("report.css") + _text("explorer.css")),
             script=Markup(script),
             script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
@@ -246,8 +269,60 @@ def _in_language(tree: xr.DataTree) -> xr.DataTree:
     return tree.map_over_datasets(renamed)
 
 
+@cache
+def _option() -> re.Pattern[str]:
+    """Return the pattern of a section or key of the configuration, or an option or verb of the command line."""
+
+    def keys(cls: type) -> Iterator[str]:
+        for item in dataclasses.fields(cls):
+            yield item.name
+            yield from keys(item.metadata["entries"]) if "entries" in item.metadata else ()
+
+    names = {name for cls in (*SECTIONS.values(), BlockSettings) for name in keys(cls)}
+    several = "|".join(sorted(name for name in names if re.fullmatch("[a-z]{2,}(_[a-z]{2,})+", name)))
+    sections = "|".join([*SECTIONS, *SEVERAL])
+    return re.compile(rf"\[\[?(?P<section>{sections})(?:\.\w+)?\]\]?|\b(?P<key>{several})\b|--[a-z]|\brockpulse [a-z]+")
+
+
+def plain_words(words: str, folders: tuple[str, ...] = ()) -> str:
+    """Return a text without folders and advice on options of the program; other keys are replaced by their meaning.
+
+    Advice is a parenthesis, a sentence or, after a semicolon, a part of one that names an option.
+
+    >>> plain_words("the mean was subtracted; set [conditioning] baseline to keep it")
+    'the mean was subtracted'
+    """
+    for folder in folders:
+        words = words.replace(folder, "")
+    option = _option()
+    if not option.search(words):
+        return words
+    words = re.sub(r" \([^()]*\)", lambda found: "" if option.search(found[0]) else found[0], words)
+    first, *further = re.split(r"(?<=;) |(?<=\.) (?=[A-Z])", words)
+    kept = " ".join([first, *(part for part in further if not option.search(part))])
+    if kept.endswith(";"):
+        kept = kept[:-1] + "." * words.endswith(".")
+    return option.sub(lambda found: _in_words(found["key"]) if found["key"] else found["section"] or found[0], kept)
+
+
+def _in_words(key: str) -> str:
+    return raw_text(f"app.key.{key}") if f"app.key.{key}" in table(current_language()) else key.replace("_", " ")
+
+
+def _folders(tree: xr.DataTree, results: xr.DataTree | str | Path | None) -> tuple[str, ...]:
+    """Return the folders of the input files and of the results as the beginnings of paths, the longest first."""
+    named = [Path(results).absolute()] if isinstance(results, str | Path) else []
+    sources = [*tree["summary"].to_dataset()["source"].values.tolist(), *(row.file for row in failure_rows(tree))]
+    named += [Path(name.partition("!")[0]) for source in sources for name in source.split(BETWEEN)]
+    folders = {str(path.parent) for path in named if path.is_absolute()}
+    common = os.path.commonpath(folders) if folders else ""
+    if folders and len(Path(common).parts) > 2:
+        folders.add(common)
+    return tuple(f"{folder}{os.sep}" for folder in sorted(folders, key=len) if len(Path(folder).parts) > 1)
+
+
 def with_symbols(words: str) -> str:
-    """Replace names such as alpha_c and m/s2 in a text by Greek letters and powers."""
+    """Replace names such as alpha_c and m/s2 in a text by Greek letters and superscripts."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 
@@ -269,7 +344,7 @@ def _described(source: xr.DataTree | str | Path | None, full: bool) -> tuple[str
     if not isinstance(source, str | Path):
         return (say("page.in_memory"),)
     if not full:
-        return (str(source),)
+        return (Path(source).name,)
     with Path(source).open("rb") as file:
         return str(source), f"SHA-256 {hashlib.file_digest(file, 'sha256').hexdigest()}"
 
@@ -298,7 +373,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """Print an HTML page with a browser and return the PDF; raise ResultsError if this fails."""
+    """Convert an HTML page to a PDF with a browser, and return the PDF; raise ResultsError if this fails."""
     program = browser()
     # A separate profile, as an open browser would take over the page and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

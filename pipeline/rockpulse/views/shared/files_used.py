@@ -1,7 +1,7 @@
 """Counts the input files that the results use, and gives the reasons why other files are not used.
 
-A file is used if one of its channels is assessed, or skipped as vertical, structural or duplicate. It is not used if it
-failed and no part of it is in the results. Skipped files (texts, pictures, spectra) are not counted.
+A file is used if one of its channels is assessed, or is skipped as vertical, structural or duplicate. It is not used if
+it failed and the results contain none of its channels. Skipped files (texts, pictures, spectra) are not counted.
 """
 
 from collections.abc import Iterable
@@ -27,7 +27,7 @@ _REASONS, _NAMED, _LONGEST = 3, 10, 120
 
 @dataclass(frozen=True)
 class FilesUsed:
-    """The number of used files, and the failures of unused files and of single channels."""
+    """The number of used files, the failures of files that were not used, and the failures of single channels."""
 
     used: int | None  # None if records do not state their files
     unused: tuple[Failure, ...] = ()  # first row of each failed file
@@ -35,13 +35,13 @@ class FilesUsed:
 
     @property
     def counted(self) -> str:
-        """Return the numbers of used and unused files and of failed channels as text; empty if nothing failed."""
+        """Return the numbers of used files, unused files and failed channels as text; empty if nothing failed."""
         failed = say("files.channels", channels=counted_words(self.channels, "channel")) if self.channels else ""
         return ", ".join(filter(None, (self._files, failed)))
 
     @property
     def channels(self) -> int:
-        """Number of channels that failed although their file is used."""
+        """Number of channels that failed although the results use other channels of their file."""
         return sum(row.stage not in _OF_OPTIONS for row in self.beside)
 
     @property
@@ -55,7 +55,7 @@ class FilesUsed:
 
     @property
     def sentence(self) -> str:
-        """Return the numbers of used and unused files and the reasons as text; empty if all files were used."""
+        """Return the numbers of used and unused files, and the reasons, as text; empty if all files were used."""
         return f"{self._files}: {_reasons(self.unused)}." if self.unused else ""
 
     @property
@@ -65,7 +65,7 @@ class FilesUsed:
 
     @property
     def line(self) -> str:
-        """Return one line with all failures and their reasons; empty if nothing failed."""
+        """Return all failures with their reasons on one line; empty if nothing failed."""
         channels = f"also failed: {_reasons(self.beside)}." if self.beside else ""
         return " ".join(filter(None, (self.sentence, channels if self.unused else channels.removeprefix("also "))))
 
@@ -84,7 +84,7 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
 
 
 def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
-    """Count used and unused files, given the names of the used files and the rows of the failures table."""
+    """Count used and unused files, given the names of the used files and the rows of /failures."""
     rows = list(rows)
     failed = {row.file for row in rows if row.kind == "failed"}
     # A skipped vertical channel does not make its file used if it or the horizontal channels failed.
@@ -105,7 +105,7 @@ def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
 
 
 def failure_rows(tree: xr.DataTree) -> list[Failure]:
-    """Return the rows of the group /failures in their order; empty if the results have no such group."""
+    """Return the rows of the group /failures; empty if the results have no such group."""
     if "failures" not in tree.children:
         return []
     failures = tree["failures"].to_dataset()
@@ -122,7 +122,7 @@ def _named(row: Failure) -> list[str]:
 
 
 def _apart(source: str) -> list[str]:
-    """Split the joined file names of a record, unless only some of the parts look like file names."""
+    """Split the joined file names of a record; do not split if a part does not look like a file name."""
     names = source.split(BETWEEN)
     inside = {any(sign in name for sign in "/\\!") for name in names}
     ending = {"." in last_part(name) for name in names}
@@ -130,7 +130,7 @@ def _apart(source: str) -> list[str]:
 
 
 def _files_of(source: str, checksums: str) -> list[str]:
-    """Return the file names of a record, split only if there are as many names as checksums."""
+    """Return the file names of a record; they are split only if their number equals the number of checksums."""
     names = source.split(BETWEEN)
     return names if len(names) == len(checksums.split(BETWEEN)) else [source]
 
@@ -141,13 +141,13 @@ def _reasons(rows: Iterable[Failure]) -> str:
 
 
 def reasons_of(rows: Iterable[Failure], most: int = _REASONS, longest: int = _LONGEST) -> tuple[list[str], int]:
-    """Return the most frequent reasons with their file names, and the number of rows that have other reasons."""
+    """Return the most frequent reasons with the names of their files, and the number of failures not listed."""
     groups = sorted(alike(rows), key=len, reverse=True)
     return [_reason(group, longest) for group in groups[:most]], sum(map(len, groups[most:]))
 
 
 def _reason(group: list[Failure], longest: int) -> str:
-    """Return the reason of a group of failures without the advice that follows it, and the names of the files."""
+    """Return the common reason of a group of failures, without advice, followed by the names of the files."""
     words = " ".join(group[0].found.split())
     if len(words) > longest:
         words = f"{words[:longest].rpartition(' ')[0]} ..."

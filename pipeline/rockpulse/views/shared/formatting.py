@@ -14,7 +14,7 @@ WIDTH = 110
 
 
 def ratio(value: float) -> str:
-    """Format a ratio near 1 with two or three digits; a dash if it is NaN."""
+    """Format a ratio near 1 with two or three digits; NaN becomes a dash."""
     if math.isnan(value):
         return ABSENT
     if value == 0.0 or math.isinf(value):
@@ -25,7 +25,7 @@ def ratio(value: float) -> str:
 
 
 def lower_bound(value: float) -> str:
-    """Format a lower bound with the sign ">", rounded down to the number of digits of :func:`ratio`."""
+    """Format a lower bound with the sign ">", rounded down to the digits of :func:`ratio`."""
     places = 3 if value < 0.1 else 2 if value < 10.0 else 1
     down = math.floor(value * 10**places) / 10**places
     return numerals(f">{down:.{places}f}") if down > 0.0 else ">0"
@@ -37,7 +37,7 @@ def restitution(value: float) -> str:
 
 
 def three_digits(value: float, unit: str = "") -> str:
-    """Format a number with three significant digits and its unit; a dash if it is NaN."""
+    """Format a number with three significant digits and its unit; NaN becomes a dash."""
     if math.isnan(value):
         return ABSENT
     return f"{numerals(f'{value:.3g}')} {unit}".rstrip()
@@ -49,19 +49,19 @@ def six_digits(value: float) -> str:
 
 
 def fixed(value: float, places: int = 2) -> str:
-    """Format a number with `places` decimals; a dash if it is NaN."""
+    """Format a number with `places` decimals; NaN becomes a dash."""
     return ABSENT if math.isnan(value) else numerals(f"{value:.{places}f}")
 
 
 def between(low: float, high: float, show: Callable[[float], str] = three_digits) -> str:
-    """Format an interval; a dash if both ends are NaN."""
+    """Format an interval as text; a dash if both limits are NaN."""
     if math.isnan(low) and math.isnan(high):
         return ABSENT
     return say("between", low=show(low), high=say("no_limit") if math.isinf(high) else show(high))
 
 
 def share(value: float) -> str:
-    """Format a share between 0 and 1 in whole percent; a dash if it is NaN."""
+    """Format a share between 0 and 1 in whole percent; NaN becomes a dash."""
     return ABSENT if math.isnan(value) else f"{100.0 * value:.0f} %"
 
 

@@ -17,12 +17,12 @@ from rockpulse.views.shared.words import say
 
 
 def factor_heading(factor: str) -> str:
-    """Return the column heading of a variable such as "factor_10"."""
+    """Return the column heading of a scale factor, given by its variable, such as "factor_10"."""
     return say(f"column.{factor}.head")
 
 
 def factor_name(factor: str) -> str:
-    """Return the name that a variable such as "factor_10" has within a sentence."""
+    """Return the name of a scale factor within a sentence, given by its variable, such as "factor_10"."""
     return say(f"factor.{factor}")
 
 
@@ -32,13 +32,13 @@ def stored_uncertainty(answers: Answers) -> str:
 
 
 def uncertain(answers: Answers) -> str:
-    """Return the stored description of the uncertainty with a capital letter, as the beginning of a sentence."""
+    """Return the stored description of the uncertainty, capitalised, as the start of a sentence."""
     stored = stored_uncertainty(answers)
     return stored[:1].upper() + stored[1:]
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """Explain the columns of scale factors; `swept` is true if a factor is the smallest over all directions."""
+    """Explain the columns of scale factors; `swept` is true if each is the smallest over all directions of a pair."""
     if not answers.has_factor:
         return []
     factor = answers[answers.factor]
@@ -51,8 +51,8 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     notes = [f"SF: smallest scale factor on {of} at which the body overturns by the {answers.model} model.{none}"]
     if missed := missed_step(answers):
         notes[0] += (
-            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: its second digit is "
-            f"not reliable ([search] {MODELS[answers.model].grid})."
+            f" Ranges of overturning scale factors narrower than the step of the search (up to {missed:.1%}) may lie "
+            f"below it, undetected: its second digit is not reliable ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
@@ -68,7 +68,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
 
 
 def none_found(answers: Answers) -> str:
-    """Explain the cells of bodies that do not overturn at any scale factor; empty if there are no such bodies."""
+    """Explain the entry for bodies that do not overturn at any scale factor; empty if there are no such bodies."""
     factor = answers[answers.factor]
     if not np.isinf(factor).any():
         return ""
@@ -76,12 +76,12 @@ def none_found(answers: Answers) -> str:
 
 
 def missed_step(answers: Answers) -> float:
-    """Return the relative width below which the search can miss an interval of scale factors; 0 for closed forms."""
+    """Return the relative width of an interval of scale factors that the search can miss; 0 for exact solutions."""
     return max(float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0, 0.0)
 
 
 def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[CellMark]) -> list[str]:
-    """Return all notes below a table with the results of every model; `marks` are the marks in its cells."""
+    """Return all notes below a table with the results of every model; `marks` are the marks that the table contains."""
     notes = [
         "Figures below the models: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of "
         "an impact. Uplift ratio: PGA over the PGA that lifts the body. I/I_1c: main impulse over the single impulse "
@@ -122,14 +122,14 @@ def counted_motions(motions: Motions) -> str:
 
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
-    """Return a sentence for every body with a crushed edge, and for every body on a pedestal."""
+    """Return a sentence for every body with crushing at its edge, and for every body on a pedestal."""
     notes = []
     for name in answers.blocks:
         if words := Known(answers.summary, block=name).crushing:
             notes.append(say("crushed.note", name=name, **words))
     for alone, worst in worse_with_pedestal(answers, found):
         value = f"{'P' if answers.probable else 'share'} {ratio(worst.share.value)}"
-        outcome = ", ".join(filter(None, (worst.grade.word, value)))
+        outcome = ", ".join(filter(None, (worst.deciding.word, value)))
         notes.append(
             f"{alone}: assessed alone and as one body with its pedestal; the worse result governs: {worst.body.name} "
             f"({outcome}); simultaneous motions of both parts are not modelled."
@@ -138,6 +138,6 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
 
 
 def cautions(names: Iterable[str]) -> list[str]:
-    """Return a sentence for each model whose input is an upper bound."""
+    """Return a sentence for each model whose input sequence is an upper bound."""
     bounds = [MODELS[name] for name in names if is_upper_bound(name)]
     return [f"{model.name}: an {UPPER_BOUND} ({model.upper_bound}), not a prediction." for model in bounds]

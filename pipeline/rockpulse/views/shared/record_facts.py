@@ -1,4 +1,4 @@
-"""Facts about a record or a body as text; a missing fact is a dash, or an empty text if most records lack it."""
+"""Facts about a record or a body as text; a missing fact is a dash, or empty if most records lack it."""
 
 import json
 import math
@@ -14,6 +14,7 @@ from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.formatting import ABSENT, six_digits, three_digits
 from rockpulse.views.shared.words import counted_words, in_dates, numerals, say
+from rockpulse.warning_text import has_warning
 
 #: Pattern of a date or year, and pattern of a magnitude, which are not repeated if the title contains them.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
@@ -21,7 +22,7 @@ _MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)
 
 
 class RecordFacts:
-    """The facts about one record; `value` returns a stored variable by its name, or None if it is missing."""
+    """The facts about one record; the method `value` returns a variable by name, or None if it is missing."""
 
     def __init__(self, value: Callable[[str], Any]) -> None:
         self.value = value
@@ -43,13 +44,12 @@ class RecordFacts:
 
     @property
     def _named(self) -> str:
-        """Return the name of the earthquake; empty if its title is only a date or a number."""
+        """Return the name of the earthquake; empty if the stored title is only a date or a number."""
         titles = (self.text("event_title"), self.text("event"))
         return next((title for title in titles if title != UNKNOWN and words_of(title)), "")
 
     @property
     def _earthquake(self) -> str:
-        """Return name, date and magnitude of the earthquake as text."""
         title, date, magnitude = self._named, in_dates(self.date), self.magnitude
         if title:
             more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
@@ -94,7 +94,9 @@ class RecordFacts:
         if math.isnan(azimuth):
             return self.text("component")
         line = {0.0: "north_south", 90.0: "east_west"}.get(azimuth % 180.0)
-        return say(f"direction.{line}") if line else say("direction.azimuth", angle=six_digits(azimuth))
+        words = say(f"direction.{line}") if line else say("direction.azimuth", angle=six_digits(azimuth))
+        given = has_warning(self.text("warning_codes"), "direction_given")
+        return say("direction.given", direction=words) if given else words
 
 
 class Known(RecordFacts):
@@ -106,7 +108,6 @@ class Known(RecordFacts):
         super().__init__(self._value)
 
     def _value(self, name: str) -> Any:
-        """Return the value of a variable for this record or body; None if the variable is missing."""
         if name not in self._summary:
             return None
         return self._summary[name].variable[{self._dim: self._row}].values.item()
@@ -148,7 +149,7 @@ class Known(RecordFacts):
 
     @property
     def crushing(self) -> dict[str, str]:
-        """Return depth of crushing, critical angle with and without it, and their difference as texts; else empty."""
+        """Return depth of crushing and critical angle with and without it, as texts by name; empty without crushing."""
         hinge = self.real("hinge_depth")
         if not hinge > 0.0:
             return {}
@@ -160,13 +161,13 @@ class Known(RecordFacts):
 
     @property
     def critical_angle(self) -> str:
-        """Return the critical angle of the body, with the effect of crushing of its edge."""
+        """Return the critical angle of the body, with a note on the crushing of its edge."""
         words = self.crushing
         return say("fact.crushed", **words) if words else self.number("alpha_c", "rad")
 
     @property
     def support(self) -> str:
-        """Describe wall, restraints, floor, pedestal and friction of the body; empty for a free body."""
+        """Describe wall, restraints, floor, pedestal and friction of the body; empty if it has none of them."""
         found = []
         if self.value("one_sided"):
             facing = float(self.value("facing"))
@@ -203,14 +204,14 @@ class Known(RecordFacts):
 
     @property
     def component(self) -> str:
-        """Return the component named in the file, or the angle if the record was rotated."""
+        """Return the component named in the file or, if the record was rotated, the angle."""
         stated, azimuth = self.words("component"), self.real("azimuth")
         turned = not math.isnan(azimuth) and stated == rotated_component(azimuth)
         return say("direction.rotated", angle=six_digits(azimuth)) if turned else stated
 
     @property
     def stated(self) -> list[tuple[str, str]]:
-        """Return names and values of the facts about earthquake and site that the file of the record states."""
+        """Return names and values of the facts about earthquake and site that the record's file contains."""
         depth = self.real("hypocentre_depth")
         hypocentre = (
             self._coordinates("hypocentre"),

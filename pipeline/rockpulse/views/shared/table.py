@@ -1,4 +1,4 @@
-"""Tables as data, and their layout on the terminal; the HTML layout is in the templates of the report."""
+"""Tables as data, and their layout on the terminal; the report lays them out by its HTML templates."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ UNWRAPPED, HEADING_WIDTH = 8, 12
 
 
 class CellMark(NamedTuple):
-    """A mark before or after the text of a cell; ``key`` selects its texts, ``sign`` is the mark itself."""
+    """A mark before or after the text of a cell: ``sign`` is printed, and ``key`` selects the texts that explain it."""
 
     key: str = ""
     sign: str = ""
@@ -73,7 +73,7 @@ class Heading(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """A table; ``key`` is its id in the report, which adds a search field above ``searched`` rows."""
+    """A table; ``key`` is its id in the report, where it gets a search field if it has more than ``searched`` rows."""
 
     key: str
     caption: str
@@ -89,18 +89,18 @@ class Table:
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """Return for each column whether it is sorted by the numbers in its cells."""
+        """Return, for each column, whether it is sorted by the numbers in its cells."""
         return tuple(any(row[place].value is not None for row in self.rows) for place in range(len(self.headings)))
 
     @cached_property
     def flush_right(self) -> tuple[bool, ...]:
-        """Return for each column whether the report aligns it to the right, as a column of numbers."""
+        """Return, for each column, whether the report aligns it to the right, as a column of numbers."""
         graded = (any(row[place].grade for row in self.rows) for place in range(len(self.headings)))
         return tuple(numeric and not words for numeric, words in zip(self.numeric, graded, strict=True))
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Return the footnotes, then the notes that explain the marks, in the order in which the marks appear."""
+        """Return the footnotes, followed by the notes on the marks in the order in which the marks appear."""
         notes = dict.fromkeys(mark.note for row in self.rows for cell in row for mark in cell.marks if mark.note)
         return *self.footnotes, *notes
 
@@ -116,13 +116,13 @@ class Fact:
 def number_cell(
     value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()
 ) -> Cell:
-    """Return the cell of a number; marks are omitted if the number is unknown."""
+    """Return the cell of a number; an unknown number has no marks."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)
 
 
 def lines(table: Table, indent: str = "") -> list[str]:
-    """Return the lines of a table in aligned columns: wrapped headings, then the rows."""
+    """Return the lines of a table in aligned columns: the headings, wrapped, then the rows."""
     columns, headings = [], []
     for place, heading in enumerate(table.headings):
         numeric = table.numeric[place]
@@ -140,7 +140,7 @@ def lines(table: Table, indent: str = "") -> list[str]:
 
 
 def _wrapped(label: str, width: int) -> list[str]:
-    """Wrap a heading to few and narrow lines; `width` is the width of the cells below it."""
+    """Wrap a heading to few, narrow lines; `width` is the width of the cells below it."""
     if len(label) <= max(width, UNWRAPPED):
         return [label.replace("\N{NO-BREAK SPACE}", " ")]
     wide = max(width, HEADING_WIDTH)

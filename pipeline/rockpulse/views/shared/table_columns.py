@@ -1,4 +1,4 @@
-"""The columns of all tables: each has a heading (section [column] of the word files), variables and cells."""
+"""The columns of all tables: each has a heading (section [column] of the texts), variables, and a cell function."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -33,7 +33,7 @@ _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED
 
 
 class Rows(Protocol):
-    """The values of a table: a mapping from the name of each variable to its values, one for every row."""
+    """The values of a table: a mapping from the name of each variable to one value for each row."""
 
     def __getitem__(self, name: str, /) -> Sequence[Any]: ...
 
@@ -63,14 +63,14 @@ class Column:
 
 
 def titled(title: str, cell: Callable[..., Cell], *of: str, **options: Any) -> Column:
-    """Make a column for a single table, with the given title."""
+    """Return a column with the given title, for use in a single table."""
     return Column(title, of, cell, title=title, **options)
 
 
 def tabulated(
     key: str, caption: str, selected: Sequence[Column], dataset: xr.Dataset, notes: tuple[str, ...] = ()
 ) -> Table:
-    """Make a table from the variables of a one-dimensional dataset, with one row for every element."""
+    """Return a table of variables of a one-dimensional dataset, with a row for every element."""
     rows = {name: dataset[name].values.tolist() for column in selected for name in column.of}
     return Table(key, caption, headed(selected), tuple(filled(selected, rows)), notes)
 
@@ -80,7 +80,7 @@ _NOTED = frozenset({"restitution", "overturning_probability"})
 
 
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
-    """Return the marks of doubt of a record, from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
+    """Return the marks of a doubtful record, from its PGA [m/s2] (NaN for a sequence) and its warning codes."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or has_warning(codes, "header_peak")
     found = (peak, has_warning(codes, "clipped", "clipped_crests", "full_scale"), has_warning(codes, *DEFECTS))
@@ -88,17 +88,17 @@ def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:
-    """Return a cell with the id of a record and its marks of doubt."""
+    """Return a cell with the id of a record, and marks if the record is doubtful."""
     return Cell(str(name), marks=doubt(pga, str(codes)))
 
 
 def record_cells(summary: xr.Dataset) -> list[Cell]:
-    """Return a cell with id and marks for every record of the group /summary."""
+    """Return, for every record of the group /summary, a cell with its id and marks."""
     return [record_cell(*one) for one in zip(*(summary[name].values.tolist() for name in _RECORD), strict=True)]
 
 
 def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
-    """Return a cell with the largest rotation divided by alpha_c, or with the outcome as a word."""
+    """Return a cell with the largest rotation divided by alpha_c or, if the body overturns, the outcome as a word."""
     marks = (OUTSIDE,) if applicable == 0 else ()
     if outcome in _SORTED:
         kind = Outcome(outcome)
@@ -108,7 +108,7 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
-    """Return the cell of a scale factor; an infinite factor is shown as larger than `limit`."""
+    """Return the cell of a scale factor; an infinite scale factor is printed as larger than `limit`."""
     marks = ([NO_ANSWER] if bound else []) + ([CellMark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
         return Cell(ABSENT, factor)
@@ -130,7 +130,7 @@ def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
 
 
 def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
-    """Return two cells: the smallest scale factor and the name of its record, cut to a width."""
+    """Return two cells: the smallest scale factor, and the name of its record, shortened to `width`."""
     if math.isinf(margin.smallest) and (margin.unknown or margin.partial):
         return [factor_cell(math.nan), Cell("")]
     named = shortened(names[margin.place], width) if math.isfinite(margin.smallest) else ""
@@ -138,17 +138,17 @@ def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
 
 
 def unexplained(cell: Cell) -> Cell:
-    """Return the cell with marks that add no note below the table."""
+    """Return the cell with the same marks, which then add no note below the table."""
     return cell._replace(marks=tuple(CellMark("", mark.text, mark.before) for mark in cell.marks))
 
 
 def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
-    """Return the set of all marks in cells."""
+    """Return the set of all marks in the cells."""
     return {mark for cell in cells for mark in cell.marks}
 
 
 def doubt_notes(cells: Iterable[Cell]) -> list[str]:
-    """Return the notes that explain the marks of doubt in cells."""
+    """Return the notes that explain the marks of doubtful records in the cells."""
     found = marks_of(cells)
     return [mark.note for mark in DOUBTS if mark in found]
 
@@ -166,24 +166,25 @@ GRADES = {
 
 
 def grade_cell(found: Finding, before: str = "") -> Cell:
-    """Return the verdict on a body, after the text `before`, as a cell that is sortable from best to worst."""
+    """Return a cell with the text `before` and the verdict on a body; such cells are sorted from best to worst."""
     # No record overturns it, but half of such earthquakes might: not graded as good, nor as a worse verdict.
     unsure = found.grade == Grade.ROCKS and found.share.high >= OVERTURNS
-    verdict = ABSENT if found.grade == Grade.NO_VERDICT else say(f"grade.{found.grade.name.lower()}")
-    return Cell(before + verdict, float(found.grade), grade="" if unsure else GRADES[found.grade])
+    verdict = ABSENT if found.grade == Grade.NO_VERDICT else say(f"grade.{found.status}")
+    grade = "fair" if found.status == "no_margin" else "" if unsure else GRADES[found.grade]
+    return Cell(before + verdict, found.severity, grade=grade)
 
 
 def _sliding(found: Finding) -> Cell:
-    """Return whether a body slides: first, in a share of the time of a motion, or not; a dash if it is unknown."""
+    """Return a cell: "slides first", "no", or the largest share of a record's duration in which the body slides."""
     if found.slides_first:
-        return Cell(say("grade.slides_first"), 2.0)
+        return Cell(say("slides_first"), 2.0)
     if found.sliding == 0.0:
         return Cell(say("no"), 0.0)
     return Cell(f"<{share(0.01)}" if found.sliding < 0.01 else share(found.sliding), found.sliding)
 
 
 def formatted(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
-    """Return a function that makes a cell from a number: it divides by `scale` and formats with `show`."""
+    """Return a function that makes a cell from a number, which is divided by `scale` and then formatted by `show`."""
     return lambda value: number_cell(value if scale == 1.0 else value / scale, show)
 
 
@@ -200,7 +201,6 @@ def _capacity(capacity: float, limit: float, pga: float) -> Cell:
 
 
 def _rotation(ratio_of_angles: float) -> Cell:
-    """Return the largest rotation over alpha_c as a cell, or the word for a body that overturns."""
     over = math.isinf(ratio_of_angles)
     return Cell(say("answer.overturns") if over else ratio(ratio_of_angles), ratio_of_angles)
 
@@ -220,7 +220,6 @@ def _restitutions(values: Sequence[float]) -> Cell:
 
 
 def _of_measure(row: Measure) -> Column:
-    """Make the column of an intensity measure."""
     title, unit, scale = row.column
     of = (row.name, f"{row.name}_drift") if row.drifts else (row.name,)
 
@@ -290,23 +289,23 @@ COLUMNS = {
 
 
 def columns(*names: str, **titles: str) -> tuple[Column, ...]:
-    """Return columns by their names; `titles` replaces the titles of some of them."""
+    """Return the columns with the given names; `titles` replaces the titles of some of them."""
     return tuple(replace(COLUMNS[name], title=titles.get(name) or COLUMNS[name].title) for name in names)
 
 
 def headed(selected: Iterable[Column]) -> tuple[Heading, ...]:
-    """Return the headings of columns."""
+    """Return the headings of the columns."""
     return tuple(column.heading for column in selected)
 
 
 def filled(selected: Iterable[Column], rows: Rows) -> list[tuple[Cell, ...]]:
-    """Return the cells of the columns for all rows, one tuple for each row."""
+    """Return the cells of the columns, one tuple for each row."""
     made = [[column.cell(*one) for one in zip(*(rows[name] for name in column.of), strict=True)] for column in selected]
     return list(zip(*made, strict=True))
 
 
 class AnswerRows:
-    """The results of one model as rows of a table; each row has the index of a record and of a body."""
+    """The results of one model as rows of a table; a row is given by the indices of a record and a body."""
 
     def __init__(self, answers: Answers, records: np.ndarray, lanes: np.ndarray) -> None:
         self.answers, self.records, self.lanes = answers, records, lanes
@@ -331,7 +330,7 @@ class AnswerRows:
 
 
 def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
-    """Return the cells of the results by model, in the order of :meth:`AnswerRows.every`."""
+    """Return the cells with the results of each model, by model, in the order of :meth:`AnswerRows.every`."""
     own, models = [COLUMNS["answer"]], answers.of_models.items()
     return {name: [row[0] for row in filled(own, AnswerRows.every(one))] for name, one in models}
 

@@ -1,4 +1,4 @@
-"""The table of the ties at the demands of the site, with what each anchor must take."""
+"""The table of the ties at the demands of the site, with the force and elongation at each anchor."""
 
 import math
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ ANCHORS = 8
 
 
 def tie_table(answers: Answers, found: Sequence[BodyVerdict], records: Sequence[Cell]) -> Table | None:
-    """Return a row for each tie and demand, and below it what each anchor must take; None without ties.
+    """Return a row for each tie and demand, and below it the demands on each anchor; None if there are no ties.
 
-    `records` are the cells of the records.
+    `records` are the cells with the names of the records.
     """
     rows = tie_findings(answers, found)
     if not rows:
@@ -52,12 +52,12 @@ def _cells(one: TieFinding, several: bool, records: Sequence[Cell]) -> tuple[Cel
 
 
 def _count(count: int | None, motions: int) -> Cell:
-    """Return the cell of a number of motions; a dash for what cannot happen."""
+    """Return a cell with a number of records; a dash if the tie cannot yield or break."""
     return Cell(ABSENT, math.nan) if count is None else Cell(say("count_of", count=count, total=motions), float(count))
 
 
 def _anchor(one: TieFinding) -> str:
-    """State the force and the elongation that an anchor must take, and whether the tie never breaks."""
+    """State the force and elongation that an anchor must resist, and whether the tie never breaks."""
     return _taken(one) + (say("tie.unlimited") if math.isinf(one.tie.ultimate) else "")
 
 

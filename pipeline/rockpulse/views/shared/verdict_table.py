@@ -1,4 +1,4 @@
-"""The table of the verdicts on the bodies, which all views share: its columns, rows and legend."""
+"""The table of the verdicts on the bodies, used by all views: its columns, rows and legend."""
 
 import math
 from collections.abc import Sequence
@@ -15,12 +15,16 @@ from rockpulse.views.shared.formatting import ABSENT, six_digits
 from rockpulse.views.shared.table import Cell
 from rockpulse.views.shared.words import counted_words, say
 
+#: Largest difference of P and the share of records that overturn the nominal body that is not explained.
+APART = 0.1
 #: Meaning of each verdict, as a key of [legend] in the texts.
-_MEANINGS = ("overturns", "may_overturn", "rocks", "at_rest", "not_known", "slides_first")
+_MEANINGS = (
+    *("overturns", "may_overturn", "rocks", "no_margin", "not_lifted", "at_rest", "not_known", "slides_first"),
+)
 
 
 def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Column, ...]:
-    """Return the columns of the table after the names of the bodies; with demands, all columns refer to a demand."""
+    """Return the columns after the names of the bodies; if there are demands, all columns refer to a demand."""
     if answers.motions.kind == "sequence":
         return col.columns("verdict", "smallest_safety_factor")
     sliding = ("sliding",) if any(map(_may_slide, rows)) else ()
@@ -37,6 +41,11 @@ def verdict_columns(answers: Answers, rows: Sequence[Finding]) -> tuple[col.Colu
     return col.columns(*names, *sliding, "governing")
 
 
+def _apart(found: Finding) -> bool:
+    """Return whether the share of records that overturn the nominal body differs much from the probability."""
+    return bool(abs(found.overturned / max(found.motions, 1) - found.share.value) > APART)
+
+
 def _may_slide(found: Finding) -> bool:
     return found.slides_first or not math.isnan(found.sliding)
 
@@ -44,7 +53,7 @@ def _may_slide(found: Finding) -> bool:
 def verdict_rows(
     answers: Answers, found: Sequence[tuple[BodyVerdict, Finding]], governing: Sequence[Cell]
 ) -> dict[str, list[Any]]:
-    """Return the values of the columns, one row for each finding; `governing` are the cells of the records."""
+    """Return the values of the columns, a row for each finding; `governing` are the cells with the record names."""
     summary, places = answers.summary, [one.body.place for one, _ in found]
     rows = [row for _, row in found]
     turn = np.array([row.others_rotation for row in rows]) * summary["alpha_c"].values[places]
@@ -65,27 +74,28 @@ def verdict_rows(
 
 
 def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
-    """Explain columns and words of the table, and the records that it does not count."""
+    """Explain the columns and words of the table, and which records are not counted."""
     if answers.motions.kind == "sequence":
         return [say("legend.sequence")]
     sliding = f" {say('legend.sliding')}" if any(map(_may_slide, rows)) else ""
     factor = f" {say(f'legend.{answers.factor}')}" if answers.has_factor else ""
     if not answers.demands:
-        return [say("legend.as_recorded") + factor + sliding, *_not_counted(rows), say("legend.state_demand")]
-    grades = {row.grade.name.lower() for row in rows}
+        return [say("legend.as_recorded") + factor + sliding, *_not_counted(rows)]
+    found = {row.status for row in rows}
     levels = {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
-    words = [say(f"legend.{name}", **levels) for name in _MEANINGS if name in grades]
+    words = [say(f"legend.{name}", **levels) for name in _MEANINGS if name in found]
     what = say("legend.probability" if answers.probable else "legend.share")
     capacity = f" {say('legend.capacity', factor=say(f'factor.{answers.factor}'))}" if answers.has_factor else ""
     turned = any(not math.isnan(row.median_rotation) for row in rows)
     return [
         " ".join(filter(None, (what, *words))) + capacity + (f" {say('legend.rotation')}" if turned else "") + sliding,
+        *([say("legend.nominal")] if answers.probable and any(map(_apart, rows)) else []),
         *_not_counted(rows),
     ]
 
 
 def _not_counted(rows: Sequence[Finding]) -> list[str]:
-    """State how many motions are too far from a demand or too weak, and which demands have too few earthquakes."""
+    """State how many records are too far from a demand or too weak, and which demands have too few earthquakes."""
     notes = []
     for demand in dict.fromkeys(row.demand for row in rows):
         own = [row for row in rows if row.demand == demand]

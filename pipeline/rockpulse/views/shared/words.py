@@ -1,4 +1,4 @@
-"""The texts of the views, and the form of numbers, in English or in the language set by :func:`writing`."""
+"""The texts of the views and the decimal sign, in English or in the language set by :func:`writing`."""
 
 import re
 import tomllib
@@ -30,7 +30,7 @@ _RESTITUTION = re.compile(r"(?<=, C = )\d\.\d+$")
 
 @contextmanager
 def writing(code: str) -> Iterator[None]:
-    """Set the language in a ``with`` block, by its code; raise ConfigError if it is not available."""
+    """Set the language in a ``with`` block, by its code; raise ConfigError for an unknown code."""
     table(code)
     before = _LANGUAGE.set(code)
     try:
@@ -46,7 +46,7 @@ def language() -> str:
 
 @cache
 def table(code: str) -> Mapping[str, str]:
-    """Return the texts of a language by their keys; a key in a section is "section.key"."""
+    """Return the texts of a language by key; the key of a text in a section is "section.key"."""
     if code not in LANGUAGES:
         available = f"expected one of {', '.join(LANGUAGES)}"
         raise ConfigError(f"language: unknown code {code!r}{hint(code, LANGUAGES, available)}")
@@ -62,23 +62,23 @@ def _flat(nested: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, st
 
 
 def raw_text(key: str) -> str:
-    """Return the text of a key in the current language; the fields in braces are not filled in."""
+    """Return the text of a key in the current language, without filling in the fields in braces."""
     return table(language())[key]
 
 
 def say(key: str, /, **fields: object) -> str:
-    """Return the text of a key in the current language; the fields in braces are filled in."""
+    """Return the text of a key in the current language, with the fields in braces filled in."""
     return raw_text(key).format(**fields)
 
 
 def section(name: str) -> dict[str, str]:
-    """Return the texts of a section by their keys; the fields in braces are not filled in."""
+    """Return the texts of a section by key, without filling in the fields in braces."""
     texts = table(language()).items()
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
 
 def translated(key: str, english: str) -> str:
-    """Return the text of a key in the current language; `english` if the language is English or has no such key."""
+    """Return the text of a key in the current language; return `english` in English or if the key is missing."""
     return english if language() == "en" else table(language()).get(key, english)
 
 
@@ -88,7 +88,7 @@ def counted_words(count: int, noun: str) -> str:
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return the first `most` names as a list in words, followed by the number of other names."""
+    """Return the first `most` names as a list in words, followed by the number of further names."""
     first = ", ".join(names[:most])
     return first if len(names) <= most else say("and_more", names=first, count=len(names) - most)
 
@@ -113,12 +113,12 @@ def in_dates(text: str) -> str:
 
 
 def body_name(name: str) -> str:
-    """Return the name of a body; a restitution at its end gets the decimal sign of the current language."""
+    """Return the name of a body; a restitution at its end is written with the decimal sign of the language."""
     return _RESTITUTION.sub(lambda found: numerals(found[0]), name)
 
 
 def own_name(name: str) -> str:
-    """Return the name of a body or site of the sample files in the current language; other names are unchanged."""
+    """Translate the name of a body or site of the sample files to the current language; keep any other name."""
     body, pedestal, number = name.partition(" with pedestal")
     return translated(f"names.{body}", body) + (
         translated("names.with pedestal", pedestal) + number if pedestal else ""
@@ -126,14 +126,14 @@ def own_name(name: str) -> str:
 
 
 class _Numerals(Formatter):
-    """A formatter of texts that writes numbers and warnings in the current language."""
+    """Fills in the fields of a text, with numbers and warnings in the current language."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """Return the value of a field; a warning or an English text is translated."""
+        """Return the value of a field; warnings and English texts are translated."""
         return _translated(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
-        """Return the value of a field as text; a number gets the decimal sign of the current language."""
+        """Return the value of a field as text; numbers get the decimal sign of the current language."""
         if isinstance(value, str):
             return value
         text = super().format_field(value, format_spec)
@@ -162,7 +162,7 @@ def warnings_of(stored: str) -> list[str]:
 
 
 def result_text(text: str, code: str = "") -> str:
-    """Translate an English text of the results into the current language; `code` is its warning code, if any."""
+    """Translate an English text of the results to the current language; `code` is its warning code, if it has one."""
     if language() == "en":
         return text
     first, _, inner = code.partition("/")
@@ -192,7 +192,7 @@ def _part(name: str, part: str, code: str) -> str:
 
 @cache
 def _pattern(template: str) -> re.Pattern[str]:
-    """Return a pattern that matches every text made from a template, with its fields as named groups."""
+    """Return a pattern that matches every text made from a template; the fields are named groups."""
     fields = Formatter().parse(template)
     return re.compile(
         "".join(

@@ -13,7 +13,7 @@ from rockpulse.views.shared.words import counted_words, result_text, say
 
 
 def code_words(code: str) -> str:
-    """Return the printed name of a code, or of a limit state that is checked by records at a demand."""
+    """Return the printed name of a code, or of a limit state checked under records scaled to a demand."""
     state, _, demand = code.removeprefix("records_").partition(", ")
     if not code.startswith("records_"):
         return say(f"check.{code}")
@@ -25,7 +25,7 @@ def _value(value: float) -> Cell:
 
 
 def _moved(value: float) -> Cell:
-    """Return the cell of a displacement demand, which is infinite if a record overturns the body."""
+    """Return the cell of a displacement demand; an infinite demand means that a record overturns the body."""
     return Cell(say("answer.overturns")) if math.isinf(value) else _value(value)
 
 
@@ -41,13 +41,13 @@ def _columns(of_records: bool) -> tuple[Column, ...]:
     return (
         titled("", lambda code: Cell(code_words(code)), "code"),
         titled("alpha_0", _value, "multiplier"),
-        titled("a_0*", _value, "activation"),
-        titled(demand, _value, "activation_demand"),
+        titled("a_0*", _value, "activation", unit="m/s2"),
+        titled(demand, _value, "activation_demand", unit="m/s2"),
         titled(share, _value, "activation_ratio"),
         titled("", _word, "activation_ratio"),
-        titled("d_u", _value, "displacement"),
-        titled("T", _value, "period"),
-        titled(demand, _moved, "displacement_demand"),
+        titled("d_u", _value, "displacement", unit="m"),
+        titled("T", _value, "period", unit="s"),
+        titled(demand, _moved, "displacement_demand", unit="m"),
         titled(share, _value, "displacement_ratio"),
         titled("", _word, "displacement_ratio"),
         *([counted] if of_records else []),
@@ -55,7 +55,7 @@ def _columns(of_records: bool) -> tuple[Column, ...]:
 
 
 def check_table(check: xr.Dataset, order: Sequence[str]) -> Table:
-    """Return the result of :func:`rockpulse.check` as a table with a row for each body, in `order`, and code."""
+    """Return the result of :func:`rockpulse.check` as a table: a row for each body, in `order`, and each code."""
     checked = check.sel(block=list(order)).stack(row=("block", "code"))
     table = tabulated("code-checks", check_title(check), _columns(_of_records(check)), checked)
     titles = iter((say("check.code"), say("check.outcome"), say("check.outcome")))
@@ -103,7 +103,7 @@ def check_overview(check: xr.Dataset) -> str:
 
 
 def check_title(check: xr.Dataset) -> str:
-    """Return number of bodies, spectrum, limit state and factors of the checks as text."""
+    """Return number of bodies, spectrum, limit state and coefficients of the checks as text."""
     factors = {name: six_digits(check.attrs[name]) for name in ("q", "confidence_factor", "q_a", "gamma_a")}
     return say(
         "check.title",
@@ -119,9 +119,11 @@ def _of_records(check: xr.Dataset) -> bool:
 
 
 def check_notes(check: xr.Dataset) -> list[str]:
-    """Explain the columns of the checks, the directions that govern, and missing values."""
+    """Explain the columns of the checks, the governing directions, and missing values."""
     names, codes = (check[dim].values.tolist() for dim in ("block", "code"))
     notes, periods = [say("check.columns")], check["initial_period"].values
+    if {"circolare_2009", "circolare_2019"} <= set(codes):
+        notes.append(say("check.replaced"))
     if any(code.startswith("circolare_2019") for code in codes):
         notes += [
             say("check.vibrates", name=name, period=three_digits(period))

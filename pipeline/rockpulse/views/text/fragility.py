@@ -39,7 +39,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
 
 
 def displayed_measure(curves: xr.Dataset) -> str:
-    """Return the intensity measure for which tables show the curves: the reference measure, else the first one."""
+    """Return the intensity measure used in the tables: the reference measure or, if it is missing, the first one."""
     measures = [str(name) for name in curves["measure"].values]
     return REFERENCE if REFERENCE in measures else measures[0]
 
@@ -63,7 +63,7 @@ def statement(one: xr.Dataset) -> str:
 
 
 def median_table(tree: xr.DataTree) -> Table:
-    """Return a table with median and dispersion of every body and limit state in one intensity measure."""
+    """Return a table with median and dispersion for every body and limit state, in one intensity measure."""
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=displayed_measure(curves))
     level = f"{six_digits(100.0 * float(tree.attrs['confidence']))} %"
@@ -96,7 +96,7 @@ def median_table(tree: xr.DataTree) -> Table:
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
-    """Return a table with the dispersion for every measure; the smallest dispersion of each limit state is marked."""
+    """Return a table with the dispersion for every measure, as text; the smallest of each limit state is marked."""
     beta = efficiency["pooled_beta"]
     kept = [str(name) for name in beta["measure"].values if np.any(np.isfinite(beta.sel(measure=name)))]
     if len(kept) < 2:
@@ -122,7 +122,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """Return a table with the number of tests in which the capacity depends on another property of the records."""
+    """Return a table with the number of tests in which the capacity depends on another property of the record."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))
@@ -142,7 +142,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
-    """State how many records have each of the properties that only some files state."""
+    """State, for each property that only some files contain, the number of records for which it is known."""
     total = counted_words(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
@@ -155,7 +155,7 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """Return the warnings on all curves as text; similar warnings are counted and shown once."""
+    """Return the warnings on all curves as text; similar warnings appear once, with their number."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):

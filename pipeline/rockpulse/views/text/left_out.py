@@ -28,7 +28,7 @@ _KINDS = {
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """List the files and channels that were not assessed, by kind, and the warnings; the list is shorter if `brief`."""
+    """List the files and channels that were not assessed, by kind, and the warnings; `brief` shortens the list."""
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
     found, beside = apart(failure_rows(tree))
@@ -72,7 +72,7 @@ def skipped_summary(tree: xr.DataTree) -> str:
 
 
 def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
-    """Return a line for each of the first groups, and a line with the number of rows in the other groups."""
+    """Return a line for each of the first groups, and a line with the number of failures in the other groups."""
     lines = [paragraph(reasons_in_words(group), "      ", "  ") for group in entries[:most]]
     if more := sum(map(len, entries[most:])):
         lines.append(f"  and {more} more (rockpulse inspect RESULTS --failures)")
@@ -80,12 +80,12 @@ def _cut(entries: Sequence[Sequence[Failure]], most: int) -> list[str]:
 
 
 def unused(sentence: str) -> str:
-    """Return a sentence on unused files as a warning line; empty if the sentence is empty."""
+    """Return a sentence on files that were not used as a warning; an empty sentence remains empty."""
     return paragraph(sentence, "  ", "! ") if sentence else ""
 
 
 def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", listed: int = LISTED) -> str:
-    """List the files and channels that were not used, by kind; `more_in` says where the full list is."""
+    """List the files and channels that were not used, by kind; `more_in` states where the full list is."""
     lines = []
     found, beside = apart(rows)
     for kind, own in found.items():
@@ -99,7 +99,7 @@ def rows_not_used(rows: Iterable[Failure], more_in: str = " (group /failures)", 
 
 
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
-    """List everything that was not assessed with kind, step, file and reason; `kinds` limits the list."""
+    """List everything that was not assessed, with kind, step, file and reason; `kinds` limits the list."""
     found = {kind: own for kind, own in by_kind(failure_rows(tree)).items() if kinds is None or kind in kinds}
     return "\n".join(line for kind, own in found.items() for line in _with_kind(kind, [[row] for row in own]))
 
@@ -109,12 +109,12 @@ def _with_kind(kind: str, entries: Sequence[Sequence[Failure]]) -> list[str]:
 
 
 def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:
-    """Return the rows of a kind in groups with the same reason, or each row as its own group."""
+    """Return the failures of a kind in groups with the same reason; for some kinds, each failure is a group."""
     return alike(rows) if kind in _GROUPED else [[row] for row in rows]
 
 
 def apart(rows: Iterable[Failure]) -> tuple[dict[str, list[Failure]], list[str]]:
-    """Return the rows by kind, and separately the names of files that are not records."""
+    """Return the failures by kind and, separately, the names of files that are not records."""
     found = by_kind(rows)
     beside = {row for row in found.get("skipped", ()) if row.reason == f"{row.file}: {NO_RECORD}"}
     rest = ((kind, [row for row in own if row not in beside]) for kind, own in found.items())
@@ -127,7 +127,7 @@ def _beside(names: Sequence[str]) -> list[str]:
 
 
 def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
-    """Return the rows by kind, with the kind "failed" first."""
+    """Return the failures by kind; the kind "failed" comes first."""
     found: dict[str, list[Failure]] = {kind: [] for kind in _KINDS}
     for row in rows:
         found.setdefault(row.kind, []).append(row)
@@ -135,7 +135,7 @@ def by_kind(rows: Iterable[Failure]) -> dict[str, list[Failure]]:
 
 
 def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return a record, its warning and a count of similar warnings for each kind of warning, most frequent first."""
+    """Return, for each kind of warning, a record, its warning, and the number of similar warnings as text."""
     found: dict[str, list[tuple[str, str]]] = {}
     names = ("record", "warnings", "warning_codes")
     for record, text, codes in zip(*(summary[name].values for name in names), strict=True):
@@ -149,7 +149,7 @@ def _kinds_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
 
 
 def _kind(warning: str, code: str) -> str:
-    """Return the kind of a warning: its code or, if it has no code, its first words."""
+    """Return the kind of a warning: its code or, without a code, its first words."""
     if not code.endswith(PLAIN):
         return code
     return " ".join(re.sub(r"[-+]?\d[\d.e+-]*", "#", warning).split()[:_TELLING_WORDS])

@@ -35,7 +35,7 @@ BLOCK = ("block", "width", "height", "alpha_c", "p", "critical_impulse", "restit
 
 
 class _Points:
-    """The values of variables at selected positions of /summary; each is read when it is first needed."""
+    """The values of variables at the selected positions of /summary; a variable is read when it is first needed."""
 
     def __init__(self, summary: xr.Dataset, places: dict[str, np.ndarray], **beside: Sequence[Any]) -> None:
         self._summary, self._places, self._found = summary, places, dict(beside)
@@ -57,7 +57,7 @@ def sorted_by_factor(answers: Answers, selection: RowSelection) -> RowSelection:
 
 
 def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected results, one for each line; the default model is the most complete one."""
+    """List the selected results, one on each line; by default those of the most complete model."""
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
@@ -94,7 +94,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
 
 
 def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected records; a condition on results must hold for at least one body."""
+    """List the selected records; a condition on results must be met for at least one body."""
     answers, selection = _selected(summary, selection)
     summary = answers.summary
     names = [name for name in RECORD if name not in STATED or (name in summary and summary[name].notnull().any())]
@@ -102,12 +102,12 @@ def record_list(summary: xr.Dataset, selection: RowSelection) -> str:
 
 
 def block_list(summary: xr.Dataset, selection: RowSelection) -> str:
-    """List the selected bodies; a condition on results must hold for at least one record."""
+    """List the selected bodies; a condition on results must be met for at least one record."""
     return _of_motions(*_selected(summary, selection), "block", BLOCK)
 
 
 def _of_motions(answers: Answers, selection: RowSelection, dim: str, names: Sequence[str]) -> str:
-    """List records or bodies with the number of overturnings and the smallest scale factor of each."""
+    """List records or bodies, each with its number of overturnings and its smallest scale factor."""
     summary, of_records = answers.summary, dim == "record"
     places, found = rows(summary, [dim], selection)
     at = places[dim].tolist()
@@ -159,7 +159,7 @@ def _selected(summary: xr.Dataset, selection: RowSelection) -> tuple[Answers, Ro
 
 
 def _distinct(summary: xr.Dataset) -> np.ndarray:
-    """Return a mask (block, case) that is True once for each different restitution of a body."""
+    """Return a mask (block, case) of the restitutions of each body that differ from its earlier ones."""
     distinct = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
     for body in bodies_of(summary):
         distinct[body.place, body.case] = True
@@ -169,7 +169,7 @@ def _distinct(summary: xr.Dataset) -> np.ndarray:
 def _of_interest(
     summary: xr.Dataset, selection: RowSelection, selected: Sequence[col.Column], dim: str = ""
 ) -> tuple[col.Column, ...]:
-    """Return extra columns for the variables in the conditions of a selection that have no column yet."""
+    """Return additional columns for variables that appear in the conditions of a selection but not in its columns."""
     present = {name for column in selected for name in column.of} | {"factor_resolved"}
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
     return tuple(
@@ -180,7 +180,7 @@ def _of_interest(
 
 
 def _plain(variable: xr.Variable) -> Any:
-    """Return the function that makes a cell from a value of a variable that has no predefined column."""
+    """Return the function that makes a cell from a value of a variable without a predefined column."""
     if words := flag_words(variable):
         return lambda code: Cell(words[code])
     return number_cell if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), col.NAME_WIDTH))

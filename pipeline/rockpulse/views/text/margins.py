@@ -17,7 +17,7 @@ from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cel
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Return smallest and median capacity/demand of the bodies as text; `blocks` selects bodies by index."""
+    """Return smallest and median capacity/demand of the bodies as text; `blocks` contains the indices of bodies."""
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
@@ -51,7 +51,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
-    """Return lines with capacity/demand of every record and body; each starts with the record or body, as `of` says."""
+    """Return lines with capacity/demand of every record and body; `of` states which of them begins the line."""
     if not answers.demands:
         return []
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
@@ -72,7 +72,6 @@ def _capacity(answers: Answers) -> str:
 
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
-    """Return the lines of a table with one column for each demand."""
     titles = [
         Heading(f"{name} ({demand.words})".replace(" ", "\N{NO-BREAK SPACE}"))
         for name, demand in answers.demands.items()
@@ -83,14 +82,13 @@ def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], widt
 
 
 def _both(margin: Margin) -> Cell:
-    """Return a cell with the smallest and the median capacity/demand."""
     if math.isnan(margin.smallest):
         return Cell(ABSENT, math.nan)
     return Cell(", ".join(cell.marked for cell in col.margin_cells(margin)), margin.smallest)
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
-    """Return a table of each pair: rotations, scale factor and number of overturnings over its directions."""
+    """Return a table of pairs of channels: rotations, scale factor and number of overturnings over all directions."""
     answers = swept_answers(summary, directions)
     count, pairs = directions.sizes["direction"], range(directions.sizes["pair"])
     of_factors = factor_notes(answers, swept=True)
@@ -139,7 +137,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
 
 
 def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) -> tuple[Cell, Cell]:
-    """Return two cells: the smallest scale factor over the directions of a pair, and the azimuth of this direction."""
+    """Return two cells: the smallest scale factor over the directions of a pair, and the azimuth of that direction."""
     factor, row_of_factor = (table[pair, lane] for table in answers.least_over_direction)
     index, row = directions["record_index"].values[pair], int(row_of_factor)
     azimuth = float(directions["direction_azimuth"].values[index == row][0]) if row >= 0 else math.nan
@@ -149,7 +147,7 @@ def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) ->
 
 
 def _name(answers: Answers, pair: xr.Dataset) -> Cell:
-    """Return a cell with the name of a pair, and its marks of doubt."""
+    """Return a cell with the name of a pair, and marks if its records are doubtful."""
     index = pair["record_index"].values
     codes = " ".join(map(str, answers["warning_codes"][index[index >= 0]]))
     return Cell(str(pair["pair"].item()), marks=col.doubt(pair["pga_largest"].item(), codes))

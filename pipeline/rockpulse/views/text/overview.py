@@ -1,4 +1,4 @@
-"""An assessment as text: one screen with the verdicts, all results, or the results of one record or body."""
+"""An assessment as text: verdicts on one screen, all results, or the results of one record or body."""
 
 import math
 
@@ -34,7 +34,7 @@ CASES = 20
 
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
-    """Return the verdicts, worst records and skipped files on one screen, or all results if `whole`."""
+    """Return verdicts, worst records and skipped files on one screen; with `whole`, all results."""
     files, answers = files_used(tree).line, answers_of(tree)
     parts = [headline(tree), unused(files)]
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
@@ -56,7 +56,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
 
 
 def ties(answers: Answers) -> str:
-    """Return the table of the ties at the demands as text; empty without ties."""
+    """Return the table of the ties at the demands as text; empty if no body has ties."""
     cells = [Cell(cell.marked) for cell in record_cells(answers.summary)]
     table = tie_table(answers, found_verdicts(answers), cells)
     return "" if table is None else table_text(table)
@@ -88,7 +88,6 @@ def is_large(answers: Answers) -> bool:
 
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
-    """Return a summary of an assessment that has too many results to list all of them."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=WORST))))
@@ -102,7 +101,6 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
 
 
 def _record_strength(answers: Answers) -> str:
-    """Return a table of the intensity measures of the records: smallest, median and largest values."""
     rows = []
     for title, name, (_, unit, scale) in (
         *((row.title, row.name, row.column) for row in STORED),
@@ -146,7 +144,7 @@ def _verdicts(answers: Answers) -> str:
 
 
 def _pairs(answers: Answers, directions: xr.Dataset) -> str:
-    """Return a table of the pairs of channels that are closest to overturning a body."""
+    """Return a table of the pairs of channels that come closest to overturning a body."""
     key = answers.least_over_direction[0]
     if not answers.has_factor:
         key = -lanes(directions, "largest_rotation_ratio", answers.bodies, answers.model)
@@ -163,7 +161,7 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
-    """Return all facts and results of one record as text; raise ResultsError if the id is unknown."""
+    """Return all facts and results of one record as text; raise ResultsError for an unknown id."""
     answers = _only(summary, "record", record)
     one = Known(answers.summary, record=record)
     number, words, pga = one.number, one.words, one.value("pga")
@@ -196,7 +194,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
 
 
 def block_details(summary: xr.Dataset, block: str) -> str:
-    """Return all facts and results of one body as text; raise ResultsError if the name is unknown."""
+    """Return all facts and results of one body as text; raise ResultsError for an unknown name."""
     answers = _only(summary, "block", block)
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]
@@ -218,7 +216,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
 
 
 def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) -> str:
-    """Return title and facts, then the results, whose lines start with the name of the record or of the body."""
+    """Return title and facts, then the results; `of` states whether a line begins with the record or the body."""
     width = max(len(name) for name, _ in rows)
     head = [title, *(paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows), ""]
     if is_large(answers):
@@ -232,7 +230,6 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:
-    """Return the results of one record or of one body."""
     known = [str(item) for item in summary[dimension].values]
     if label not in known:
         raise unknown(label, known, dimension)

@@ -32,7 +32,7 @@ def _chance(value: float) -> str:
 
 
 def _survival(value: float) -> str:
-    """Format a probability near 1 with enough decimals to show its difference from 1."""
+    """Format a probability near 1 with so many decimals that it differs from 1."""
     if math.isnan(value):
         return ABSENT
     missing = 1.0 - value
@@ -56,7 +56,7 @@ def _interval(title: str, show: Callable[[float], str], name: str) -> Column:
 
 
 def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: str) -> tuple[Column, ...]:
-    """Return the columns that all tables of frequencies share; `doubt` decides which frequencies get a mark."""
+    """Return the columns common to all tables of frequencies; `doubt` decides which frequencies are marked."""
     years = f"in {float(risk.attrs['years']):g} years"
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
@@ -68,7 +68,7 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
 
 
 def _curve(risk: xr.Dataset, dispersion: str) -> tuple[Column, Column]:
-    """Return the columns of the median in the unit of the hazard and of the dispersion of the fragility."""
+    """Return two columns: the median of the fragility curve, in the unit of the hazard curve, and its dispersion."""
     median = _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median")
     return median, _text(dispersion, three_digits, dispersion)
 
@@ -98,7 +98,7 @@ def risk_overview(risk: xr.Dataset) -> str:
 
 
 def _levels(one: xr.Dataset) -> str:
-    """Return the range of hazard levels that contributes 90 % of the frequency of a body, as text."""
+    """Return, as text, the range of hazard levels that contributes 90 % of the annual frequency of a body."""
     share = one["share"].values
     if np.isnan(share).any():
         return ABSENT
@@ -120,7 +120,7 @@ def risk_warnings(risk: xr.Dataset) -> list[str]:
 
 
 def inventory_overview(risk: xr.Dataset) -> str:
-    """Return the result of :func:`rockpulse.inventory_frequency` as text: bodies of the highest frequency, totals."""
+    """Return :func:`rockpulse.inventory_frequency` as text: bodies with the highest annual frequency, and totals."""
     years, measure = float(risk.attrs["years"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
@@ -156,7 +156,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
-    """Warn if much of the frequency of any body comes from levels beyond the hazard curve or the records."""
+    """Warn if a large part of a frequency comes from levels beyond the hazard curve or beyond the records."""
     where = {}
     for side, end in (("below", "low"), ("above", "high")):
         level = float(risk.attrs[f"covered_{end}"]) / _unit(risk)
@@ -175,7 +175,7 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
 
 
 def standing_overview(standing: xr.Dataset) -> str:
-    """Return the result of :func:`rockpulse.standing_test` as text, limited to the least likely survivors."""
+    """Return the result of :func:`rockpulse.standing_test` as text, for the bodies least likely to have survived."""
     (dim,) = standing["chance"].dims
     age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
     chance = standing["chance"].values
@@ -217,7 +217,7 @@ def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataF
 
 
 def levels_table(risk: xr.Dataset) -> pd.DataFrame:
-    """Return a table of the contribution of every range of hazard levels to the frequency of each body."""
+    """Return a table with the contribution of every range of hazard levels to the frequency of each body."""
     table = risk[["bin_low", "bin_high", "share"]].to_dataframe().reset_index()
     table[["bin_low", "bin_high"]] /= _unit(risk)
     table = table.assign(measure=risk.attrs["measure"], unit=risk.attrs["unit"])

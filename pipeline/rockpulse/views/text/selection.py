@@ -37,7 +37,7 @@ def selection_overview(tree: xr.DataTree) -> str:
 
 
 def selection_table(tree: xr.DataTree) -> pd.DataFrame:
-    """Return the columns record, factor and event, as [fragility] selection and [[demand]] selection read them."""
+    """Return the columns record, factor and event, as read by `selection` in [fragility] and [[demand]]."""
     return tree["selection"].to_dataset()[["factor", "event"]].to_dataframe().reset_index()
 
 

@@ -1,4 +1,4 @@
-"""The content of a site file as text: the design spectrum, the sequence of the site, and the bodies under it."""
+"""A site file as text: the design spectrum, the design sequence, and the bodies under this sequence."""
 
 import math
 from collections.abc import Callable
@@ -53,7 +53,7 @@ def site_warnings(site: xr.Dataset) -> list[str]:
 
 
 def site_tables(site: xr.Dataset) -> list[Table]:
-    """Return the tables of the design, without empty ones."""
+    """Return the tables of the design spectrum and of the design sequence; empty tables are left out."""
     return [table for table in (_design_table(site), _sequence_table(site)) if table.rows]
 
 
@@ -72,12 +72,11 @@ def about_records(site: xr.Dataset) -> list[str]:
 
 
 def _option(word: str) -> str:
-    """Return the value of a configuration option in the current language."""
     return translated(f"options.{word}", word)
 
 
 def sequence_words(site: xr.Dataset) -> str:
-    """Describe the sequence of the site: number of main impulses, I_s/I, dT and the largest main impulse."""
+    """Describe the design sequence: number of main impulses, I_s/I, dT and the largest main impulse."""
     if math.isnan(_number(site, "ratio")):
         return ""
     words = say(
@@ -107,7 +106,7 @@ def sequence_words(site: xr.Dataset) -> str:
 
 
 def coverage(site: xr.Dataset) -> str:
-    """Describe the quantile of the design, and the records that it is derived from."""
+    """Describe the quantile of the design spectrum, and the records from which it is derived."""
     of = {"records": counted_words(int(site["record_count"]), "record")}
     of |= {"earthquakes": counted_words(int(site["event_count"]), "earthquake")}
     ends = {name: share(_number(site, name)) for name in ("quantile", "confidence")}
@@ -123,7 +122,6 @@ def _interval(title: str, name: str) -> Column:
 
 
 def _design_table(site: xr.Dataset) -> Table:
-    """Return a table with effective impulse and scale factor of the design for every body."""
     quantile, confidence = (f"{six_digits(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
 
     def over(factor: float) -> Cell:
@@ -147,8 +145,6 @@ def _design_table(site: xr.Dataset) -> Table:
 
 
 def _sequence_table(site: xr.Dataset) -> Table:
-    """Return a table of the impulse sequence of each body, and of its response to the sequence."""
-
     def rotation(peak: float) -> Cell:
         return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number_cell(peak, ratio)
 
@@ -178,7 +174,6 @@ def _sequence_table(site: xr.Dataset) -> Table:
 
 
 def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
-    """Return a table of spectrum quantiles over p; empty if there are too few earthquakes."""
     if spectra["spectrum_design"].isnull().any():
         return []
     at = spectra.sel(restitution=TABLE_RESTITUTION, method="nearest")
@@ -198,7 +193,7 @@ def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
 
 
 def explained(table: Table) -> str:
-    """Return the table as text for the terminal, with the small print of the headings as notes below it."""
+    """Return the table as text for the terminal; the small print of its headings follows as notes."""
     titles: dict[str, list[str]] = {}
     for heading in table.headings:
         if heading.note:

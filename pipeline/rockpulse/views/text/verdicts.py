@@ -1,4 +1,4 @@
-"""The results of all models as text: a line for every record and body, verdicts, and worst records."""
+"""The results of all models as text: a line for every record and body, the verdicts, and the worst records."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -29,12 +29,14 @@ from rockpulse.views.shared.verdict_table import of_unknown_event, verdict_colum
 #: Columns of every table by record, and columns of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "factor_mean", "source")
+#: How a demand is given.
+STATE_DEMAND = 'To state a demand: --demand pga=0.35g, [site] pga = "0.35 g" or ag and ground, or [[demand]].'
 #: Largest number of governing records, and of bodies that are named for each.
 NAMED = 3
 
 
 def verdict_table(summary: xr.Dataset) -> str:
-    """Return the results of every model as text: a line for each body below the heading of each record."""
+    """Return the results of every model as text; the bodies follow below each record."""
     answers = Answers(summary)
     of_models = col.answer_columns(answers)
     marks = col.marks_of(cell for column in of_models.values() for cell in column)
@@ -86,7 +88,7 @@ def factor_table(answers: Answers) -> str:
 def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
-    """Return a table as text with a row for each body below the heading of each record; `table` adds further cells."""
+    """Return a table as text, in which the bodies follow below each record; `table` contains the further cells."""
     demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
         (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
@@ -106,7 +108,7 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """Return the records that overturn each body, and their number in every model; `files` is shown above."""
+    """Return, as text, the records that overturn each body and their number in every model, below the text `files`."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already includes chance survival.
@@ -133,7 +135,7 @@ def overturned(answers: Answers, files: str = "") -> str:
 
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
-    """Return the verdict on every body over all records, limited to the `most` bodies likeliest to overturn."""
+    """Return the verdicts on the bodies over all records; `most` limits them to the bodies most likely to overturn."""
     found = verdicts(answers)
     places = np.argsort([-one.share.value for one in found], kind="stable")[:most]
     kept = [found[lane] for lane in (np.sort(places) if most is None else places).tolist()]
@@ -153,7 +155,8 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     judged = any(row.grade != Grade.NO_VERDICT for row in every)
     title = f"Verdict on {each}" if judged else each[:1].upper() + each[1:]
     unknown = of_unknown_event(answers.motions)
-    notes = [*verdict_legend(answers, every), *filter(None, [unknown]), *body_notes(answers, found)]
+    asked = STATE_DEMAND if not answers.demands and answers.motions.kind != "sequence" else ""
+    notes = [*verdict_legend(answers, every), *filter(None, [asked, unknown]), *body_notes(answers, found)]
     return "\n".join(
         [
             paragraph(f"{title}, {_under(answers)} ({answers.model} model):"),
@@ -164,7 +167,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
 
 
 def _under(answers: Answers) -> str:
-    """Describe the records of the verdicts: unscaled, or scaled to the demands of the site."""
+    """Describe the records on which the verdicts are based: unscaled, or scaled to the demands of the site."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
         return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
@@ -228,7 +231,7 @@ def worst_motions(answers: Answers, most: int) -> str:
 
 
 def governing(answers: Answers) -> str:
-    """Describe the records that govern the verdicts, and name their bodies; empty if there are none."""
+    """Describe the records that govern the verdicts, with the bodies they govern; empty if there are none."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if (row := one.deciding.governing) >= 0:

@@ -235,7 +235,7 @@ def many(file, pipe):
             "/more: declares 8,000,000,000,000 bytes of values, but the file contains 0",
         ),
         (named_type, "/more: expected a group or a variable, found an HDF5 type"),
-        (dataset((100,), compression="lzf"), "/more: compressed by lzf, which results files never are"),
+        (dataset((100,), compression="lzf"), "/more: compressed by lzf, which results files never use"),
         (many, f"more than {FEW} groups and variables"),
     ],
 )

@@ -43,7 +43,7 @@ def test_what_cannot_be_checked_at_all_is_an_error():
         check(config=rp.Config(check=config().check))
     with pytest.raises(ConfigError, match="no design spectrum is given"):
         check(config=rp.Config(bodies=config().bodies))
-    with pytest.raises(ConfigError, match="expected some of circolare_2009"):
+    with pytest.raises(ConfigError, match="expected one of circolare_2009"):
         check(config=config(), code=["asce"])
 
 

@@ -88,7 +88,7 @@ def test_the_number_of_main_impulses_can_be_given_and_must_be_one():
     given = dataclasses.replace(config(quantile=0.5), sequence=SequenceSettings(main_count=7))
     found = site(RECORDS[:5], given)
     assert [float(found[f"main_count{end}"]) for end in ("", "_lower", "_upper")] == [7.0] * 3
-    with pytest.raises(ConfigError, match=r'main_count: "none" has no design'):
+    with pytest.raises(ConfigError, match=r'main_count: "none" gives no design sequence'):
         site(settings=dataclasses.replace(config(), sequence=SequenceSettings(main_count="none")))
 
 

@@ -266,5 +266,5 @@ def test_the_stored_design_is_the_one_that_bodies_are_assessed_under(tmp_path):
     rp.save(usual_site(), tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")
     np.testing.assert_allclose(design.effective_impulse(WALL), DESIGNED * base_at(WALL), rtol=1e-12)
-    with pytest.raises(ResultsError, match=r"few: no design: not enough earthquakes \(3; at least 7"):
+    with pytest.raises(ResultsError, match=r"few: no design spectrum: not enough earthquakes \(3; at least 7"):
         design_of(site_of(STRENGTHS[:3]), "few")

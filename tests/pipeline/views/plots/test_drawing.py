@@ -54,7 +54,7 @@ def test_what_has_no_picture_is_reported(record):
         rp.plot(record, "bodies", case=2)
     with pytest.raises(TypeError, match="a Block takes no options, found block"):
         rp.plot(BLOCK, block="wall")
-    with pytest.raises(TypeError, match="expected a Block that gives the sequence its times, found str"):
+    with pytest.raises(TypeError, match="expected a Block, whose half-cycles give the times, found str"):
         rp.plot(SEQUENCE, block="wall")
     unknown = xr.DataTree()
     unknown.attrs["kind"] = "other"

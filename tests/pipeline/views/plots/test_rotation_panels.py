@@ -174,8 +174,8 @@ def test_a_factor_on_the_record_is_the_motion_of_the_stronger_record(assessed, f
     ("model", "factor", "message"),
     [
         ("nonlineer", 1.0, "nearest: nonlinear"),
-        ("sequence", 2.0, "follows the record to a factor"),
-        ("nonlinear", -1.0, "expected a positive factor on the record, got -1"),
+        ("sequence", 2.0, "expected a model that can use a scaled record"),
+        ("nonlinear", -1.0, "expected a positive scale factor, got -1"),
     ],
 )
 def test_a_model_or_a_factor_without_a_motion_is_refused(assessed, first, model, factor, message):

@@ -47,7 +47,7 @@ def test_the_limit_accelerogram_of_a_site_is_that_of_the_sequence_of_a_body():
     figure = rp.plots.draw(usual_site(), "limit-accelerogram", block="pier")
     main = float(usual_site()["site"]["main"].sel(block="pier"))
     assert f"I = {main:.3g} m/s" in " ".join(text.get_text() for text in figure.findobj(match=Text)).replace("$", "")
-    with pytest.raises(ResultsError, match="chest: the site has no design for this body"):
+    with pytest.raises(ResultsError, match="chest: the site has no design sequence for this body"):
         rp.plots.draw(usual_site(), "limit-accelerogram", block="chest")
 
 

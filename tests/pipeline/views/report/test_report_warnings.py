@@ -49,7 +49,7 @@ def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said
     )
     assert "the demand of the site is not checked" not in heads(with_codes([1.6]))
     found = heads(with_codes([1.6]), site=site(0.25))
-    assert found["records of the site, scaled as they were calibrated, overturn b (25 %)"].grade == "decides"
+    assert found["some records of the site, scaled as in the calibration, overturn b (25 %)"].grade == "decides"
     assert not [head for head in heads(with_codes([1.6]), site=site()) if "overturn" in head]
 
 
@@ -89,10 +89,8 @@ def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing
     summary = probable([0.0] * 12, at_demand=[0.0] * 12, demand=1.0)
     said = heads(summary, "record")["the results rest on 12 earthquakes"]
     assert "cannot be estimated" not in said.text
-    assert (
-        "--demand pga=0.35g"
-        in heads(probable([0.0] * 12), "record")["there is no verdict, because no demand is stated"].text
-    )
+    said = heads(probable([0.0] * 12), "record")["there is no verdict, because no demand is stated"]
+    assert "A verdict needs the demand at the site" in said.text
     found = heads(probable([0.0, 0.2], uplift=np.array([0.0, 1.0])), "record")
     assert "are counted with probability 0" in found["in 1 of 2 cases (motion and body) the body is not lifted"].text
     found = heads(probable([0.0, 0.0], uplift=0.0, outcomes=[Outcome.AT_REST] * 2), "record")

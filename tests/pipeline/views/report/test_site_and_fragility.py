@@ -164,7 +164,7 @@ def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refuse
     assert [table.key for table in part.tables] == ["site-design", "site-sequence", "site-records"]
     warnings = page_content(assessed, matched_file(assessed, usual_site(), SITE_KIND, "it")).warnings
     assert not [one for one in warnings if one.head.startswith("records of the site")]  # none overturns the pier
-    with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
+    with pytest.raises(ResultsError, match="is not from this file: the scale factor of wall is "):
         site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), bodies=bodies), usual_site())
 
 

@@ -24,6 +24,7 @@ from rockpulse.views.report.verdict import (
     cards,
     counted_by,
     motions_words,
+    priorities,
     sentence,
 )
 from rockpulse.views.report.writing import report_page
@@ -54,7 +55,7 @@ def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):
     assert (cell.text, cell.grade) == (words, grade)
     told = sentence(answers(summary), found)
     assert told.startswith(f"Probability of overturning {value}, upper 90 % ")
-    assert told.endswith("at the demand “ULS”, from 5 earthquakes. 0 of 5 records overturn it.")
+    assert told.endswith("at the demand “ULS”, from 5 earthquakes. 0 of 5 records overturn the nominal body.")
 
 
 def test_each_body_has_one_row_for_its_governing_demand_and_the_annex_has_all():
@@ -69,11 +70,30 @@ def test_each_body_has_one_row_for_its_governing_demand_and_the_annex_has_all():
     assert (body_table(answers(summary), [found]).footnotes, cases.footnotes) == ((), ())
 
 
-def test_a_body_that_slides_first_follows_those_that_may_overturn():
+def test_a_body_that_slides_first_comes_last():
     found = verdict(probable([0.0] * 5, at_demand=[0.9, 0.2, 0.9, 0.5, 0.25], demand=1.0))
     grades = (Grade.ROCKS, Grade.SLIDES_FIRST, Grade.OVERTURNS, Grade.MAY_OVERTURN)
     every = [replace(found, demands=(replace(found.deciding, grade=grade),)) for grade in grades]
-    assert [one.grade for one in sorted(every, key=by_severity)] == [grades[2], grades[3], grades[1], grades[0]]
+    assert [one.grade for one in sorted(every, key=by_severity)] == [grades[2], grades[3], grades[0], grades[1]]
+
+
+def test_the_priorities_state_an_action_for_each_body():
+    """A capacity below the demand is never graded as good, whatever P is."""
+    summary = probable([0.0] * 5, at_demand=[0.2, 0.0, 0.0, 0.0, 0.0], demand=1.0, factor_10=[0.95, 2, 2, 2, 2])
+    found = verdict(summary)
+    rows = {"b": found}
+    for name, changes in {"c": {"grade": Grade.SLIDES_FIRST}, "d": {"grade": Grade.OVERTURNS}}.items():
+        rows[name] = replace(found, body=found.body._replace(block=name), demands=(replace(found.deciding, **changes),))
+    every = xr.concat([summary.assign_coords(block=[name]) for name in rows], "block", data_vars="minimal")
+    placed = [replace(one, body=one.body._replace(place=k)) for k, one in enumerate(rows.values())]
+    shown = priorities(answers(every), placed)
+    assert [[cell.text for cell in row[1:]] for row in shown.rows] == [
+        ["d", "overturns", "Anchor it or widen its base."],
+        ["b", "rocks, no margin", "Look into its governing record: capacity/demand is 0.95."],
+        ["c", "slides first", "Check how far it may slide, which is not computed here."],
+    ]
+    assert [row[2].grade for row in shown.rows] == ["bad", "fair", "unknown"]
+    assert verdict_legend(answers(summary), found.findings)[0].count("but capacity/demand is below 1") == 1
 
 
 def test_without_a_demand_the_records_that_overturn_are_counted():
@@ -115,7 +135,7 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     told = sentence(answers(summary), verdict(summary))
     assert told.startswith("Probability of overturning 0.080, upper 90 % ")
     assert told.endswith(
-        "1 of 5 records overturn it; of the others the largest rotation is 0.30 α_c, 6.00 cm at the top."
+        "1 of 5 records overturn the nominal body; of the others the largest rotation is 0.30 α_c, 6.00 cm at the top."
     )
     summary = probable(
         [0.0] * 6, at_demand=[0.9, 0.9, 0.9, 0.9, math.nan, math.nan], demand=1.0, to_demand=[1, 2, 3, 4, 5, 0.2]
@@ -124,7 +144,9 @@ def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     assert (grade_cell(found.deciding).text, grade_cell(found.deciding).grade) == ("-", "unknown")
     told = sentence(answers(summary), found)
     assert told.startswith("Probability of overturning 0.90, upper 90 % ")
-    assert told.endswith("from 4 earthquakes. 0 of 4 records overturn it. No verdict: 5 earthquakes are needed.")
+    assert told.endswith(
+        "from 4 earthquakes. 0 of 4 records overturn the nominal body. No verdict: 5 earthquakes are needed."
+    )
     legend = verdict_legend(answers(summary), found.findings)
     assert "Not counted: 2 motions with a scale factor for the demand “ULS” outside 0.25 to 4." in legend
 
@@ -197,7 +219,7 @@ def test_of_the_demand_an_upper_bound_proves_nothing_and_without_a_search_nothin
     summary = summary_of([0.9] * 5, demand=2.0).assign_coords(model=["resonance"])
     assert grade_cell(verdict(summary, model="resonance").deciding).text == "may overturn"
     summary = summary_of([math.nan] * 5, outcomes=[Outcome.ROCKS] * 5, demand=2.0)
-    assert verdict(summary).grade.word == "not known"
+    assert verdict(summary).deciding.word == "not known"
 
 
 def test_the_motions_are_counted_by_their_kind():

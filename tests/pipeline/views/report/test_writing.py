@@ -15,7 +15,7 @@ import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.views.report import writing
 from rockpulse.views.report.content import page_content
-from rockpulse.views.report.writing import report, report_page
+from rockpulse.views.report.writing import plain_words, report, report_page
 
 
 class Page(HTMLParser):
@@ -93,7 +93,7 @@ def test_the_verdict_names_what_is_counted(page, results):
     for expected in (
         "By the nonlinear model, under 4 records of 4 earthquakes; 4 of 5 files used (1 rejected)",
         "records overturn it as recorded; smallest scale factor at P = 10 %: ",
-        "To state a demand: --demand pga=0.35g",
+        "A verdict needs the demand at the site",
         "because no demand is stated",
         "4 of 5 files used (1 rejected)",
         "the body is not lifted",
@@ -111,7 +111,13 @@ def test_a_record_is_named_by_its_earthquake_on_the_first_two_pages(known):
     assert "CI.CCC" not in front
     words = Page(known).text
     assert "there is no verdict, because no demand is stated" in words.lower()
-    assert "To state a demand: --demand pga=0.35g" in known.split('id="grounds"')[0]
+
+
+def test_words_of_the_configuration_and_folders_are_in_the_full_report_alone(known):
+    words = Page(known).text
+    assert not re.search(r"\[(records|conditioning|check|site|demand)\]|--[a-z]|\brockpulse [a-z]", words)
+    assert plain_words("too wide (set confirm_size = true). Next; see [records] units.") == "too wide. Next."
+    assert plain_words("without yield_force; as /data/x/a.csv", ("/data/x/",)) == "without yield force; as a.csv"
 
 
 def test_without_factors_answers_or_records_a_body_is_not_called_safe(known, results):

@@ -130,8 +130,8 @@ def test_what_a_search_may_miss_is_said(searched, step, models, told):
     searched["search_step"] = xr.full_like(searched["safety_factor"], step)
     shown = searched if models is None else searched.assign_coords(model=("model", models))
     text = " ".join(verdict_table(shown).split())
-    words = " may lie below it: its second digit is not reliable "
-    assert told.replace("|", words) in text if told else "Bands narrower" not in text
+    words = " may lie below it, undetected: its second digit is not reliable "
+    assert told.replace("|", words) in text if told else "undetected" not in text
 
 
 @pytest.mark.sweep
@@ -287,4 +287,4 @@ def test_a_body_without_a_demand_has_counts_and_how_to_state_one(summary):
     text = " ".join(body_verdicts(Answers(summary)).split())
     assert text.startswith("Each body, 3 records of 2 earthquakes, as recorded (nonlinear model):")
     assert "verdict " not in text.split("No verdict")[0]
-    assert 'To state a demand: --demand pga=0.35g, [[demand]] with value = "0.35 g", or [site] ag and ground.' in text
+    assert 'To state a demand: --demand pga=0.35g, [site] pga = "0.35 g" or ag and ground, or [[demand]].' in text
