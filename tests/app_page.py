@@ -92,13 +92,15 @@ class Window:
 
     def wait(self, seen, expected=""):
         from selenium.common.exceptions import (
+            ElementClickInterceptedException,
             ElementNotInteractableException,
             StaleElementReferenceException,
             TimeoutException,
         )
         from selenium.webdriver.support.ui import WebDriverWait
 
-        ignored = (StaleElementReferenceException, ElementNotInteractableException, IndexError)
+        moving = (ElementClickInterceptedException, ElementNotInteractableException)
+        ignored = (StaleElementReferenceException, *moving, IndexError)
         waiting = WebDriverWait(self.browser, PATIENCE, 0.1, ignored)
         try:
             return waiting.until(lambda _: seen())

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -68,7 +68,7 @@ class RecordPart:
 
     def show_error(self, error: str) -> None:
         """Show which channels lack a partner if other directions are requested; errors are shown beside their files."""
-        if self.records and not error and self.project.config().records.components != self.components:
+        if self.records and not error and self._components() != self.components:
             self._show_left()
 
     async def _taken(self, event: events.GenericEventArguments) -> None:
@@ -136,30 +136,35 @@ class RecordPart:
         drawn.content = await self.page.after(run.io_bound(_drawn, record))
 
     def _show_left(self) -> None:
-        config = self.project.config()
-        self.components = config.records.components
-        rows = [row for row in [*self.failures, *_alone(self.records, config, self.failures)] if self._concerns(row)]
+        self.components = self._components()
         sources = Counter(record.source for record in self.records)
         single = [one for one in self.records if sources[one.source] == 1 and one.orientation != "vertical"]
         self.single = {self.project.name_of(one.source): one for one in single if not one.together}
-        self.left.clear()
-        self.unused.text = ""
-        if not rows:
-            return
+        lone = _alone(self.records, self.project.config(), self.failures)
+        boxes = {_box(source) for source in sources}
+        rows = [row for row in (*self.failures, *lone) if self._concerns(row, boxes)]
         names = [*dict.fromkeys(last_part(row.file) for row in rows)]
-        self.unused.text = say("app.records.unused", files=listed(names))
+        self.unused.text = say("app.records.unused", files=listed(names)) if rows else ""
+        self.left.clear()
         with self.left:
-            ui.html(say("app.records.left", count=len(rows)), tag="h3")
+            if rows:
+                ui.html(say("app.records.left", count=len(rows)), tag="h3")
             for row in rows:
                 with ui.element("div").classes(f"left {row.kind}"):
                     self._left(row)
 
-    def _concerns(self, row: Failure) -> bool:
-        """Return whether a failure is shown; files without a record are not beside records of their folder or zip."""
-        if row.kind in ("failed", "duplicate") or row.remedy or _box(row.file) == str(self.project.folder / RECORDS):
+    def _components(self) -> str:
+        return str(self.project.section("records").get("components", ""))
+
+    def _concerns(self, row: Failure, boxes: Collection[str]) -> bool:
+        """Return whether a failure is shown; `boxes` are the folders and archives with records.
+
+        Texts and spectra beside records are not shown, unless they are in the folder of records itself.
+        """
+        box = _box(row.file)
+        if row.kind != "skipped" or row.remedy or box == str(self.project.folder / RECORDS):
             return True
-        beside = {_box(record.source) for record in self.records}
-        return row.kind == "skipped" and row.bare != NO_RECORD and _box(row.file) not in beside
+        return row.bare != NO_RECORD and box not in boxes
 
     def _left(self, row: Failure) -> None:
         ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
@@ -173,35 +178,34 @@ class RecordPart:
     def _remedy(self, source: str, remedy: Remedy) -> None:
         """Show the input of a remedy for a file or its channels."""
         key, name = remedy.key, self.project.name_of(source)
-        if key == "confirm":
-            use = self._applying(name, key, lambda: remedy.choices)
-            ui.button(say("app.records.confirm"), on_click=use).props("outline no-caps dense")
+        paired = key == "pair" and any(name in row.values() for row in self.project.section("records").get("pair", []))
+        if key == "confirm" or paired:
+            click = self._applying(name, key, lambda: remedy.choices)  # no choice of a pair: the files are separated
+            label = say("app.records.apart") if paired else say("app.records.confirm")
+            ui.button(label, on_click=click).props("outline no-caps dense")
             return
-        label = say(f"app.key.{key}") + (" [s]" if key == "dt" else "")
-        pairs = [row for row in self.project.section("records").get("pair", []) if name in row.values()]
         partners = self._partners(name) if key == "pair" else {}
+        label = say(f"app.key.{key}") + (" [s]" if key == "dt" else "")
+        apply = self._applying(name, key, lambda: partners.get(made.value) or value_of(made.value))
         if key == "dt" and not remedy.choices:
-            made: Any = ui.input(label).props("inputmode=decimal")
-            made.on("change", self._applying(name, key, lambda: value_of(made.value)))
-        elif key != "pair":
-            made = ui.select([*remedy.choices], label=label)
-            made.on_value_change(self._applying(name, key, lambda: value_of(made.value)))
-        elif partners and not pairs:
-            made = ui.select({other: last_part(other) for other in partners}, label=label)
-            made.on_value_change(self._applying(name, key, lambda: partners[made.value]))
-        if pairs:
-            apart = self._applying(name, key, list)
-            ui.button(say("app.records.apart"), on_click=apart).props("outline no-caps dense")
+            made: Any = ui.input(label).props("inputmode=decimal").on("change", apply)
+        elif options := {other: last_part(other) for other in partners} or [*remedy.choices]:
+            made = ui.select(options, label=label, on_change=apply)
+        else:
+            return
+        made.props("dense outlined").classes("key")
 
     def _partners(self, name: str) -> dict[str, list[str]]:
         """Return the files that can be the other direction of a file, the nearest ones first, as north and east."""
-        one, names = self.single.get(name), [*self.single]  # sorted by path
-        at = names.index(name) if one else 0
+        if name not in self.single:
+            return {}
+        one, names = self.single[name], [*self.single]  # sorted by path
+        at = names.index(name)
         found = {}
         for _, other in sorted(enumerate(names), key=lambda item: abs(item[0] - at)):
             record = self.single[other]
-            if record is not one and (one is None or (one.npts == record.npts and same_step((one.dt, record.dt)))):
-                found[other] = [other, name] if one and _eastward(one, record) else [name, other]
+            if record is not one and one.npts == record.npts and same_step((one.dt, record.dt)):
+                found[other] = [other, name] if _eastward(one, record) else [name, other]
         return dict(islice(found.items(), PARTNERS))
 
     def _applying(self, name: str, key: str, value: Callable[[], Any]) -> Any:
