@@ -38,6 +38,17 @@ def golden(tmp_path_factory, worker_id):
     return golden((base if worker_id == "master" else base.parent) / "golden")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _marched_once(tmp_path_factory, worker_id):
+    """Marches of slender blocks are done once a session (tests/marched_once.py)."""
+    from marched_once import keep_marches
+
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "marches"
+    folder.mkdir(exist_ok=True)
+    keep_marches(folder)
+
+
 @pytest.fixture(scope="session")
 def samples() -> Path:
     """The sample records that come with the project."""

@@ -30,7 +30,7 @@ def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
 
 
 def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
-    """Return weights (g, n) of n records in the means of each of g earthquakes."""
+    """Return weights (g, n): row i averages the values of n records over the records of earthquake i."""
     own = members(events)
     return np.asarray(own / own.sum(axis=1, keepdims=True))
 
@@ -135,7 +135,7 @@ def record_quantiles(
 
     The q-quantile of the values of g earthquakes is exceeded by a further earthquake with a probability above 1 - q.
     The i-th smallest of g independent values is exceeded with the probability 1 - i/(g + 1) (Gumbel 1958, section
-    1.2.7). With cumulative weights W in earthquakes the predictive level of a value of weight w is (W - w/2 + 1/2)/(g +
+    1.2.7). With cumulative weights W in earthquakes the probability of a value of weight w is (W - w/2 + 1/2)/(g +
     1); logarithms are interpolated linearly between values, and limits computed from logarithms. g is the effective
     number of earthquakes, (sum s)^2/sum s^2 for earthquakes of weight s.
     """

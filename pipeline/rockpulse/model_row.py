@@ -109,7 +109,7 @@ class Model:
         return np.asarray(block.known_to(() if self.rule(scene) else self.knows))
 
     def applicable(self, block: rocking.Block, scene: Scene) -> np.ndarray:
-        """Return whether the model is valid for each block, (m,); a rule is valid in the range of bodies of its fit."""
+        """Return whether the model is valid for each block, (m,); a rule is valid only in the range of its fit."""
         within = self.answers(block, scene) & (np.asarray(block.slender) | (not self.slender))
         rule = self.rule(scene)
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)

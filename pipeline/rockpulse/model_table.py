@@ -105,7 +105,7 @@ _ROWS = (
         name="resonance",
         label=f"resonance ({UPPER_BOUND})",
         words=f"{UPPER_BOUND}, no prediction: the main impulse of the record arrives at the worst moment of every "
-        "half-cycle (closed form). Its overturning says that the body may be unsafe, nothing more.",
+        "half-cycle (closed form). Overturning by this model only means that the body may be unsafe.",
         respond=_resonance,
         search=_search_resonance,
         look=("purple", (0, (1, 1.2)), "v"),

@@ -11,8 +11,7 @@ WARNINGS = {
     "dead_channel": "all samples are equal: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
     "clipped_crests": "{count:d} crests are flat at the largest or smallest value: the record may be clipped",
-    "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
-    "clipped",
+    "full_scale": "the peak reaches the limit of a 24-bit recorder ({counts:d} counts): the record may be clipped",
     "header_peak": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g; check the unit and that "
     "the file is whole",
     "header_peak_near": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % "
@@ -53,7 +52,7 @@ WARNINGS = {
     # conditioning and scaling of a record
     "on_structure": "recorded on a structure, assessed as ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
-    "direction_given": "the file states no direction; {side} is the one that the user gave for the pair",
+    "direction_given": "the file states no direction; {side} is the direction that the user gave for the pair",
     "baseline_guessed": "the format does not state whether the record is processed: the mean was subtracted; set "
     "[conditioning] baseline to keep the offset or to remove it in another way",
     "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, its slow drift reaches "
@@ -95,7 +94,7 @@ STATEMENTS = {
     "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
     "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another strength",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
-    "outside_spectrum": "outside the spectrum, and without a design: {names}",
+    "outside_spectrum": "no design outside the range of the spectrum: {names}",
     "vertical_left_out": "the vertical acceleration is left out: no single spectrum with it applies to all bodies",
     # a fragility curve
     "band_one_event": "no band: without the earthquake {event} there would be no curve",

@@ -40,7 +40,7 @@ def test_warnings_within_warnings_and_other_texts_are_stored_too():
     every = [WarningText("outside_spectrum", names=groups), "another"]
     found, text = restored(as_stored(every))
     assert str(found) == str(every[0])
-    assert str(found).endswith("without a design: 1 record, b: all samples are equal: a dead channel")
+    assert str(found).endswith("range of the spectrum: 1 record, b: all samples are equal: a dead channel")
     assert found.values["names"][1].code == "of_channel/dead_channel"
     assert (text.code, str(text)) == ("plain", "another")
     assert restored("") == []

@@ -145,7 +145,7 @@ _NEWTON_LIMIT = 200
 
 @njit()
 def _condition(half, count, spacing, s):
-    """Return the function F(t) of the table in the module docstring, and its derivative."""
+    """Return F(t), the function in the table of the module docstring, and its derivative."""
     tanh = math.tanh(half)
     slope = (1.0 - tanh) * (1.0 + tanh)
     divisor = count + 1 if spacing == OPEN else count

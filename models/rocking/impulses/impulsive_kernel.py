@@ -71,7 +71,7 @@ def _cannot_come_back(growing, time, first, train, gain, p):
 
 @njit(_nrt=False)
 def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
-    """Write the motion of one arc at the history's times in [begin, end); return the next free index."""
+    """Write the motion between two events at the history's times in [begin, end); return the next free index."""
     times, motion = history.times, history.motion[lane]
     while first < times.size and times[first] < begin:
         first += 1
@@ -96,7 +96,7 @@ def _arc(rotation, velocity, sinh, cosh_less_one):
 
 @njit()
 def _decays(velocity, restitution, remaining):
-    """Return whether all hops end in time; their sum lies between 2 u/(1 - C) and 2 atanh(u)/(1 - C)."""
+    """Return whether all further hops end within `remaining`; their sum is from 2 u/(1 - C) to 2 atanh(u)/(1 - C)."""
     loss = 1.0 - restitution
     if 2.0 * velocity > loss * remaining:
         return False

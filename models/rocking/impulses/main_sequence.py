@@ -118,13 +118,13 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
 
 @njit()
 def effective_amplification(restitution, ratio, half_cycle):
-    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-] for n -> infinity; S_i: :func:`amplification`."""
+    """Return v_i/u_1 = (1 - sigma) S_i + sigma/2 [-] for infinitely many secondary impulses (S_i: `amplification`)."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 
 @njit()
 def start_of_half_cycle(needed, restitution, ratio, half_cycle):
-    """Return the start of a half-cycle (times p) for u_1 = 1/needed; inf if the block has overturned before."""
+    """Return the start time (times p) of a half-cycle for u_1 = 1/`needed`; inf if the block has overturned before."""
     start = 0.0
     for earlier in range(1, half_cycle):
         start += hop(effective_amplification(restitution, ratio, earlier) / needed)[1]
@@ -133,7 +133,7 @@ def start_of_half_cycle(needed, restitution, ratio, half_cycle):
 
 @njit()
 def last_half_cycle(restitution, ratio, end, main_count):
-    """Return the largest half-cycle N <= main_count that starts before `end` at the lower edge of its band."""
+    """Return the last half-cycle, up to `main_count`, that starts before `end` at its smallest overturning factor."""
     low, high = 1, 2
     while high <= main_count and _start_at_edge(restitution, ratio, high) < end:
         low, high = high, 2 * high
@@ -149,7 +149,7 @@ def last_half_cycle(restitution, ratio, end, main_count):
 
 @njit()
 def _start_at_edge(restitution, ratio, half_cycle):
-    """Return the start of half-cycle N (times p) at the scale factor for which v_N = 1."""
+    """Return p times the start of a half-cycle at the smallest scale factor at which the block overturns in it."""
     needed = effective_amplification(restitution, ratio, half_cycle)
     return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
@@ -168,7 +168,7 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
 
 @njit()
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
-    """Return the lower and upper scale factors (2, k) of the overturning bands of one lane; `end` is in 1/p."""
+    """Return lower and upper scale factors (2, k) of the ranges in which a block overturns; `end` is a time times p."""
     if end == np.inf:
         # Every half-cycle up to the last one is reached: one interval; for endless sequences its edge is the infimum.
         edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
@@ -330,7 +330,7 @@ def resonance_safety(
 def _lanes(
     block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
 ) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
-    """Return the lanes for a kernel, their shape (q, m), and which of these two axes is dropped."""
+    """Return the arrays for a kernel, their shape (q, m), and which of the two axes came from a single value."""
     sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
     if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
         raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")

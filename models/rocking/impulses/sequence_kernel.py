@@ -163,7 +163,7 @@ TABLE_ROWS = 1000
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Combine q inputs with m blocks, or in pairs; return the shape, which axes are scalar, and flat arrays."""
+    """Combine q inputs with m blocks, each with each or in pairs; return shape, single-value axes, and flat arrays."""
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:

@@ -88,7 +88,7 @@ def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, sp
 
 @njit(_nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Return whether body j comes to rest after a slow impact."""
+    """Return whether body j comes to rest after a slow impact, by a bound on its further hops."""
     threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
@@ -178,7 +178,7 @@ def wake(f, i, j, record):
 
 @njit(_nrt=False)
 def must_overturn(f, j, record):
-    """Return whether body j must overturn (linear equation): its growing mode exceeds every later abs(a_g)/g."""
+    """Return whether body j must overturn (linear equation): its growing mode exceeds all later abs(a_g)/g."""
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
     if growing <= f[row.LIMIT + j]:
         return False

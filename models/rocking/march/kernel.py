@@ -56,7 +56,7 @@ def build_up_left(sample, factor, levels, last):
 
 @njit(_nrt=False)
 def first_safe_sample(factor, levels, last, settled):
-    """Return the first sample after which the build-up can no longer overturn the block; inf if it always can."""
+    """Return the first sample after which the ground motion cannot overturn the block; inf if there is none."""
     for k in range(levels.size):
         if levels[k] * factor < settled:
             return last[k] + 1.0
@@ -179,7 +179,7 @@ def store_results(results, lane, peak, outcome, reason, time, half_cycle, impact
 
 @njit(forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
-    """Return the state of body j after a step marked ATTENTION, and whether its lane has ended."""
+    """Return the state of body j after a step marked ATTENTION, and whether its computation has ended."""
     if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     status = event.MOVING

@@ -137,7 +137,7 @@ def recorded_response(
     if verdict is not None and not isinstance(verdict, Demand):
         raise ValueError(f"verdict: expected a rocking.Demand, got {verdict!r:.80}")
     if verdict is not None and (equation != "nonlinear" or vertical is not None or history):
-        raise ValueError("verdict: expected the nonlinear equation without vertical acceleration and history")
+        raise ValueError("verdict: can only be used with equation='nonlinear', without vertical and without history")
     if verdict is not None and (np.any(initial_rotation) or np.any(initial_velocity)):
         raise ValueError("verdict: expected a block at rest, got an initial rotation or velocity")
     step = float(numbers("step", step, "a positive p dt", lanes=False))

@@ -199,7 +199,7 @@ def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
 
 @njit(_nrt=False)
 def compact_slots(f, i, width):
-    """Move the lanes of the last group of slots to empty slots before it; return the number of slots in use."""
+    """Move bodies from the last group of slots to empty slots before it; return the number of slots in use."""
     empty = 0
     for j in range(width - GROUP, width):
         if i[LANE + j] < 0:

@@ -181,7 +181,7 @@ def exceedance_intervals(
 
 
 def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Return the results of `exceeds` as numbers; NaN becomes inf."""
+    """Return the results of `exceeds` as numbers: the response over the limit; NaN (no result) becomes inf."""
     reach = np.asarray(exceeds(lanes, factors), dtype=float)
     return np.where(np.isnan(reach), np.inf, reach)
 

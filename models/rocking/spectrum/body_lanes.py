@@ -45,7 +45,7 @@ NEIGHBOURS, POINTS = 0.12, 201
 
 @dataclass(frozen=True, eq=False)
 class LanePart:
-    """Lanes (b, n) of b bodies, and their density per unit of ln f on a grid (b, g)."""
+    """Samples (b, n) of b bodies, and their density per unit of ln f on a grid (b, g)."""
 
     body: np.ndarray
     grid: np.ndarray
@@ -57,7 +57,7 @@ class LanePart:
 
 @dataclass(frozen=True, eq=False)
 class BodyLanes:
-    """The lanes of one body: their scale factors, weights and outcomes."""
+    """The samples of one body: their scale factors, weights and outcomes."""
 
     log_factor: np.ndarray  #: (n,) ln of the factor on the record
     weight: np.ndarray  #: (n,) width in ln f that each lane represents [-]: 1 over the density of lanes at its factor
@@ -68,14 +68,14 @@ class BodyLanes:
     open: bool  #: True if lanes survive the largest factor, so that outcomes above it are unknown
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Return lane weights (n, k) at the levels, and probabilities (k,) of a shift below and above all lanes."""
+        """Return sample weights (n, k) at the levels, and probabilities (k,) of a shift below and above all samples."""
         bells = lane_bells(self.log_factor, self.weight, log_level, shift)
         return bells, tail_masses(self.bottom, self.top, log_level, shift)
 
 
 @dataclass(eq=False)
 class LaneMarch:
-    """The lanes of (m,) bodies under a record, computed in several parts."""
+    """The samples of (m,) bodies under a record, computed in several parts."""
 
     block: Block
     acceleration: np.ndarray
@@ -113,7 +113,7 @@ class LaneMarch:
         self.parts.append(LanePart(body, grid, density, log_factor, over, unresolved))
 
     def lanes(self, body: int, standing: bool) -> BodyLanes:
-        """Return all lanes of a body so far; `standing` is True if some lanes survive the largest factor."""
+        """Return all samples of a body so far; `standing` is True if some survive the largest scale factor."""
         own = [(part, row) for part in self.parts for row in np.flatnonzero(part.body == body)]
         log_factor, over, unresolved = (
             np.concatenate([getattr(part, name)[row] for part, row in own])
@@ -143,7 +143,7 @@ class LaneMarch:
 
 
 def probability_lanes(march: LaneMarch, log_max: float, guess: np.ndarray | None = None) -> list[BodyLanes | None]:
-    """Return the lanes of each body; None for a body without uplift below `log_max`."""
+    """Return the samples of each body; None for a body that is not lifted at any factor below exp(`log_max`)."""
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
@@ -169,7 +169,7 @@ def probability_lanes(march: LaneMarch, log_max: float, guess: np.ndarray | None
 
 
 def _extend_first_stage(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
-    """Extend the first stage beyond the capacities; return (m,) whether lanes survive the largest factor."""
+    """Extend the first stage beyond the capacities; return (m,) whether samples survive the largest factor."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
     seen = 0

@@ -48,7 +48,7 @@ class LaneFactors:
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Compute the scale factors of one body from its lanes; `lanes` is None for a body that never lifts."""
+    """Compute the scale factors of one body from its marches; `lanes` is None for a body that no factor lifts."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)
@@ -78,7 +78,7 @@ def lane_capacity(lanes: BodyLanes, shift: Uncertainty, reach: float) -> tuple[f
 
 
 def _curve(lanes: BodyLanes, shift: Uncertainty, reach: float, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the logarithms (k,) of the levels at which P of a body is between 0 and 1, and P (r, k) of resamples."""
+    """Return ln (k,) of the levels at which P of a body is between 0 and 1, and P (r, k) of r resamples."""
     first, last = _ends(lanes, reach)
     logs = LEVEL_STEP * np.arange(first, last + 1)
     bells, tails = lanes.sums(logs, shift)
@@ -86,7 +86,7 @@ def _curve(lanes: BodyLanes, shift: Uncertainty, reach: float, counts: np.ndarra
 
 
 def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
-    """Return the first and the last level k: P is 0 below them and 1 above (unknown if lanes survive)."""
+    """Return the numbers k of the first and last level; P is 0 below them and 1 above, unknown if samples survive."""
     lowest = np.min(lanes.log_factor, where=lanes.over, initial=lanes.top)
     highest = np.max(lanes.log_factor, where=~lanes.over, initial=lanes.bottom)
     end = lanes.top - reach if lanes.open else highest + reach

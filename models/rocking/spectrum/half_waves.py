@@ -226,7 +226,7 @@ def lobe_shapes(
 
 
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
-    """Return the number of main lobes, the rms of other lobes between them over the largest, the median spacing."""
+    """Return the number of main lobes, the rms of the lobes between them over the largest, and their median spacing."""
     sizes = np.abs(lobes.sizes)
     main = np.flatnonzero(sizes > MAIN_SHARE * np.max(sizes, initial=0.0))
     if main.size < 2:

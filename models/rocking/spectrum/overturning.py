@@ -115,17 +115,17 @@ def covered(
 ) -> np.ndarray:
     """Return a mask (m,) of slender bodies to which a spectrum of free blocks, or of blocks beside a wall, applies.
 
-    Their p and their random restitutions must lie within those of the lanes; a range of C below a tenth of the range of
-    the lanes contains too few lanes.
+    Their p and their random restitutions must lie within the ranges of the sampled blocks of the spectrum; a range of C
+    narrower than a tenth of the sampled range contains too few samples.
     """
     alone = slender_bodies(block) & (np.asarray(block.side) == side)
     return alone & slender_within(block.weaker, p) & covered_range(block.restitution, uncertainty, between)
 
 
 def shared_rates(p: np.ndarray, own: int, shared: int) -> np.ndarray | None:
-    """Return the frequency parameters of a spectrum that bodies of p (m,) [1/s] share; None if own lanes are fewer.
+    """Return the frequency parameters of a spectrum shared by bodies of p (m,) [1/s]; None if own samples are fewer.
 
-    A body has `own` lanes, and the spectrum `shared` lanes at each frequency parameter.
+    Each body needs `own` samples without it, and the spectrum `shared` samples at each frequency parameter.
     """
     above = np.clip(np.searchsorted(SHARED_RATES, p), 1, SHARED_RATES.size - 1)
     places = np.union1d(above - 1, above)
@@ -142,7 +142,7 @@ def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
 def covered_range(
     restitution: ArrayLike, uncertainty: Uncertainty, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
 ) -> np.ndarray:
-    """Return a mask (m,) of nominal restitutions for whose range a spectrum has enough lanes, `between` two C.
+    """Return a mask (m,) of nominal restitutions in whose range a spectrum has enough samples; it covers `between`.
 
     The uncertainty has the limits of a uniform distribution; restitutions above 1 count as 1.
     """
@@ -249,9 +249,9 @@ class OverturningSpectrum:
         return SpectrumReading(self._first, self.level, *own, speed, self._alike, self.interpolation)
 
     def _parts(self, restitution: ArrayLike) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Return (r, 1) shares of the random C, and the range of C (r,) of the lanes that represent each of them.
+        """Return shares (r, 1) of the random C, and ranges of C (r,) of the sampled blocks that represent each share.
 
-        Restitutions above 1 count as 1, which the lanes of the narrowest range below 1 represent.
+        Restitutions above 1 count as 1, which is represented by the narrowest range below 1.
         """
         nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
         lowest, highest = self.lanes.between
@@ -372,7 +372,7 @@ class SpectrumReading:
 
 
 def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
-    """Interpolate rows of P (m, k) at ln x (m, d); the rows start at the level exp(LEVEL_STEP first)."""
+    """Interpolate the rows of P (m, k) at ln x (m, d); the first column of P is at the level exp(LEVEL_STEP first)."""
     place = log_x / LEVEL_STEP
     whole = np.clip(np.floor(place), first, first + probability.shape[1] - 2)
     share, below = np.clip(place - whole, 0.0, 1.0), whole.astype(int) - first

@@ -61,7 +61,7 @@ ENDED, FINAL = -1, -2
 
 @njit(_nrt=False)
 def _solve_impacts(s, turn):
-    """Solve the impacts of all lanes of the state `s`; TAU is negative for those that are left to `first_impact`."""
+    """Solve for the impacts of all blocks of the state `s`; TAU is negative where `first_impact` must solve instead."""
     for i in range(np.uint64(WIDTH)):
         u, v, push, rate, left = s[U + i], s[V + i], s[PUSH + i], s[RATE + i], s[LEFT + i]
         bend, twist = u - 1.0 - push, v - rate
@@ -91,7 +91,7 @@ def _solve_impacts(s, turn):
 
 @njit(_nrt=False)
 def _raise_peak(s, i, u, v, push, rate, left):
-    """Raise the largest u of a lane by the top of u within `left` after a point of a piece."""
+    """Raise the largest u of a block if the top of u, within `left` after a point of a piece, is larger."""
     bend, twist = u - 1.0 - push, v - rate
     if u + v * left + (1.0 + abs(push)) * left * left < s[PEAK + i]:
         return
@@ -155,7 +155,7 @@ def _lift(s, i, k, count, points, blocks, wall):
 
 @njit(inline="always", _nrt=False)
 def _fly(s, i, k, count, points, rows, blocks, peaks):
-    """Follow a block in motion from node `k`; return the next piece at whose end it is near the ground."""
+    """Follow a block in motion from node `k`; return the next piece at whose end the block is near the ground."""
     u, v, side, strength = s[END_U + i], s[END_V + i], s[SIDE + i], s[STRENGTH + i]
     u = max(u, 0.0)
     if k == count:
@@ -220,7 +220,7 @@ def _fly(s, i, k, count, points, rows, blocks, peaks):
 
 @njit(_nrt=False)
 def _scan_peak(s, i, first, last, force, grow, fall, points, blocks):
-    """Raise the largest u of a lane by the tops between nodes `first` - 1 and `last`, within one block of the arc."""
+    """Raise the largest u of a block by the tops between nodes `first` - 1 and `last`, all in one group of nodes."""
     margin = blocks[first // BLOCK, REACH] * (1.0 + abs(force) * blocks[first // BLOCK, STRONGEST])
     for k in range(first, last + 1):
         up, down = grow * points[k, UP], fall * points[k, DOWN]
@@ -346,7 +346,7 @@ def march_lanes(first, last, s, slots, state, strength, restitution, count, poin
 
 @njit(_nrt=False)
 def _start(s, i, own, strength, restitution, points):
-    """Set a lane to its state at the first node; return the piece that it is in, -1 if it is in motion."""
+    """Write the state of a block at the first node; return the piece in which it rests, or -1 if it moves."""
     s[STRENGTH + i], s[RESTITUTION + i], s[SIDE + i], s[PEAK + i] = strength, restitution, own[3], own[0]
     s[V + i], s[END_U + i], s[END_V + i] = 0.0, own[1], own[2]
     s[PUSH + i], s[RATE + i], s[LEFT + i] = strength * points[0, START], strength * points[0, SLOPE], points[0, LENGTH]
@@ -355,7 +355,7 @@ def _start(s, i, own, strength, restitution, points):
 
 @njit(_nrt=False)
 def _store(s, i, own, status, final):
-    """Store the state of a lane at the end of the tables, or of one that has ended."""
+    """Store the state of a block that has ended or has reached the end of the tables."""
     own[0], own[1], own[2], own[3] = s[PEAK + i], s[U + i], s[V + i], s[SIDE + i]
     if status == FINAL and final and own[3] != 0.0:
         own[0] = max(own[0], _peak_on_still_ground(own[1], own[2], s[RESTITUTION + i]))

@@ -58,7 +58,7 @@ def _impulses(length, start, slope, past, future):
 
 @njit(_nrt=False)
 def _exponentials(length, up, down, growth):
-    """Fill e^tau and e^-tau from the start of each block, and e^tau over the blocks."""
+    """Fill `up`, `down` with e^tau, e^-tau from the start of each group of nodes, `growth` with e^tau at its end."""
     grown = 1.0
     for k in range(up.shape[0]):
         if k % BLOCK == 0:
@@ -95,7 +95,7 @@ class SlenderGround:
         self._single = self._tables(0, 0.0, *self._after[0]) if len(self._firsts) == 1 else None
 
     def __iter__(self) -> Iterator[tuple[Tables, bool]]:
-        """Return the tables of each part of the motion, and whether it is the last one."""
+        """Yield the tables of each part of the motion, and whether the part is the last one."""
         if self._single:
             yield self._single, True
             return
@@ -107,7 +107,7 @@ class SlenderGround:
             del tables
 
     def _tables(self, first: int, past: float, future: float, left: np.ndarray) -> Tables:
-        """Return the tables from a piece on, with H at its start, and G, its largest values and the push at the end."""
+        """Return the tables from piece `first` on; `past` is H at its start, `future` (G) and `left` are of the end."""
         own = np.arange(first, min(first + AT_ONCE, self._count))
         whole, parts, place = own, np.ones_like(own), np.zeros_like(own)
         if self._divided:

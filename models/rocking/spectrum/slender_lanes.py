@@ -156,7 +156,7 @@ def piece_lanes(
     rotations: bool = True,
     second: int = SECOND,
 ) -> SpectrumLanes:
-    """March lanes at ascending p [1/s] under a ground acceleration [m/s2] linear between ascending `times` (k,) [s]."""
+    """Compute slender blocks at ascending p [1/s] under a ground acceleration [m/s2] linear between `times` [s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
@@ -304,7 +304,7 @@ def _ranks(count: int, start: float) -> np.ndarray:
 
 
 def _level(log_x: Any, restitution: Any) -> Any:
-    """Return ln x corrected for restitution, so that lanes at one level have the same expected outcome."""
+    """Return ln x corrected for restitution: at equal values, blocks overturn with about the same probability."""
     return log_x + SLOPE * (restitution - MIDDLE)
 
 

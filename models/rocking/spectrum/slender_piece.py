@@ -35,7 +35,7 @@ def motion_at(tau, u, v, bend, twist):
 
 @njit(inline="always", _nrt=False)
 def halley_step(tau, u, v, bend, twist, left):
-    """Return a step of Halley's method for u = 0, and the tau that it leads to within the piece."""
+    """Return a step of Halley's method for u = 0, and the tau after this step, limited to the piece."""
     even, odd = hyperbolic(tau)
     value = u + v * tau + bend * even + twist * odd
     slope = v + bend * (tau + odd) + twist * even

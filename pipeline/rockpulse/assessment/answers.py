@@ -241,7 +241,7 @@ class Answers:
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
-        """Smallest scale factor over directions, and the row of /summary with it or -1; both (motions, bodies)."""
+        """Smallest scale factor over directions, and its row in /summary (-1 if unknown); both (motions, bodies)."""
         factor = self.motions.over(self[self.factor], np.nan)
         place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
         finite = np.isfinite(factor).any(axis=1)

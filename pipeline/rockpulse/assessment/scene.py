@@ -154,7 +154,7 @@ class Senses:
         return found if self.both.size == 0 else found.take(self._chosen(rank))
 
     def higher_probability(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
-        """Return, for each block, the index of it or its mirror image, by higher probability, then smaller factor."""
+        """Return, for each block, the index of the block or its mirror image, whichever is more likely to overturn."""
         return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:

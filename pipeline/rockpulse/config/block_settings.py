@@ -92,7 +92,7 @@ class BlockSettings(Section):
         Full size in the plane of rocking [m].
     p, alpha, radius : float or None
         Frequency parameter [1/s] and critical angle [rad] of a body of another shape, and distance R from the corner to
-        the centre of mass [m], which determines the largest restitution; by default R is that of a rectangle with the
+        the centre of mass [m], which determines the largest restitution; by default the R of a rectangle with the
         same p and alpha.
     restitution : float, str or tuple of float
         Velocity ratio of an impact [-], "housner" (the largest that angular momentum allows), or several values that

@@ -53,7 +53,7 @@ class BodyColumns(NamedTuple):
 
 @cache
 def _keys() -> dict[str, str]:
-    """Return the unit of each column: the keys of [[block]], such as "width" and "tie.height", and of the site."""
+    """Return the unit of each known column: keys of [[block]] such as "width" and "tie.height", keys of the site."""
     found: dict[str, str] = {}
     for item in fields(BlockSettings):
         entry = item.metadata.get("entries")
@@ -152,7 +152,7 @@ def unused_columns(path: str | Path, names: Iterable[str]) -> str:
 
 
 def read_bodies(path: str | Path) -> tuple[tuple[BlockSettings, ...], tuple[str, ...]]:
-    """Return the bodies of a table and the columns that are not used; errors are those of :func:`load_bodies`."""
+    """Return the bodies of a table and the columns that are not used; raise the errors of :func:`load_bodies`."""
     cells, unused = read_body_columns(path)
     bodies = []
     for number, row in enumerate(cells.to_dict("records"), start=1):

@@ -275,7 +275,7 @@ def load_config(path: str | Path) -> Config:
 
 
 def _require_one_demand(config: Config) -> None:
-    """Raise ConfigError if the PGA of [[demand]] in the limit state of the checks differs from the one of [site]."""
+    """Raise ConfigError if the PGA of [[demand]] in the limit state of the checks differs from the PGA of [site]."""
     state, of_site = config.check.limit_state, config.site_demand
     given = [one for one in config.demands if one.measure == PGA and one.value is not None]
     given = [one for one in given if one.limit_state.casefold() in ("", state)]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 UPLIFT, OVERTURNING = "uplift", "overturning"
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-#: Allowed units of the levels of a hazard curve, for each measure.
+#: Allowed units of the values of each measure in a hazard curve.
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 #: Largest logo [bytes]: it is stored as text in an attribute of the results file, which HDF5 limits to 64 kB.
 LOGO_LIMIT = 45_000
@@ -122,7 +122,7 @@ class UncertaintySettings(Section):
     spectrum: str = choice("auto", ("auto", "none", "all"))
 
     def of_draws(self) -> Uncertainty:
-        """Return the uncertainties as an object of :mod:`rocking`."""
+        """Return the uncertainties as a :class:`rocking.Uncertainty`."""
         from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
@@ -170,8 +170,8 @@ class SelectionSettings(Section):
 class FragilitySettings(Section):
     """Limit states, measures and fits of :func:`rockpulse.fragility`.
 
-    `selection` is a table of records selected by other software, with their scale factors or levels and weights; it
-    replaces `stripe_levels`, `factors` and `pga_min`.
+    `selection` is a table of records selected by other software, with scale factors or values of the measure, and
+    weights; it replaces `stripe_levels`, `factors` and `pga_min`.
 
     Raises
     ------

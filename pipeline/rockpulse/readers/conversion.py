@@ -168,7 +168,7 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
         ends, advice = WRITERS[key].suffix, "correct the name, or create the folder first if it is to be one"
         raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
     if not folder and by_suffix != key:
-        raise ConfigError(f"{out}: the name says {by_suffix}, the format {key}; correct the wrong one")
+        raise ConfigError(f"{out}: the file name means {by_suffix}, but the format is {key}; correct one of them")
     if folder and out.exists() and not out.is_dir():
         raise ConfigError(
             f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"

@@ -73,7 +73,7 @@ class PairSettings(Section):
         return ""
 
     def directed(self, name: str, records: Sequence[Record]) -> list[Record]:
-        """Return the channel of a file of this pair with its direction; raise RecordFormatError if it has another."""
+        """Return the channel of a file of this pair with its direction; raise an error if the file contradicts it."""
         side = self.side(name)
         if len(records) != 1:
             raise RecordFormatError(
@@ -102,7 +102,7 @@ def _plain(name: str) -> str:
 
 
 def path_spellings(name: str) -> list[str]:
-    """Return the absolute path of a file, for a member also those of archive and member, each also without ``.gz``."""
+    """Return the absolute path of a file, for a member also the paths of archive and member, and all without .gz."""
     path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
     archive, _, member = path.partition("!")
     parts = [path, archive, f"/{member}"] if member else [path]
@@ -128,7 +128,7 @@ def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
 
 
 def without_unlike(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
-    """Return the records except the pairs of files that differ in interval, length or start, and their failures."""
+    """Return the records without pairs that differ in interval, length or start, and failures for these pairs."""
     groups: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         if record.together:

@@ -293,7 +293,7 @@ def _quiet_file(path: Path) -> bool:
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
-    """Yield the opened file, or each opened member of an archive; an error is yielded instead of raised."""
+    """Yield the opened file, or each opened member of an archive; an error is yielded instead of being raised."""
     path = found.path
     try:
         check_link(path)

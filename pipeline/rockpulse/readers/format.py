@@ -96,7 +96,7 @@ class ReadOptions:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
     def of_file(self, name: str) -> "ReadOptions":
-        """Return the options for one file, named as in `Record.source`, with only those rows that match it."""
+        """Return the options for a file, named as in `Record.source`, with only the `files` entries that match it."""
         if not self.files and not self.pairs:
             return self
         units, dt = self._last("units", name), self._last("dt", name)

@@ -62,7 +62,7 @@ _RECORDS = re.compile(
     r"\.(?:v[0-3][a-z]?|[avd]t2|acc|acl|vel|dis|dsp|raw|smc|m?seed|msd|sac|asc|dat|th|evt|gcf|gse2?|sg2|segy|knt|"
     r"(?:ew|ns|ud)[12]?|[ensuz]\d\w|\d{3})"
 )
-#: Pattern of control characters other than those of texts: tabs, line breaks, and the end-of-file mark of DOS.
+#: Pattern of control characters that texts do not contain: not tabs, line breaks and the end-of-file mark of DOS.
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")
 #: Pattern of the first lines of texts whose samples are coded in letters (GSE).
 _CODED = re.compile(rb"^(?:WID[12]|XW0[12]) ", re.MULTILINE)

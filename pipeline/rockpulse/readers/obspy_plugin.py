@@ -37,7 +37,7 @@ _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "
 _CHANGES_UNIT = {
     *["integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger"]
 }
-#: Largest relative difference between the interval of a Trace, which stores the rate, and that of its record.
+#: Largest relative difference between the intervals of a Trace, which stores the rate, and of its record.
 _SAME_STEP = 1e-12
 #: Formats that are read only if requested by name, as any text file of numbers would be recognised.
 _BY_NAME_ONLY = frozenset({"columns"})

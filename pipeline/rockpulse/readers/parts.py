@@ -203,7 +203,7 @@ def _chains(records: Sequence[Record]) -> list[list[Record]]:
 
 
 def _continued(pieces: Sequence[Record]) -> Record:
-    """Join records of one channel that follow each other; the metadata are those of the first record."""
+    """Join records of one channel that follow each other; the metadata are taken from the first record."""
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings)
     return replace(
         pieces[0],
@@ -238,7 +238,7 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
 
 
 def _joined(pieces: Sequence[Part]) -> Record:
-    """Join the parts of one channel; the metadata are those of the first part."""
+    """Join the parts of one channel; the metadata are taken from the first part."""
     first = pieces[0]
     codes = (first.network, first.station, first.location, first.channel)
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings if code_of(note) != "part_of_record")

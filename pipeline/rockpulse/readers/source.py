@@ -192,7 +192,7 @@ def check_link(path: Path) -> None:
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
-    """Open a file on disk, plain or compressed with gzip; by default, station files are those of its folder."""
+    """Open a file on disk, plain or compressed with gzip; by default, station files are searched in its folder."""
     name = str(path)
     check_link(path)
     if path.is_dir():

@@ -63,7 +63,7 @@ def _direction_word(record: Record) -> str:
 
 def at2_bytes(record: Record) -> bytes:
     """Return a record as a PEER AT2 file in g, with event, date, station and component in the header."""
-    # The date is that of the event, from its name or its origin time, or else that of the first sample.
+    # The date of the event, from its name or its origin time, or else the date of the first sample.
     event = _text(record.event)
     if not _DATED.fullmatch(event):
         event = event.replace(",", ";")

@@ -78,7 +78,7 @@ class Neighbours:
                 self._of_source[record.together].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Return the channels that share file or time or, if the record has no time, event and folder with a record."""
+        """Return the channels with the file or time of a record; if it has no time, with its event and folder."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -189,7 +189,7 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Return the vertical acceleration (n,) [m/s2], positive up, at the sample times of a record; 0 if unknown."""
+    """Return the vertical acceleration (n,) [m/s2], positive up, at the times of a record; 0 outside the channel."""
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 

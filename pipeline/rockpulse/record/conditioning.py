@@ -288,7 +288,7 @@ def _resample(record: Record, interval: float) -> Record:
             f"condition: resample_s: the ratio of {interval!r} s to the interval of {record.id}, {record.dt!r} s, is "
             f"not a ratio of whole numbers up to {RESAMPLING_LIMIT}; choose a simpler interval"
         )
-    lower = 1.0 / max(up, down)  # the lower Nyquist frequency, as a share of that of the interpolated series
+    lower = 1.0 / max(up, down)  # the lower Nyquist frequency, as a share of the Nyquist frequency after interpolation
     taps, beta = signal.kaiserord(RESAMPLING_ATTENUATION, RESAMPLING_TRANSITION * lower)
     kernel: Any = signal.firwin(taps | 1, (1.0 - 0.5 * RESAMPLING_TRANSITION) * lower, window=("kaiser", beta))
     kept = (record.npts - 1) * up // down + 1

@@ -57,11 +57,11 @@ DROPOUTS = 3
 #: and to the root mean square of the quietest window of the same length.
 END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
 #: Limits of noise: largest ratio of the strongest second to the median second in white and in weak noise; smallest
-#: ratio of the energy of the differences to that of the samples in white noise; largest weak noise [m/s2]; smallest
+#: ratio of the energies of the differences and of the samples in white noise; largest weak noise [m/s2]; smallest
 #: number of windows of a second; largest range of a dead channel [resolution steps].
 NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
 WHITE, WEAK, NOISE_WINDOWS, DEAD_STEPS = 0.8, 0.02, 10, 8.0
-#: Longest sampling interval that is not coarse [s]; ratio of the energy of the differences to that of the samples above
+#: Longest sampling interval that is not coarse [s]; ratio of the energies of the differences and of the samples above
 #: which a coarse record must be confirmed, as it lacks frequencies above the Nyquist frequency.
 COARSE, UNDERSAMPLED = 0.0999, 1.0
 #: Window of the moving mean that separates the slow velocity from the rest [s], at most this share of the record.
@@ -183,7 +183,7 @@ def _runs(mask: np.ndarray) -> np.ndarray:
 
 
 def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
-    """Return warnings on the longest constant part, and on the longest straight line between curved parts."""
+    """Return warnings on the longest constant part, and the longest straight line between curved parts, of a record."""
     bend = np.abs(np.diff(centred, 2))
     peak = largest(centred)
     straight = max(2.1 * resolution, 1e-6 * peak)

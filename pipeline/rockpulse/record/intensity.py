@@ -128,7 +128,7 @@ def intense_phase(
     ConfigError
         For an unknown method, or an argument that is invalid or does not belong to the method.
     RecordRefused
-        If the record is zero throughout, never exceeds the level, or ends before the window begins.
+        If the record is zero throughout, never exceeds `level`, or ends before the window begins.
 
     References
     ----------
@@ -200,7 +200,7 @@ def _bracketed_phase(record: Record, start_s: float | None, end_s: float | None,
     above = np.flatnonzero(magnitude > bracket)
     if above.size == 0:
         raise RecordRefused(
-            f"{record.id}: never exceeds the bracket of {bracket:.4g} m/s2, its PGA is {record.pga:.4g} m/s2; "
+            f"{record.id}: the acceleration never exceeds level = {bracket:.4g} m/s2 (PGA {record.pga:.4g} m/s2); "
             "give a lower level or choose method 'D5-95'"
         )
     first, last = int(above[0]), int(above[-1])

@@ -68,7 +68,7 @@ class Measure:
     proportional: bool = True  # whether it is proportional to the scale factor on the record
     periods: tuple[float, ...] = ()  # periods of the members of a family [s]; empty for one measure
     drifts: bool = False  # whether a drifting baseline makes it doubtful
-    openquake: str = ""  # unit of its levels in OpenQuake's hazard curves; empty if not in them
+    openquake: str = ""  # unit of its values in OpenQuake's hazard curves; empty if they do not contain it
     stored: str | None = None  # addition to its meaning in /summary; None if it is not there
     meaning: str = ""  # description; by default the long name
     heading: str = ""  # heading in tables; by default the title

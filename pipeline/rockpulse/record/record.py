@@ -246,7 +246,7 @@ def largest(values: np.ndarray) -> float:
 
 
 def outline_of(record: Record) -> tuple[float, ...]:
-    """Return number of samples, peak about the mean [m/s2], and times [s] of 5, 25, 50, 75 and 95 % of the energy."""
+    """Return number of samples, peak about the mean [m/s2], and times [s] of 5, 25, 50, 75, 95 % of the energy."""
     if _spread(record.acceleration):
         return record.outline if record.outline[:1] == (record.npts,) else ()
     if not np.ptp(record.acceleration):
@@ -286,7 +286,7 @@ def _spread(acceleration: np.ndarray) -> bool:
 def record_id(
     network: str, station: str, location: str, channel: str, start_time: datetime | None, stem: str, number: int
 ) -> str:
-    """Return ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` or ``<stem>.<channel or number>``, in word characters and ``.@~-``."""
+    """Return ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` or ``<stem>.<channel or number>``, of letters, digits, ``_.@~-``."""
     text = f"{stem}.{channel or number}"
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"

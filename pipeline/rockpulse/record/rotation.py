@@ -48,8 +48,8 @@ def rotate(pair: Pair, azimuth: float) -> Record:
     -------
     Record
         The rotated record, with the direction in the channel code of its id (``H045``), the sources, processing steps
-        and warnings of both channels, and the formula of the rotation. In the direction of a channel, its samples
-        equal those of the channel.
+        and warnings of both channels, and the formula of the rotation. In the direction of a channel, its samples are
+        the samples of the channel.
 
     Raises
     ------

@@ -117,7 +117,7 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """Return the conditioned channel, or the conditioned pair rotated to every requested direction."""
     up = _conditioned_vertical(planned, config)
     planned = replace(planned, channels=tuple(compared(planned.channels, planned.comparisons)), comparisons=())
-    if not planned.rotated:  # its warnings precede those of conditioning
+    if not planned.rotated:  # its warnings precede the warnings of conditioning
         warnings, partner = planned.warnings, None
         if planned.partner is not None:
             try:
@@ -197,7 +197,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
     mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
-    warning = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
+    warning = f"no pair: assessed as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
     return PlannedMotion(record.id, (record,), warnings=(warning,))
 
 

@@ -55,7 +55,7 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
 class SelectedRecords:
     """The records that the user has selected for a fragility analysis, with scale factors or values of the measure."""
 
-    by_factor: bool  # whether amounts are scale factors; otherwise they are levels of the intensity measure
+    by_factor: bool  # whether amounts are scale factors; otherwise they are values of the intensity measure
     rows: dict[str, tuple[tuple[float, float], ...]]  # amount and weight of each row, by record id
 
     @property
@@ -101,7 +101,7 @@ def selection_of(config: Config) -> SelectedRecords | None:
 
 
 def demand_selections(config: Config) -> dict[str, dict[str, float]]:
-    """Return the scale factors of a demand's selected records by id, for each demand with a selection, by its name."""
+    """Return, by name of each demand with a selection, the scale factors of its records by id."""
     found = {}
     for demand in config.demands:
         if demand.selection is not None:

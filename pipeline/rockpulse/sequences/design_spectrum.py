@@ -74,7 +74,7 @@ class DesignSpectrum:
         return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
-        """Return S (m,) [m/s] of each block, interpolated in the spectrum; raise ValueError outside the spectrum."""
+        """Return the effective impulse S (m,) [m/s] on each block; raise ValueError outside the spectrum."""
         one = block.lanes()
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:
@@ -91,7 +91,7 @@ class DesignSpectrum:
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """Return for each of (m,) blocks a sequence with the effect of the spectrum; ValueError outside the spectrum.
+        """Return for each of (m,) blocks a sequence with the same effect as the spectrum; ValueError outside it.
 
         The sequence model overturns a block at the scale factor of the spectrum. Use the sequences with
         ``sequence_response(..., paired=True)``.

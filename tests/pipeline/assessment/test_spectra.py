@@ -115,6 +115,10 @@ def test_a_body_outside_the_spectrum_is_refused(spectrum, block):
         overturning_factors(spectrum, block)
 
 
+def test_without_rotations_all_else_is_the_same(spectrum):
+    xr.testing.assert_identical(overturning_spectrum(RECORD, P, C, rotations=False), spectrum.drop_dims("rotation"))
+
+
 def test_an_unknown_method_is_refused():
     with pytest.raises(ValueError, match="nonlinear, rule"):
         overturning_spectrum(RECORD, P, C, method="linear")

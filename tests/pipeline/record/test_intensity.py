@@ -137,7 +137,7 @@ def test_default_bracket_is_five_percent_of_gravity():
 
 
 def test_record_below_the_bracket_is_refused():
-    with pytest.raises(RecordRefused, match=r"test: never exceeds the bracket of 1 m/s2, its PGA is 1 m/s2"):
+    with pytest.raises(RecordRefused, match=r"test: the acceleration never exceeds level = 1 m/s2 \(PGA 1 m/s2\)"):
         intense_phase(record([0.0, 1.0, 0.0]), "bracketed", level=1.0)
 
 

@@ -40,7 +40,7 @@ def test_a_channel_is_conditioned_behind_its_warnings():
     (motion,), _ = motions_under([raw], options)
     expected = condition(raw, **options.conditioning)
     np.testing.assert_array_equal(motion.record.acceleration, expected.acceleration)
-    assert motion.record.warnings[0].startswith("no pair: as recorded")
+    assert motion.record.warnings[0].startswith("no pair: assessed as recorded")
     assert [code_of(text) for text in motion.record.warnings[1:]] == ["vertical_missing", "baseline_drift"]
     assert motion.record.warnings[2:] == expected.warnings
 
@@ -249,7 +249,7 @@ def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked,
         np.testing.assert_array_equal(motion.record.acceleration, alone.acceleration)
         both = plan_motions([alone], replace(options, records=replace(options.records, include_vertical=True)))[0]
         alone_told, vertical_told = both[0].warnings
-        assert alone_told.startswith("no pair: as recorded")
+        assert alone_told.startswith("no pair: assessed as recorded")
         assert (
             vertical_told == "no vertical channel of this station overlaps in time: its acceleration is taken as zero"
         )

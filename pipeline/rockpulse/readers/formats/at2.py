@@ -184,7 +184,7 @@ def _component_direction(words: str) -> kit.Direction:
 
 
 def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
-    """Return the direction from title or file name, and warnings; it is vertical if title or name says so."""
+    """Return the direction from title or file name, and warnings; it is vertical if either of them says so."""
     if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
         return titled, []
     named = kit.name_direction(file)

@@ -12,7 +12,7 @@ from rockpulse.warning_text import WarningText
 
 #: Tolerance of a stated length [steps], which may count the samples or the steps between them.
 LENGTH_STEPS = 2.0
-#: Ratio of a stated length to that of the samples from which the interval or the number of samples is in doubt.
+#: Ratio of the stated length to the length of the samples from which interval or number of samples is in doubt.
 LENGTH_RATIO = 1.5
 #: Number of samples on either side of the stated time of the peak, and share of the peak that one of them must reach.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
@@ -74,7 +74,7 @@ def contradictory(said: Direction, other: Direction) -> bool:
 
 
 def doubted_direction(said: Direction, other: Direction, note: str) -> str:
-    """Return the warning `note` about two directions that differ; if only one is vertical, it must be confirmed."""
+    """Return warning `note` about two different directions; if only one is vertical, the record must be confirmed."""
     one_vertical = {said.orientation, other.orientation} == {"vertical", "horizontal"}
     return WarningText("may_be_vertical", stated=note, decides=True) if one_vertical else note
 

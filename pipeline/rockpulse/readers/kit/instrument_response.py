@@ -198,8 +198,8 @@ def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float
     """Return the four corner frequencies of the cosine taper [Hz]; the pass band is from the second to the third.
 
     Low frequencies pass if the response at zero frequency is not zero. Otherwise the second corner is the higher of
-    two frequencies: that of one cycle in the record, and the lowest at which the response exceeds `RESPONSE_FLOOR` of
-    its largest value. The first corner is half of the second.
+    two frequencies: one cycle in the record, and the lowest frequency at which the response exceeds `RESPONSE_FLOOR`
+    times its largest value. The first corner is half of the second.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])

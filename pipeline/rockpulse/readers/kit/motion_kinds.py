@@ -136,7 +136,7 @@ def _kinds_of_words(words: list[str]) -> list[str]:
 
 
 def _spectrum_beside(file: SourceFile, path: PurePosixPath) -> str:
-    """Return "spectrum" if the name contains Sa, Sv or Sd and a file with acc instead exists; else an empty text."""
+    """Return "spectrum" if a name contains Sa, Sv or Sd and the same name with acc instead also exists; else ""."""
     for match in _ORDINATE.finditer(path.stem):
         names = (f"{path.stem[: match.start()]}{acc}{path.name[match.end() :]}" for acc in ("acc", "Acc", "ACC"))
         if any(file.beside(name) is not None for name in names):

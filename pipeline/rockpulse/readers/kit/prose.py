@@ -71,7 +71,7 @@ _SCALES = re.compile(
     r"multipl(?:y|ied)(?: \w+)? by|factor de escala|fattore di scala|skalierungsfaktor|facteur d.echelle|olcek faktoru)"
     r" ?(?:[=:]|is|of)? ?" + _NUMBER
 )
-_FEWEST_SAMPLES = 50  # fewer points may be those of a filter or of a row
+_FEWEST_SAMPLES = 50  # a smaller number may be the points of a filter or of a row
 _REVERSED = re.compile(r"polarity ?[=:]? ?(?:is )?(?:reversed|inverted|negative|-1?\b)|(?:reversed|inverted) polarity")
 _ONE_COMPONENT = re.compile(
     r"(?:component|componente|composante|komponente|direction|direccion|direzione|richtung|orientation|orientacion|"

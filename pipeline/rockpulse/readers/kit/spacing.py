@@ -21,7 +21,7 @@ from rockpulse.readers.kit.text import (
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.warning_text import WarningText
 
-#: Largest ratio of the number of samples of a resampled record to that of the file.
+#: Largest ratio of the number of samples of a resampled record to the number in the file.
 GROWTH_LIMIT = 10
 #: Largest share of a step that rounding may explain; a missing row changes times by half a step or more.
 ROUNDING_SHARE = 0.2
@@ -226,7 +226,7 @@ def counts_rows(table: np.ndarray, headings: Sequence[ColumnHeading]) -> bool:
 
 
 def jitters(times: np.ndarray) -> bool:
-    """Return whether rising times (n,) come from a clock with jitter or drift, with no row missing or damaged.
+    """Return whether rising times (n,) come from a clock with jitter or drift, and no row is missing or damaged.
 
     True if every step is shorter than at a missing row and longer than at an additional row, and many steps differ
     from the median.
