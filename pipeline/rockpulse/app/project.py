@@ -314,8 +314,9 @@ class Project:
 
 
 def _basis(config: Config) -> Config:
-    """Return a configuration without the sections that neither an assessment nor a fragility depends on."""
-    return replace(config, hazard=HazardSettings(), selection=SelectionSettings())
+    """Return what an assessment and a fragility depend on; results contain the full paths of the records."""
+    records = replace(config.records, paths=tuple(Path(path).name for path in config.records.paths))
+    return replace(config, records=records, hazard=HazardSettings(), selection=SelectionSettings())
 
 
 def without_defaults(section: Section) -> dict[str, Any]:

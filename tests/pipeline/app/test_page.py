@@ -96,6 +96,7 @@ def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, 
         window.says("records", "2 channels")
         window.press("results", "Assess")
         window.says("records", "Not used", "strong.AT2")
+        assert "older than the records" not in window.text("results")
         window.press("records", "This channel is correct: use it")
         window.says("results", "older than the records")
 
