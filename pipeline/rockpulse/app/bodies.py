@@ -21,11 +21,11 @@ from rockpulse.option import Section
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.words import error_words, say
 
 #: Keys in the row of a body, and in its panel of further keys.
 FIRST = ("name", "width", "height")
-MORE = ("one_sided", "friction", "restitution", "mass", "density", "length", "azimuth", "facing", "confirm_size")
+MORE = ("one_sided", "friction", "restitution", "mass", "density", "length", "azimuth", "facing")
 #: Restraints and supports that a body can have, with the keys of one of them.
 PARTS: dict[str, tuple[type[Section], tuple[str, ...]]] = {
     "tie": (TieSettings, ("height", "stiffness", "gap", "yield_force", "ultimate")),
@@ -56,6 +56,8 @@ class BodyRow:
                     button.props(f'aria-label="{say("app.bodies.remove")}"')
                 self.numbers = ui.label().props('role="status"')
                 self.fault = ui.label().classes("fault").props('role="alert"')
+                self.confirm = ui.button(say("app.bodies.confirm"), on_click=self.page.handler(self._confirm))
+                self.confirm.props("outline no-caps dense")
                 self.panel = ui.expansion(say("app.bodies.more"), on_value_change=self.page.handler(self._open))
                 self.panel.props("dense")
         self.refresh()
@@ -110,23 +112,30 @@ class BodyRow:
             self._panel()
         self._changed()
 
+    def _confirm(self) -> None:
+        self.values["confirm_size"] = True
+        self._changed()
+
     def _changed(self) -> None:
+        if self.size != (self.values.get("width"), self.values.get("height")):
+            self.values.pop("confirm_size", None)  # it was given for another size
         with self.page.words():
             self.refresh()
         self.page.changed()
 
     def refresh(self) -> None:
         """Draw the body and show its numbers or, if its values are wrong, the error at the input that is wrong."""
-        error = body_error(self.values)
+        fault = body_error(self.values)
+        error = str(fault or "")
+        self.size = self.values.get("width"), self.values.get("height")
         heading = error.partition("]")[0].strip("[").rpartition(".")[2]
         name = str(self.values.get("name", ""))
         self.frame.props(f'aria-label="{escape(name) or say("app.bodies.new")}"')
         empty = not set(self.values) & {"width", "height"}
         shown = [one.show(error if part == heading and not empty else "") for part, one in self.fields]
-        said = error.partition("]] ")[2].removeprefix(f'"{name}": ')
+        said = error_words(error.partition("]] ")[2].removeprefix(f'"{name}": '))
         self.fault.text = "" if not error or any(shown) or empty else said[:1].upper() + said[1:]
-        if "confirm_size" in error:
-            self.panel.value = True  # it contains the check box that the error names
+        self.confirm.visible = bool(fault and fault.remedies)
         if error:
             self.numbers.text = say("app.bodies.incomplete") if empty else ""
             self.drawing.content = ""
@@ -227,7 +236,8 @@ class BodyPart:
 
     def show_error(self, error: str) -> None:
         """Show an error that concerns several bodies."""
-        self.fault.text = error if error.startswith("[[block]] name:") and "times" in error else ""
+        same = error.startswith("[[block]] name:") and "times" in error
+        self.fault.text = error_words(error.partition(": ")[2]) if same else ""
 
 
 def _headings(text: str) -> str:

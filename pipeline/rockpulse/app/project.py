@@ -3,7 +3,7 @@
 import math
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import fields
 from filecmp import cmp
 from importlib.resources import files
@@ -28,7 +28,9 @@ CONFIG, RECORDS, RESULTS, TABLE = "site.toml", "records", "results.h5", "results
 ASSESS = ("assess", "--config", CONFIG, "-o", RESULTS)
 #: First line of a configuration of the page; another one is copied before it is replaced, for its comments.
 HEAD = "# Written by rockpulse app, which keeps no comments."
-#: Characters of a file name that are kept, largest length [characters], and names that Windows reserves.
+#: Characters of a file name that are kept, largest length [characters], largest number of folders and file in a path,
+#: and names that Windows reserves.
+DEEPEST = 6
 _ODD, LONGEST = re.compile(r"[^\w .()+=@,~-]+"), 120
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\.|$)")
 
@@ -39,6 +41,12 @@ def safe_name(name: str) -> str:
     end = Path(last).suffix[:20]
     last = last if len(last) <= LONGEST else last[: LONGEST - len(end)] + end
     return f"_{last}" if _RESERVED.match(last) else last or "file"
+
+
+def safe_path(name: str) -> Path:
+    """Return a relative path of safe names from the last parts of another one, whose separator is ``/``."""
+    parts = [part for part in name.split("/") if part.strip(" .")][-DEEPEST:]
+    return Path(*map(safe_name, parts or [name]))
 
 
 def samples() -> list[Path]:
@@ -128,22 +136,21 @@ class Project:
     # Records
 
     def record_files(self) -> list[Path]:
-        """Return the paths of the files in the folder of records."""
-        folder = self.folder / RECORDS
-        return sorted(path for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
+        """Return the paths of the files in the folder of records and in its subfolders."""
+        return sorted(path for path in (self.folder / RECORDS).rglob("*") if path.is_file())
 
     def place_for(self, name: str) -> Path:
         """Return an unused path for a new record file; the folder of records is added to the configuration."""
-        folder = self.folder / RECORDS
-        folder.mkdir(exist_ok=True)
+        first = path = self.folder / RECORDS / safe_path(name)
+        path.parent.mkdir(parents=True, exist_ok=True)
         paths = self.section("records").setdefault("paths", [])
         if RECORDS not in paths:
             paths.append(RECORDS)
             self.save()
-        path, number = folder / safe_name(name), 1
+        number = 1
         while path.exists():
             number += 1
-            path = folder / f"{Path(safe_name(name)).stem}-{number}{Path(safe_name(name)).suffix}"
+            path = first.with_stem(f"{first.stem}-{number}")
         return path
 
     def keep_if_new(self, path: Path) -> None:
@@ -156,18 +163,33 @@ class Project:
         for path in samples():
             self.keep_if_new(Path(shutil.copyfile(path, self.place_for(path.name))))
 
-    def remove(self, path: Path) -> None:
-        """Delete a record file, and the unit and sampling interval given for it in the configuration."""
+    def name_of(self, source: str) -> str:
+        """Return the path of a file of records from the project folder, as the configuration has it."""
+        path = Path(source)
+        return (path.relative_to(self.folder) if path.is_relative_to(self.folder) else path).as_posix()
+
+    def remove(self, path: Path, ids: Collection[str] = ()) -> None:
+        """Delete a record file, and the keys that the configuration has for it and for channels with some ids."""
+        name, records = self.name_of(str(path)), self.section("records")
         path.unlink(missing_ok=True)
-        records = self.section("records")
-        records["file"] = [row for row in records.get("file", []) if row["match"] != path.name]
+        for key in ("file", "pair"):
+            records[key] = [row for row in records.get(key, []) if name not in row.values()]
+        records["confirm"] = [one for one in records.get("confirm", []) if one not in ids]
         self.save()
 
     def remedy(self, file: str, key: str, value: Any) -> str:
-        """Set the unit (`units`) or interval (`dt`) of a file, or confirm a channel; return an error text or ""."""
+        """Apply a remedy to a file, and return why this is not possible.
+
+        The value is a unit (`units`), an interval (`dt`), the ids of channels (`confirm`), or the names of the files
+        towards north and east, or none of them (`pair`).
+        """
         records = self.section("records")
         if key == "confirm":
-            records["confirm"] = [*records.get("confirm", []), file]
+            records["confirm"] = [*records.get("confirm", []), *value]
+            return self.save()
+        if key == "pair":
+            kept = [row for row in records.get("pair", []) if not {file, *value} & {*row.values()}]
+            records["pair"] = kept + [dict(zip(("north", "east"), value, strict=True))] * bool(value)
             return self.save()
         rows = records.setdefault("file", [])
         row = next((row for row in rows if row["match"] == file), None)
@@ -190,7 +212,7 @@ class Project:
             stats = [(path, path.stat()) for folder in folders for path in sorted(folder.iterdir()) if path.exists()]
             state = given, [(path, found.st_size, found.st_mtime_ns) for path, found in stats]
             if self._state != state:
-                self._records = read_all(paths, given.units, None, given.dt, given.response, given.files)
+                self._records = read_all(paths, given.units, None, given.dt, given.response, given.files, given.pairs)
                 self._state = state
             return self._records
 
@@ -207,7 +229,7 @@ class Project:
             return []
         with open_results_file(path) as file:
             rows = failure_rows(file.tree("failures"))
-        return [row for row in rows if row.kind == "failed" and row.stage not in ("find", "read")]
+        return [row for row in rows if row.kind == "failed" and row.stage not in ("find", "read", "pair")]
 
     # Bodies
 
@@ -253,12 +275,12 @@ def without_defaults(section: Section) -> dict[str, Any]:
     return {key: value for key, value in section_values(section).items() if value != defaults.get(key)}
 
 
-def body_error(values: dict[str, Any]) -> str:
-    """Return the error in the values of a body; empty if they are correct."""
+def body_error(values: dict[str, Any]) -> ConfigError | None:
+    """Return the error in the values of a body; None if they are correct."""
     from rockpulse.config.block_settings import BlockSettings
 
     try:
         section_of(BlockSettings, values).block()
     except ConfigError as error:
-        return str(error)
-    return ""
+        return error
+    return None

@@ -8,7 +8,15 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from rockpulse.errors import NO_RECORD, ConfigError, Failure, RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.errors import (
+    NO_RECORD,
+    ConfigError,
+    Failure,
+    RecordFormatError,
+    RecordRefused,
+    RockpulseError,
+    stored_remedies,
+)
 from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers import read as read_file
@@ -324,4 +332,5 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
     skipped = isinstance(fault, OtherKind | TableOfResults) or (isinstance(fault, NotAcceleration) and not named)
-    return Failure(name, "read", reason, "skipped" if skipped else "failed")
+    remedy = stored_remedies(fault.remedies) if isinstance(fault, RockpulseError) else ""
+    return Failure(name, "read", reason, "skipped" if skipped else "failed", remedy)

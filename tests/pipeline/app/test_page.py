@@ -22,12 +22,17 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
     with served(tmp_path / "project") as page:
         window = Window(browser, page).open()
         assert "Enter a body first." in window.text("results")  # no bodies
-        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "columns.txt", "notes.txt")))
-        window.says("records", "5 channels, 5 earthquakes", "Not used (3)", "do not state their unit")
+        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "notes.txt")))
+        window.says("records", "5 channels, 5 earthquakes", "Not used (2)")
+        window.drag(agency / "columns.txt")
+        window.says("records", "Not used (3)", "do not state their unit")
         window.says("records", "Not used: columns.txt, damaged.zip, notes.txt.")
         window.choose("records", "unit", "m/s2")
         window.says("records", "6 channels", "Not used (2)")
+        strokes = [one.get_attribute("d") for one in window.find("#records .shape path")]
+        assert [(one.count("M"), len(one) < 500) for one in strokes] == [(40, True)] * 6
         walls(window)
+        assert "confirm_size" not in (page.folder / "site.toml").read_text()  # the size was changed since
         window.choose("site", "given by", "PGA")
         window.type("site", "value", "0,3")
         window.press("results", "Assess")
@@ -52,6 +57,11 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
         window.open().says("records", "6 canali")
         assert window.field("bodies", "larghezza [m]", 0).get_attribute("value") == "0,3"
         assert window.field("site", "valore", 0).get_attribute("value") == "0.3"
+        window.says("records", "archivio zip danneggiato")
+        window.type("bodies", "larghezza [m]", "largo", 0)
+        window.says("bodies", "occorre un numero positivo di metri, è indicato 'largo'")
+        window.type("bodies", "larghezza [m]", "0,3", 0)
+        window.says("bodies", "PGA di sollevamento 0,125 g")
         assert browser.execute_script("return document.documentElement.lang") == "it"
         window.press("results", "PDF")
         window.wait(lambda: (page.folder / "report-it.pdf").is_file())
@@ -88,7 +98,24 @@ def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, 
         window.says("records", "Not used", "strong.AT2")
         window.press("records", "This channel is correct: use it")
         window.says("results", "older than the records")
-    assert 'confirm = ["strong.90"]' in (folder / "site.toml").read_text()
+
+        # Two files of a folder, whose directions are not stated, are a pair.
+        hall = tmp_path / "hall"
+        for name, motion in {"inside/a.csv": strong, "inside/b.csv": strong[::-1], ".hidden": TIME}.items():
+            (hall / name).parent.mkdir(exist_ok=True, parents=True)
+            rows = (f"{0.01 * n:.2f},{value / 6.0:.5f}\n" for n, value in enumerate(motion))
+            (hall / name).write_text("time [s],acc [g]\n" + "".join(rows))
+        window.choose_folder(hall)
+        window.says("records", "4 channels")
+        window.browser.execute_script("document.querySelectorAll('#site .q-item').forEach((one) => one.click())")
+        window.choose("site", "directions", "the strongest direction of each pair")
+        window.says("records", "Not used (5)", "its azimuth is unknown")
+        window.choose("records", "file of the other direction", "b.csv")
+        window.says("records", "Not used (3)")
+    written = (folder / "site.toml").read_text()
+    assert 'confirm = ["strong.90"]' in written
+    assert 'north = "records/hall/inside/a.csv"\neast = "records/hall/inside/b.csv"' in written
+    assert not (folder / "records" / "hall" / "hidden").exists()
 
 
 #: Clicks on the heading of a column, and returns the time until the browser has shown another order [ms].

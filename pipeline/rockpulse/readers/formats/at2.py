@@ -244,8 +244,9 @@ def _unit(file: kit.SourceFile, header: Sequence[str], station: str, given: str 
         raise kit.other_kind(name, kit.kind_of_name(file))
     if given is None:
         raise UnitError(
-            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
-            "the option units, such as units='g'"
+            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; to state the "
+            f"unit, {kit.GIVE_UNIT.advice(name)}",
+            kit.GIVE_UNIT,
         )
     return kit.canonical_unit(given, "option units")
 
