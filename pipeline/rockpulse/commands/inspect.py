@@ -49,7 +49,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
     if beside:
         raise ResultsError(
-            f"--worst lists results by their scale factor and cannot be combined with {', '.join(beside)}; use --sort "
+            f"--worst lists results in its own order and cannot be combined with {', '.join(beside)}; use --sort "
             "VARIABLE --limit N instead"
         )
     selection = read_selection(args)
@@ -87,12 +87,13 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
     from dataclasses import replace
 
     from rockpulse.assessment.answers import Answers
-    from rockpulse.views.text.lists import case_list, sorted_by_factor
+    from rockpulse.views.text.lists import case_list, worst_cases
 
     selection = read_selection(args)
-    if args.worst or selection.sort is None:
-        selection = sorted_by_factor(Answers(summary), selection)
-    return case_list(summary, replace(selection, limit=args.worst or selection.limit or CASES))
+    limited = replace(selection, limit=args.worst or selection.limit or CASES)
+    return (
+        worst_cases(Answers(summary), limited) if args.worst or selection.sort is None else case_list(summary, limited)
+    )
 
 
 def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
@@ -128,7 +129,10 @@ VERB = Verb(
             "--failures": "list the files and channels that failed or were skipped, with the reason",
             "--records": "list the records",
             "--blocks": "list the bodies",
-            "--worst N": ("list the N results with the smallest scale factors of overturning", {"type": parse_count}),
+            "--worst N": (
+                "list the N results with the smallest capacity/demand (without a demand: scale factor)",
+                {"type": parse_count},
+            ),
             **SELECTION,
         },
     ),

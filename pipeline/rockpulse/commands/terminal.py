@@ -16,6 +16,9 @@ from rockpulse.app import CHILD
 from rockpulse.errors import RockpulseError
 from rockpulse.foreign_text import escaped
 
+#: Smallest number of records that is printed in place of a progress bar.
+ANNOUNCED = 20
+
 
 def tell(text: str, file: TextIO | None = None) -> None:
     """Print a text with control characters escaped; do nothing if the pipe is closed, as after ``| head``."""
@@ -40,16 +43,28 @@ def interrupt(number: int, frame: object) -> NoReturn:
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """Return ``tqdm.tqdm`` for standard error; it is disabled if `quiet`, or without a terminal or page."""
+    """Return ``tqdm.tqdm`` for standard error; it is disabled if `quiet`, or without a terminal or page.
+
+    Without either, the number of many records is printed on one line before they are processed.
+    """
     from tqdm import tqdm
 
     # On a terminal without a size tqdm would show nothing.
     sized = quiet or not sys.stderr.isatty() or os.get_terminal_size(sys.stderr.fileno()).columns > 0
-    return partial(
+    bar = partial(
         tqdm,
         disable=True if quiet else False if CHILD in os.environ else None,
         **({} if sized else {"ncols": 80, "nrows": 24}),
     )
+    return bar if quiet or CHILD in os.environ or sys.stderr.isatty() else partial(_announced, bar)
+
+
+def _announced(bar: Callable[..., Any], *planned: Any, **about: Any) -> Any:
+    """Print how many records are processed, unless they are few, and return the progress bar."""
+    left = (len(planned[0]) if planned else about.get("total", 0)) - about.get("initial", 0)
+    if about.get("unit") == " records" and left >= ANNOUNCED:
+        tell(f"rockpulse: {about['desc']}: {left} records", sys.stderr)
+    return bar(*planned, **about)
 
 
 class _KernelLines(logging.Handler):

@@ -118,8 +118,9 @@ class BlockSettings(Section):
     mass, density, length : float or None
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
     compressive_strength : float or None
-        Compressive strength f of the masonry [Pa], with width, height, density and length: the corners of rotation move
-        inwards by half the depth N/(0.85 f length) of the compressed edge, N the weight of the body and of its loads.
+        Compressive strength f of the masonry [Pa], with width, height, density and length (by default 1 m, for a body
+        without ties, loads and thrusts): the corners of rotation move inwards by half the depth N/(0.85 f length) of
+        the compressed edge, N the weight of the body and of its loads.
         Code checks divide f by the confidence factor.
     elastic_modulus : float or None
         Young's modulus E of an element that is free to vibrate (parapet, pinnacle) [Pa], reduced for cracking; with
@@ -195,11 +196,16 @@ class BlockSettings(Section):
             )
         if self.width is None and (self.offset or self.lean or self.density or self.length):
             raise ConfigError(f"{self.where}: offset, lean, density and length can be given with width and height only")
-        if self.compressive_strength is not None and (self.density is None or self.length is None or self.pedestals):
-            raise ConfigError(
-                f"{self.where} compressive_strength: crushing of the edge needs width, height, density and length, and "
-                "no pedestal; change these keys, or remove compressive_strength"
-            )
+        if self.compressive_strength is not None:
+            free = not (self.ties or self.loads or self.thrusts)
+            if self.density is not None and self.length is None and free:
+                object.__setattr__(self, "length", 1.0)  # the depth does not depend on it
+            if self.density is None or self.length is None or self.pedestals:
+                raise ConfigError(
+                    f"{self.where} compressive_strength: crushing of the edge needs width, height and density, with "
+                    "ties, loads or thrusts also length, and no pedestal; change these keys, or remove "
+                    "compressive_strength"
+                )
         if self.p is not None and (self.ties or self.loads or self.thrusts or self.mass):
             raise ConfigError(
                 f"{self.where}: mass, ties, loads and thrusts need a body given by width and height, or by b_1, "

@@ -258,8 +258,11 @@ def events_by_id(
 ) -> tuple[dict[str, str], list[Failure]]:
     """Return the earthquake of each record id, and a failure if `named` has unknown ids and some files are unread."""
     ids = [record.id for record in records]
-    unknown = sorted(set(named) - set(ids)) if unread(failures) else []
-    labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
+    failures = list(failures)
+    failed = {row.place for row in failures if row.kind == "failed"}  # these have rows of their own
+    unknown = sorted(set(named) - set(ids) - failed) if unread(failures) else []
+    left = failed.difference(ids).union(unknown)
+    labels = group_events(records, {name: label for name, label in named.items() if name not in left})
     found = dict(zip(ids, labels, strict=True))
     if not unknown:
         return found, []

@@ -48,6 +48,14 @@ def test_quiet_is_quiet_and_so_is_what_is_no_terminal(monkeypatch):
     assert shown(terminal) == []
 
 
+def test_without_a_terminal_the_number_of_many_records_is_one_line(monkeypatch):
+    terminal = on_terminal(monkeypatch)
+    monkeypatch.setattr(terminal, "isatty", lambda: False)
+    for total in (19, 44):
+        progress_bars(False)(total=total, initial=0, desc="assessing", unit=" records")
+    assert terminal.getvalue() == "rockpulse: assessing: 44 records\n"
+
+
 def told_by_kernels(quiet=False):
     """What happens while a verb runs: the kernels say twice that they are compiled, and that they cannot be kept."""
     kernel_cache.logged.clear()

@@ -251,6 +251,14 @@ def test_a_site_may_state_its_pga(load):
         load('[site]\npga = "0.35"\n')
 
 
+def test_without_loads_the_crushed_depth_needs_no_length(load):
+    wall = '[[block]]\nname = "wall"\nwidth = 0.6\nheight = 6.0\ndensity = 1800.0\ncompressive_strength = 2e6\n'
+    (one,), (long,) = load(wall).bodies, load(wall + "length = 5.0\n").bodies
+    assert one.block().alpha_c == pytest.approx(long.block().alpha_c, rel=1e-12)
+    with pytest.raises(ConfigError, match="with ties, loads or thrusts also length"):
+        load(wall + "[[block.load]]\nweight = 1e4\nheight = 5.0\n")
+
+
 def test_units_and_intervals_of_some_files_are_read_and_written(load):
     text = '[records]\nunits = "cm/s2"\nconfirm = ["CI.CCC*"]\n'
     text += '[[records.file]]\nmatch = "*.g3"\nunits = "g"\ndt = 0.02\n[[records.file]]\nmatch = "old/*"\ndt = 1\n'

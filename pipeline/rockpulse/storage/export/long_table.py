@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rockpulse.errors import ResultsError
+from rockpulse.errors import ResultsError, some
 from rockpulse.option import hint
 from rockpulse.storage.export.row_selection import Condition, RowSelection, positions_matching, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, flags_as_words, pointwise
@@ -115,7 +115,7 @@ def long_table(
         for name in columns:
             if not any(_answers_to(column, name) for column in [*labels, *found]):
                 known = [column.name for column in found]
-                choices = f"it has {', '.join(known)}"
+                choices = f"it has {some(known, 5)} (all: docs/schema.md)"
                 raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, choices)}")
         found = [column for column in found if any(_answers_to(column, name) for name in columns)]
     masks, selection = _masks(dataset, named, labels, selection)

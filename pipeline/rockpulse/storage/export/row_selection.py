@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from rockpulse.errors import ResultsError
+from rockpulse.errors import ResultsError, some
 from rockpulse.option import hint
 from rockpulse.record.measures import STORED, STORED_OF_BODIES
 from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
@@ -211,6 +211,6 @@ def rows(
 def _variable(dataset: xr.Dataset, name: str) -> xr.Variable:
     if name not in dataset.variables:
         known = [str(other) for other in dataset.variables]
-        choices = f"there are: {', '.join(known)}"
+        choices = f"there are {some(known, 5)} (all: docs/schema.md)"
         raise ResultsError(f"no variable {name!r} in these results{hint(name, known, choices)}")
     return dataset.variables[name]

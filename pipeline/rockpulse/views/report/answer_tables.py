@@ -30,6 +30,11 @@ def model_heading(model: str) -> Heading:
     return Heading(say(f"models.{model}"), note=say("upper_bound") if is_upper_bound(model) else "")
 
 
+def _has_result(answers: Answers, model: str) -> bool:
+    """Return whether a model has a result for some record and body."""
+    return bool((answers.of_models[model]["outcome"] != Outcome.UNRESOLVED).any())
+
+
 class AnswerCells:
     """Makes table cells for a record or body, given by its index; ``names`` are the cells with record ids."""
 
@@ -39,6 +44,7 @@ class AnswerCells:
         self._why = reasons_unknown(answers)
         self.every = col.AnswerRows.every(answers)
         self.of_models = col.answer_columns(answers)
+        self.shown = [name for name in answers.models if name == answers.model or _has_result(answers, name)]
         factors = col.columns("factor_10" if answers.probable else "safety_factor")
         self._factors = [row[0] for row in col.filled(factors, self.every)]
         names = col.record_cells(answers.summary)
@@ -48,8 +54,9 @@ class AnswerCells:
 
     @property
     def marks(self) -> set[CellMark]:
-        """Marks that appear in the results of any model or in the scale factors."""
-        return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
+        """Marks that appear in the results of the shown models or in the scale factors."""
+        tables = (*(self.of_models[name] for name in self.shown), self._factors)
+        return col.marks_of(cell for table in tables for cell in table)
 
     def record(self, record: int) -> Cell:
         """Return a cell with the id of a record and a link to its section."""
@@ -121,7 +128,7 @@ def answer_table(cells: AnswerCells) -> Table:
         *cells.decisive,
         *(Heading(say("head.capacity"), note=name) for name in answers.demands),
         *col.headed(last),
-        *map(model_heading, answers.models),
+        *map(model_heading, cells.shown),
     )
     capacities = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
     places = zip(cells.every.records.tolist(), cells.every.lanes.tolist(), strict=True)
@@ -129,23 +136,26 @@ def answer_table(cells: AnswerCells) -> Table:
     for at, own, asked in zip(places, col.filled(first, cells.every), col.filled(last, cells.every), strict=True):
         bound = bool(answers.bound[at])
         over = (col.factor_cell(float(values[at]), float(proven[at]), bound) for values, proven in capacities)
-        of_models = (cells.answer(*at, model) for model in answers.models)
+        of_models = (cells.answer(*at, model) for model in cells.shown)
         decisive = (cells.verdict(*at), cells.factor(*at))
         names = (cells.record(at[0]), cells.body(at[1]))
         rows.append((*names, *own, *decisive, *map(col.unexplained, over), *asked, *of_models))
     return Table("answers", say("caption.answers"), headings, tuple(rows), searched=0)
 
 
-def count_table(answers: Answers) -> Table:
+def count_table(cells: AnswerCells) -> Table:
     """Return a table with the number of unscaled records that overturn each body in each model."""
+    answers = cells.answers
     total = len(answers.motions.names)
-    counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
+    counts = [(one.overturnings(), one.unresolved) for one in (answers.of_models[name] for name in cells.shown)]
     rows = []
     for k, body in enumerate(answers.bodies):
-        cells = (_count(fallen[k], total, silent[k]) for fallen, silent in counts)
-        rows.append((Cell(body_name(body.name), link=f"body-{body.place}"), *cells))
-    headings = (Heading(say("head.body")), *map(model_heading, answers.models))
-    return Table("counts", say("caption.counts"), headings, tuple(rows))
+        counted = (_count(fallen[k], total, silent[k]) for fallen, silent in counts)
+        rows.append((Cell(body_name(body.name), link=f"body-{body.place}"), *counted))
+    headings = (Heading(say("head.body")), *map(model_heading, cells.shown))
+    names = ", ".join(say(f"models.{name}") for name in answers.models if name not in cells.shown)
+    notes = (say("note.without_result", models=names),) if names else ()
+    return Table("counts", say("caption.counts"), headings, tuple(rows), notes)
 
 
 def _count(fallen: int, total: int, silent: int) -> Cell:

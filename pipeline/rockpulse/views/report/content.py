@@ -115,7 +115,7 @@ def page_content(
         left_out=records.left_out_table(motions_tree),
         counted_by=counted_by(answers),
         warnings=said,
-        counts=count_table(answers),
+        counts=count_table(cells),
         answers=answer_table(cells),
         earthquakes=records.earthquake_table(answers),
         notes=tuple(table_notes(cells, found, UncertaintySettings(**sections.get("uncertainty", {})))),

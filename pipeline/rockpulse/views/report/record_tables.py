@@ -19,6 +19,7 @@ from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number_cell
 from rockpulse.views.shared.words import body_name, counted_words, in_dates, listed, numerals, say
 from rockpulse.views.text.left_out import apart, by_kind
+from rockpulse.warning_text import has_warning
 
 #: Largest number of rows in the table of records, directions in a row, reasons for a kind, and of ids of an earthquake.
 ROWS, DIRECTIONS, REASONS, IDS = 10, 3, 2, 6
@@ -76,7 +77,9 @@ def used_table(answers: Answers) -> Table:
     rows = [tuple(row[place] for place in kept) for row in rows]
     caption_key = "caption.used" if len(order) <= ROWS else "caption.strongest"
     caption = say(caption_key, shown=len(rows), total=len(order), records=counted_words(len(pga), "record"))
-    return Table("used", caption, headings, tuple(rows))
+    given = sum(has_warning(str(codes), "direction_given") for codes in answers["warning_codes"])
+    said = say("warning.given.head", count=counted_words(given, "record")) if given else ""
+    return Table("used", caption, headings, tuple(rows), (f"{said[:1].upper()}{said[1:]}.",) if said else ())
 
 
 def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:

@@ -27,6 +27,8 @@ _MEANING = {
     "PGA of the record scaled by it.",
 }
 
+#: Name of the variable of the smallest capacity/demand over the demands.
+CAPACITY = "capacity/demand"
 #: Columns of a list of records, with facts stated by at least one file, and columns of a list of bodies.
 STRENGTH = (*(one.name for one in STORED), "main_impulse")
 RECORD = ("record", *STRENGTH, "magnitude", "epicentral_distance", "warnings")
@@ -49,11 +51,19 @@ class _Points:
         return self._found[name]
 
 
-def sorted_by_factor(answers: Answers, selection: RowSelection) -> RowSelection:
-    """Sort a selection by scale factor or, if the results have none, by rotation."""
-    if answers.has_factor:
-        return replace(selection, sort=answers.factor, descending=False)
-    return replace(selection, sort="peak_rotation_ratio", descending=True)
+def worst_cases(answers: Answers, selection: RowSelection) -> str:
+    """List the selected results by capacity/demand; without a demand by scale factor, else by rotation."""
+    summary, sort = answers.summary, answers.factor
+    if not answers.has_factor:
+        return case_list(summary, replace(selection, sort="peak_rotation_ratio", descending=True))
+    if answers.demands:
+        sort, like = CAPACITY, summary["outcome"].isel(model=0, drop=True)
+        least = xr.full_like(like, np.nan, dtype=float).drop_attrs()
+        smallest = np.fmin.reduce([answers.ratios(name) for name in answers.demands])
+        for lane, body in enumerate(answers.bodies):
+            least[{"block": body.place} | ({"case": body.case} if "case" in like.dims else {})] = smallest[:, lane]
+        summary = summary.assign({CAPACITY: least})
+    return case_list(summary, replace(selection, sort=sort, descending=False))
 
 
 def case_list(summary: xr.Dataset, selection: RowSelection) -> str:

@@ -20,7 +20,7 @@ from rockpulse.views.shared.table_columns import doubt, doubt_notes, record_cell
 from rockpulse.views.shared.tie_table import tie_table
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, skipped_summary, unused
-from rockpulse.views.text.lists import case_list, sorted_by_factor
+from rockpulse.views.text.lists import worst_cases
 from rockpulse.views.text.margins import capacities, direction_table, smallest_capacities
 
 #: Largest number of bodies and of records on one screen.
@@ -90,7 +90,7 @@ def is_large(answers: Answers) -> bool:
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
-        parts.append(case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=WORST))))
+        parts.append(worst_cases(answers, RowSelection(limit=WORST)))
     else:
         parts.append(_pairs(answers, directions))
     parts.append(verdicts.governing(answers))
@@ -223,7 +223,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
         words = (outcome.name.lower().replace("_", " ") for outcome in Outcome)
         counted = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
         heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {counted}."
-        worst = case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=CASES)))
+        worst = worst_cases(answers, RowSelection(limit=CASES))
         return "\n".join([*head, heading, "", worst])
     factors = verdicts.probability_table(answers) + verdicts.factor_table(answers)
     return "\n".join([*head, verdicts.verdict_table(answers.summary), "", *capacities(answers, of), factors])

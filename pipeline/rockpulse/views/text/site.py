@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from rocking.body.block import Block
 from rockpulse.record.measures import MEASURES
+from rockpulse.sequences.rule import load_rule
 from rockpulse.views.shared.files_used import failure_rows, files_used
 from rockpulse.views.shared.formatting import (
     ABSENT,
@@ -20,7 +22,7 @@ from rockpulse.views.shared.formatting import (
     three_digits,
 )
 from rockpulse.views.shared.table import Cell, Table, number_cell, table_text
-from rockpulse.views.shared.table_columns import Column, formatted, tabulated, titled
+from rockpulse.views.shared.table_columns import OUTSIDE, Column, formatted, tabulated, titled
 from rockpulse.views.shared.words import body_name, counted_words, listed, say, translated, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
@@ -121,6 +123,21 @@ def _interval(title: str, name: str) -> Column:
     return titled(title, lambda low, high: Cell(between(low, high)), f"{name}_lower", f"{name}_upper")
 
 
+def _name(name: str, within: bool) -> Cell:
+    return Cell(body_name(name), marks=() if within else (OUTSIDE,))
+
+
+def _marked(site: xr.Dataset) -> xr.Dataset:
+    """Return the site with a mask `within` of the bodies inside the range of the rule, if it gives the spectra."""
+    within = np.full(site.sizes["block"], True)
+    if site.attrs["spectrum"] == "rule":
+        p, alpha, c = (site[name].values for name in ("p", "alpha_c", "restitution"))
+        for place in np.flatnonzero(site["effective_impulse"].notnull()):
+            block = Block.from_parameters(p=p[place], alpha=alpha[place], restitution=c[place], log=False)
+            within[place] = load_rule().applicable(block)[0]
+    return site.assign(within=("block", within))
+
+
 def _design_table(site: xr.Dataset) -> Table:
     quantile, confidence = (f"{six_digits(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
 
@@ -129,7 +146,7 @@ def _design_table(site: xr.Dataset) -> Table:
         return Cell(words, factor, grade="bad") if factor <= 1.0 else number_cell(factor, ratio)
 
     selected = (
-        titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=34),
+        titled(say("head.body"), _name, "block", "within", width=34),
         _restitution(),
         titled(
             "I_eff", number_cell, "effective_impulse", unit="m/s", note=say("site.note.effective", quantile=quantile)
@@ -139,7 +156,7 @@ def _design_table(site: xr.Dataset) -> Table:
         titled(say("site.factor"), over, "design_factor", note=say("site.note.on_design")),
         titled(say("site.head.overturned_by"), formatted(share), "overturned_share", note=say("site.note.weight")),
     )
-    own = site.assign(speed=site["design_factor"] * site["effective_impulse"])
+    own = _marked(site).assign(speed=site["design_factor"] * site["effective_impulse"])
     own = own.isel(block=np.flatnonzero(site["effective_impulse"].notnull()))
     return tabulated("site-design", say("site.caption.design"), selected, own)
 
@@ -157,7 +174,7 @@ def _sequence_table(site: xr.Dataset) -> Table:
         return Cell(ABSENT if not most else str(int(most)) if least == most else f"{int(least)}-{int(most)}")
 
     selected = (
-        titled(say("head.body"), lambda name: Cell(body_name(name)), "block", width=34),
+        titled(say("head.body"), _name, "block", "within", width=34),
         titled("I", number_cell, "main", unit="m/s", note=say("site.note.main")),
         _interval(say("site.head.interval_of", what="I"), "main"),
         titled("I_s", number_cell, "secondary", unit="m/s"),
@@ -169,7 +186,9 @@ def _sequence_table(site: xr.Dataset) -> Table:
             say("site.head.endless"), without_end, "half_cycle", "stabilised_rotation", note=say("site.note.endless")
         ),
     )
-    own = site.assign(secondary=site["main"] * site["ratio"]).isel(block=np.flatnonzero(site["main"].notnull()))
+    own = (
+        _marked(site).assign(secondary=site["main"] * site["ratio"]).isel(block=np.flatnonzero(site["main"].notnull()))
+    )
     return tabulated("site-sequence", say("site.caption.sequence"), selected, own, (say("site.one_number"),))
 
 

@@ -149,7 +149,7 @@ def test_without_accelerograms_the_page_says_that_there_is_no_motion(results, un
     other["records"] = type(results)(other["records"].to_dataset().drop_vars(["acceleration", "row_size"]))
     assert explorer(other).data == ""
     page = report_page(other)
-    assert "so there is no motion to show" in page
+    assert "so there is no motion to show; they must be stored with the results." in page
     assert "data-motions" not in page
 
 

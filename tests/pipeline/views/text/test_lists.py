@@ -11,7 +11,7 @@ from rockpulse.storage.export.row_selection import Condition, RowSelection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
 from rockpulse.views.text.left_out import left_out
-from rockpulse.views.text.lists import block_list, case_list, record_list, sorted_by_factor
+from rockpulse.views.text.lists import block_list, case_list, record_list, worst_cases
 from rockpulse.views.text.overview import block_details, overview, record_details
 
 
@@ -39,7 +39,7 @@ def listed(text):
 
 
 def worst(summary, **options):
-    return case_list(summary, sorted_by_factor(Answers(summary), RowSelection(**options)))
+    return worst_cases(Answers(summary), RowSelection(**options))
 
 
 def test_cases_are_listed_worst_first_by_the_fullest_model_and_equal_ones_once(summary):
@@ -53,6 +53,17 @@ def test_cases_are_listed_worst_first_by_the_fullest_model_and_equal_ones_once(s
     assert len(lines) == 3
     summary = results_tree(2)["summary"].to_dataset()
     assert worst(summary).startswith("15 cases")
+
+
+def test_with_a_demand_cases_are_listed_by_the_capacity_over_it(summary):
+    """The weakest demand counts: 0.84 times 0.47 g over 4 m/s2, before 0.42 times 0.57 g over 2 m/s2."""
+    capacity = summary["capacity_pga"].expand_dims(demand=2, axis=-1) / xr.DataArray([2.0, 4.0], dims="demand")
+    text = worst(demanding(summary, {"SLD": 2.0, "SLV": 4.0}, capacity_ratio=capacity), limit=2)
+    assert "smallest capacity/demand first" in text
+    head, first, second = listed(text)
+    assert head[-1] == "capacity/demand"
+    values = np.sort(capacity.isel(model=2).min("demand").values.ravel())
+    assert [float(first[-1]), float(second[-1])] == pytest.approx(values[:2], rel=5e-3)
 
 
 def test_what_a_condition_is_about_has_a_column_and_nothing_found_no_table(summary):

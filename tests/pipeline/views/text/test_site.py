@@ -40,6 +40,17 @@ def test_the_effective_impulse_is_shown_before_the_sequence():
     assert not re.search(r"\bnan\b", text, re.I)
 
 
+def test_a_body_outside_the_fit_of_the_rule_is_marked():
+    tree = usual_site().copy()
+    assert "outside the range of this model" not in site_overview(tree)
+    site = tree["site"].to_dataset()
+    tree["site"] = site.assign(p=site["p"].where(site["block"] != "pier", 9.0))
+    text = site_overview(tree)
+    assert re.search(r"\n +pier\* ", text)
+    assert not re.search(r"\n +wall\* ", text)
+    assert "*: outside the range of this model" in text
+
+
 @pytest.mark.sweep
 def test_without_bodies_the_spectrum_is_shown_and_of_few_earthquakes_one_line():
     text = site_overview(site_of(np.linspace(0.5, 1.4, 10), blocks=None, quantile=0.8))
