@@ -172,7 +172,7 @@ class RecordPart:
     def _remedy(self, source: str, remedy: Remedy) -> None:
         """Show the input of a remedy for a file or its channels."""
         key, name = remedy.key, self.project.name_of(source)
-        paired = key == "pair" and any(name in row.values() for row in self.project.section("records").get("pair", []))
+        paired = key == "pair" and self.project.pairs_without(name) != self.project.section("records").get("pair", [])
         if key == "confirm" or paired:
             click = self._applying(name, key, lambda: remedy.choices)  # no choice of a pair: the files are separated
             label = say("app.records.apart") if paired else say("app.records.confirm")
