@@ -195,9 +195,8 @@ class Project:
             records["confirm"] = [*records.get("confirm", []), *value]
             return self.save()
         if key == "pair":
-            records["pair"] = self.pairs_without(file, *value) + [
-                dict(zip(("north", "east"), value, strict=True))
-            ] * bool(value)
+            pair = [dict(zip(("north", "east"), value, strict=True))] if value else []
+            records["pair"] = self.pairs_without(file, *value) + pair
             return self.save()
         rows = records.setdefault("file", [])
         row = next((row for row in rows if row["match"] == file), None)
