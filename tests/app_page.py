@@ -137,6 +137,10 @@ class Window:
 
         self.wait(pressed)
 
+    def click(self, selector):
+        found = self.wait(lambda: self.find(selector))
+        self.browser.execute_script("arguments[0].click()", found[0])
+
     def field(self, part, label, number=-1):
         return self.wait(lambda: self.find(f'#{part} input[aria-label="{label}"]'))[number]
 

@@ -1,6 +1,7 @@
 """The section of the page on bodies: a row of inputs for each body, with a drawing to scale and its uplift PGA."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,7 @@ from nicegui import events, ui
 from rockpulse.app.fields import Fields, file_input, refused
 from rockpulse.app.project import body_error
 from rockpulse.app.window import Window
-from rockpulse.config.block_settings import (
-    BlockSettings,
-    PedestalSettings,
-)
+from rockpulse.config.block_settings import BlockSettings, PedestalSettings
 from rockpulse.config.configuration import section_of
 from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
@@ -76,34 +74,28 @@ class BodyRow:
                 with ui.element("div").classes("keys part"):
                     ui.label(say(f"app.part.{part}")).classes("name")
                     self._fields(part, cls, values, names)
-                    click = self.page.handler(self._dropping(part, values))
+                    click = self.page.handler(partial(self._drop, part, values))
                     button = ui.button(icon="delete", on_click=click).props("flat dense color=secondary")
                     button.props(f'aria-label="{say("app.bodies.remove_part")} {say(f"app.part.{part}")}"')
         with ui.row():
             for part in PARTS:
                 label = f"+ {say(f'app.part.{part}')}"
-                ui.button(label, on_click=self.page.handler(self._adding(part))).props("outline dense no-caps")
+                ui.button(label, on_click=self.page.handler(partial(self._add, part))).props("outline dense no-caps")
 
     def _fields(self, part: str, cls: type[Section], values: dict[str, Any], names: tuple[str, ...]) -> None:
         made = Fields(cls, values, self._changed)
         made.add(*names)
         self.fields.append((part, made))
 
-    def _adding(self, part: str) -> Any:
-        def add() -> None:
-            self.values.setdefault(part, []).append({})
-            self._again()
+    def _add(self, part: str) -> None:
+        self.values.setdefault(part, []).append({})
+        self._again()
 
-        return add
-
-    def _dropping(self, part: str, values: dict[str, Any]) -> Any:
-        def drop() -> None:
-            self.values[part] = [one for one in self.values[part] if one is not values]
-            if not self.values[part]:
-                del self.values[part]
-            self._again()
-
-        return drop
+    def _drop(self, part: str, values: dict[str, Any]) -> None:
+        self.values[part] = [one for one in self.values[part] if one is not values]
+        if not self.values[part]:
+            del self.values[part]
+        self._again()
 
     def _again(self) -> None:
         self.panel.clear()
@@ -183,27 +175,26 @@ class BodyPart:
 
     def _show_rows(self) -> None:
         self.rows.clear()
-        bodies = self.project.several("block")
-        with self.rows, self.page.words():
-            for values in bodies:
-                BodyRow(self.page, values).show(self.page.handler(self._removing(values)))
+        with self.page.words():
+            for values in self.project.several("block"):
+                self._show_row(values)
+
+    def _show_row(self, values: dict[str, Any]) -> None:
+        with self.rows:
+            BodyRow(self.page, values).show(self.page.handler(partial(self._remove, values)))
 
     def _add(self) -> None:
         names = {row.get("name") for row in self.project.several("block")}
         number = next(number for number in range(1, len(names) + 2) if say("app.bodies.name", n=number) not in names)
         values = {"name": say("app.bodies.name", n=number)}
         self.project.several("block").append(values)
-        with self.rows:
-            BodyRow(self.page, values).show(self.page.handler(self._removing(values)))
+        self._show_row(values)
         self.page.changed()
 
-    def _removing(self, values: dict[str, Any]) -> Any:
-        def remove() -> None:
-            self.project.document["block"] = [row for row in self.project.several("block") if row is not values]
-            self._show_rows()
-            self.page.changed()
-
-        return remove
+    def _remove(self, values: dict[str, Any]) -> None:
+        self.project.document["block"] = [row for row in self.project.several("block") if row is not values]
+        self._show_rows()
+        self.page.changed()
 
     def _paste(self) -> None:
         with self.rows, ui.dialog(value=True) as dialog, ui.card().classes("picture"):

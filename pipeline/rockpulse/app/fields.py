@@ -21,7 +21,7 @@ SEND = """async (event) => { event.preventDefault(); const faults = [], files = 
       const some = await new Promise((found, fault) => reader.readEntries(found, fault)); if (!some.length) return;
       for (const one of some) await inside(one); } };
   if (event.dataTransfer) for (const entry of [...event.dataTransfer.items].map((one) => one.webkitGetAsEntry()))
-    await inside(entry);
+    await inside(entry).catch((fault) => faults.push(`${entry.name}: ${fault}`));
   else files.push(...[...event.target.files].map((file) => [file.webkitRelativePath || file.name, file]));
   for (const [name, file] of files.filter(([name]) => !/[/][.]/.test(name))) { emit({sending: file.name, faults});
     try { const answer = await fetch(`ADDRESS?name=${encodeURIComponent(name)}`, {method: "POST", body: file});

@@ -25,6 +25,7 @@ from rockpulse.config.study_settings import HazardSettings, SelectionSettings
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
 from rockpulse.option import Section
+from rockpulse.readers.file_pairs import PairSettings
 from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
 from rockpulse.selection.events import event_table, events_by_id
@@ -183,10 +184,16 @@ class Project:
         """Delete a record file, and the keys that the configuration has for it and for channels with some ids."""
         name, records = self.name_of(str(path)), self.section("records")
         path.unlink(missing_ok=True)
-        for key in ("file", "pair"):
-            records[key] = [row for row in records.get(key, []) if name not in row.values()]
+        records["file"] = [row for row in records.get("file", []) if row["match"] != name]
+        records["pair"] = self.pairs_without(name)
         records["confirm"] = [one for one in records.get("confirm", []) if one not in ids]
         self.save()
+
+    def pairs_without(self, *names: str) -> list[dict[str, Any]]:
+        """Return the pairs of the configuration that contain none of some files."""
+        paths = [str(self.folder / name) for name in names]
+        pairs = self.section("records").get("pair", [])
+        return [row for row in pairs if not any(map(PairSettings(**row).side, paths))]
 
     def remedy(self, file: str, key: str, value: Any) -> str:
         """Apply a remedy to a file, and return why this is not possible.
@@ -199,8 +206,8 @@ class Project:
             records["confirm"] = [*records.get("confirm", []), *value]
             return self.save()
         if key == "pair":
-            kept = [row for row in records.get("pair", []) if not {file, *value} & {*row.values()}]
-            records["pair"] = kept + [dict(zip(("north", "east"), value, strict=True))] * bool(value)
+            pair = [dict(zip(("north", "east"), value, strict=True))] if value else []
+            records["pair"] = self.pairs_without(file, *value) + pair
             return self.save()
         rows = records.setdefault("file", [])
         row = next((row for row in rows if row["match"] == file), None)

@@ -104,19 +104,10 @@ class RecordPart:
         self.table.clear()
         if not self.records:
             return
+        number = {"align": "right", ":format": f"value => value.toPrecision(3).replace('.', '{say('decimal')}')"}
         columns = [
-            {
-                "name": name,
-                "label": say(f"app.column.{name}"),
-                "field": name,
-                "sortable": name != "shape",
-                "align": "right" if name in NUMBERS else "left",
-                **(
-                    {":format": f"value => value.toPrecision(3).replace('.', '{say('decimal')}')"}
-                    if name in NUMBERS
-                    else {}
-                ),
-            }
+            {"name": name, "label": say(f"app.column.{name}"), "field": name, "sortable": name != "shape"}
+            | (number if name in NUMBERS else {"align": "left"})
             for name in COLUMNS
         ]
         with self.table:
@@ -138,8 +129,11 @@ class RecordPart:
     def _show_left(self) -> None:
         self.components = self._components()
         sources = Counter(record.source for record in self.records)
-        single = [one for one in self.records if sources[one.source] == 1 and one.orientation != "vertical"]
-        self.single = {self.project.name_of(one.source): one for one in single if not one.together}
+        self.single = {
+            self.project.name_of(one.source): one
+            for one in self.records
+            if sources[one.source] == 1 and one.orientation != "vertical" and not one.together
+        }
         lone = _alone(self.records, self.project.config(), self.failures)
         boxes = {_box(source) for source in sources}
         rows = [row for row in (*self.failures, *lone) if self._concerns(row, boxes)]
@@ -168,7 +162,7 @@ class RecordPart:
 
     def _left(self, row: Failure) -> None:
         ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
-        ui.label(result_text(row.found))
+        ui.label(result_text(row.found).replace(f"{self.project.folder}/", ""))
         for remedy in row.remedies:
             self._remedy(row.file, remedy)
         if row.bare != row.found:
@@ -178,7 +172,7 @@ class RecordPart:
     def _remedy(self, source: str, remedy: Remedy) -> None:
         """Show the input of a remedy for a file or its channels."""
         key, name = remedy.key, self.project.name_of(source)
-        paired = key == "pair" and any(name in row.values() for row in self.project.section("records").get("pair", []))
+        paired = key == "pair" and self.project.pairs_without(name) != self.project.section("records").get("pair", [])
         if key == "confirm" or paired:
             click = self._applying(name, key, lambda: remedy.choices)  # no choice of a pair: the files are separated
             label = say("app.records.apart") if paired else say("app.records.confirm")

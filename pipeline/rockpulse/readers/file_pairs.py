@@ -117,7 +117,7 @@ def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
             found = [name for name in names if pair.side(name) == side]
             where = f'[[records.pair]] {side} = "{pair[side]}"'
             if not found:
-                advice = "correct the name, or give the folder of the file with the records"
+                advice = "correct the name, or add the folder of this file to the records of the command"
                 raise ConfigError(f"{where}: no such file among the files to read ({len(names)} in all); {advice}")
             if len(found) > 1:
                 several = f"{len(found)} files have this name: {some(found, 2)}"

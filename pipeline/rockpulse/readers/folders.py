@@ -159,7 +159,8 @@ def read_all(
     failures : list of Failure
         Sorted by file. A file that may be a record but cannot be read is "failed". Velocities, displacements, spectra
         and other files are "failed" if the user named them and "skipped" otherwise. A record with the samples and the
-        interval of another file is a "duplicate", unless the directions of the two differ.
+        interval of another file is a "duplicate", unless the directions of the two differ. The settings with which a
+        file can be read are in `remedies`.
 
     Raises
     ------

@@ -81,10 +81,10 @@ class VerticalRefused(RecordRefused):
 def plan_motions(
     records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
 ) -> tuple[list[PlannedMotion], list[Failure]]:
-    """Return the channels and pairs to be assessed by section [records], and a failure row for each other channel.
+    """Return the channels and pairs to be assessed as section [records] states, and failures of all other channels.
 
-    A single channel is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is an intensity
-    measure, each channel gets the other channel of its pair, if there is one.
+    A single channel is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is a value of
+    an intensity measure, the other channel of its pair is kept with each channel: both have one scale factor.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":

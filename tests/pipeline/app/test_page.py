@@ -244,7 +244,17 @@ def test_a_second_window_follows_the_first(browser, tmp_path):
         browser.close()
         browser.switch_to.window(one)
         assert first.field("bodies", "width [m]").get_attribute("value") == "0.6"
-    assert "width = 0.6" in (tmp_path / "site.toml").read_text()
+        assert "width = 0.6" in (tmp_path / "site.toml").read_text()
+
+        # A tie is added and removed, and so is the body.
+        first.click("#bodies .q-expansion-item .q-item")
+        first.press("bodies", "+ tie")
+        first.says("bodies", "ultimate elongation", "must be given")
+        first.click('#bodies button[aria-label="Remove: tie"]')
+        first.wait(lambda: "ultimate elongation" not in first.text("bodies"))
+        first.click('#bodies button[aria-label="Remove this body"]')
+        first.wait(lambda: first.find(".body-row") == [])
+    assert "[[block]]" not in (tmp_path / "site.toml").read_text()
     assert "wall" in (tmp_path / "site.toml.bak").read_text()
 
 

@@ -108,6 +108,7 @@ def test_a_file_is_kept_once_and_its_unit_is_removed_with_it(tmp_path):
     assert project.remedy(second, "units", "g") == ""
     assert project.remedy(first, "pair", [first, second]) == ""
     assert project.remedy(second, "pair", [second, first]) == ""
+    assert project.pairs_without("records/b/columns.txt") == [{"north": second, "east": first}]
     assert project.remedy(second, "confirm", ["columns.90", "quake.90"]) == ""
     records = project.config().records
     assert (records.files[0].match, records.pairs) == (second, (rp.PairSettings(second, first),))
