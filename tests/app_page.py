@@ -91,10 +91,17 @@ class Window:
         return self
 
     def wait(self, seen, expected=""):
-        from selenium.common.exceptions import StaleElementReferenceException, TimeoutException
+        from selenium.common.exceptions import (
+            ElementClickInterceptedException,
+            ElementNotInteractableException,
+            StaleElementReferenceException,
+            TimeoutException,
+        )
         from selenium.webdriver.support.ui import WebDriverWait
 
-        waiting = WebDriverWait(self.browser, PATIENCE, 0.1, [StaleElementReferenceException])
+        moving = (ElementClickInterceptedException, ElementNotInteractableException)
+        ignored = (StaleElementReferenceException, *moving, IndexError)
+        waiting = WebDriverWait(self.browser, PATIENCE, 0.1, ignored)
         try:
             return waiting.until(lambda _: seen())
         except TimeoutException:
@@ -112,12 +119,27 @@ class Window:
     def drop(self, *paths):
         self.find("#records input[type=file]")[0].send_keys("\n".join(map(str, paths)))
 
+    def choose_folder(self, path):
+        self.find("#records input[webkitdirectory]")[0].send_keys(str(path))
+
+    def drag(self, path):
+        """Drop a file or a folder on the field of records, as with the mouse."""
+        at = self.find("#records .drop")[0].rect
+        data = {"items": [], "files": [str(path)], "dragOperationsMask": 1}
+        for kind in ("dragEnter", "dragOver", "drop"):
+            event = {"type": kind, "x": at["x"] + 50, "y": at["y"] + 20, "data": data}
+            self.browser.execute_cdp_cmd("Input.dispatchDragEvent", event)
+
     def press(self, part, label):
         def pressed():
             found = [one for one in self.find(f"#{part} button") if one.text == label and one.is_enabled()]
             return found and self.browser.execute_script("arguments[0].click(); return true", found[0])
 
         self.wait(pressed)
+
+    def click(self, selector):
+        found = self.wait(lambda: self.find(selector))
+        self.browser.execute_script("arguments[0].click()", found[0])
 
     def field(self, part, label, number=-1):
         return self.wait(lambda: self.find(f'#{part} input[aria-label="{label}"]'))[number]
@@ -127,9 +149,12 @@ class Window:
         field.send_keys("\ue009a\ue000", text)  # Ctrl+A
 
     def choose(self, part, label, option):
-        box = self.wait(lambda: self.find(f'#{part} [role=combobox][aria-label="{label}"]'))[0]
-        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", box)
-        box.click()
+        def opened():
+            box = self.find(f'#{part} [role=combobox][aria-label="{label}"]')[0]
+            self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", box)
+            return box.click() or True  # raises an error, and is tried again, until it is there
+
+        self.wait(opened)
         self.wait(lambda: [one for one in self.find("[role=option]") if one.text == option])[0].click()
 
     def console(self):
@@ -156,8 +181,11 @@ def walls(window):
     window.type("bodies", "name", "wall")
     window.type("bodies", "width [m]", "550")
     window.type("bodies", "height [m]", "4200")
-    window.says("bodies", "are these millimetres?")
+    window.says("bodies", "are these millimetres?", "must be confirmed")
     assert "To be corrected first" in window.text("results")
+    window.press("bodies", "Confirm this size")
+    window.wait(lambda: "millimetres" not in window.text("bodies"))
+    assert window.find("#bodies [aria-expanded=true]") == []
     window.type("bodies", "width [m]", "0.3")
     window.type("bodies", "height [m]", "2,4")
     window.says("bodies", "uplift PGA 0.125 g")

@@ -155,6 +155,7 @@ def results_tree(cases=None):
                 "stage": ["select", "find", "read"],
                 "reason": ["vertical channel 2", "no record", "cut.AT2:4: expected 100 samples, found 3"],
                 "kind": ["vertical", "skipped", "failed"],
+                "remedy": ["", "", ""],
             }.items()
         }
     )

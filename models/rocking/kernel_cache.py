@@ -63,7 +63,9 @@ def folder() -> Path:
         If the sources are not in files, or the user has no home folder.
     """
     if not SOURCES:
-        raise FileNotFoundError(errno.ENOENT, "the sources of the kernels are not in files", str(Path(__file__).parent))
+        raise FileNotFoundError(
+            errno.ENOENT, "the source files of the compiled solvers are missing", str(Path(__file__).parent)
+        )
     versions = [numba.__version__, np.__version__, sys.version, sys.implementation.cache_tag]
     digest = hashlib.sha256(repr([SOURCES, *versions]).encode()).hexdigest()
     given = numba.config.CACHE_DIR

@@ -61,7 +61,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Parse the arguments (by default ``sys.argv``), run one verb, and return the exit code."""
+    """Parse the arguments (by default ``sys.argv``), run one command, and return the exit code."""
     if argv is None:
         gc.set_threshold(NEW_OBJECTS)
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:

@@ -5,9 +5,60 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+#: Advice in messages on each remedy; {first} is one of its {choices}, {lines} are for one kind of file.
+_ADVICE = {
+    "units": "give it with the option units, one of {choices}: --units {first} on the command line, units = '{first}' "
+    "under [records] of the configuration, or read(path, units='{first}'); if only some files use this unit, set it "
+    "for them in the configuration:\n{lines}",
+    "dt": "give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or read(path, "
+    "units='g', dt=0.01); if only some files have this interval, set it for them in the configuration:\n{lines}",
+    "confirm": "--confirm {options}, or confirm = [{quoted}] under [records]",
+    "pair": "state which two files are a pair ([[records.pair]])",
+}
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """A key of the configuration that lets a file, a channel or a body be used, and the values to choose from.
+
+    Attributes
+    ----------
+    key : str
+        ``units`` or ``dt`` of a file, ``confirm`` of channels, ``pair`` of two files, ``confirm_size`` of a body.
+    choices : tuple of str
+        Units, intervals [s] or ids of channels without blanks; empty if any value is allowed.
+
+    Examples
+    --------
+    >>> rp.errors.Remedy("confirm", ("a.E", "a.N")).advice()
+    '--confirm a.E --confirm a.N, or confirm = ["a.E", "a.N"] under [records]'
+    """
+
+    key: str
+    choices: tuple[str, ...] = ()
+
+    def advice(self, name: str = "") -> str:
+        """Return what to do, for a message on the file `name`."""
+        first = "g" if "g" in self.choices else "".join(self.choices[:1])
+        return _ADVICE[self.key].format(
+            choices=", ".join(self.choices),
+            first=first,
+            options=" --confirm ".join(self.choices),
+            quoted=", ".join(f'"{one}"' for one in self.choices),
+            lines=self.lines(name, f'"{first}"' if self.key == "units" else "0.01"),
+        )
+
+    def lines(self, name: str, value: str) -> str:
+        """Return lines of the configuration that set the key for all files with the suffix of `name`."""
+        last = last_part(name)
+        pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
+        return f'[[records.file]]\nmatch = "{pattern}"\n{self.key} = {value}'
+
 
 class RockpulseError(ValueError):
     """Base class of every error whose message states what was found, what was expected and what to do.
+
+    `remedies` are the settings with which the data can be used nevertheless, if there are any.
 
     >>> try:
     ...     rp.assess(record)
@@ -15,6 +66,10 @@ class RockpulseError(ValueError):
     ...     print(error)
     no body to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT
     """
+
+    def __init__(self, message: str = "", *remedies: Remedy) -> None:
+        super().__init__(message)
+        self.remedies = remedies
 
 
 class RecordFormatError(RockpulseError):
@@ -112,6 +167,12 @@ class Failure:
     # "failed": needs attention; "skipped": no record, or too weak; "duplicate", "depth": another record of the same
     # ground motion is assessed instead; "vertical", "structural": no horizontal ground motion
     kind: FailureKind
+    remedy: str = ""  # stored form of the remedies, from `stored_remedies`
+
+    @property
+    def remedies(self) -> list[Remedy]:
+        """The settings with which the file or channel can be used."""
+        return [Remedy(key, tuple(choices)) for key, *choices in map(str.split, self.remedy.splitlines())]
 
     @property
     def place(self) -> str:
@@ -126,6 +187,16 @@ class Failure:
     def bare(self) -> str:
         """The reason without the names of the file and the record and without the line number."""
         return self.reason.removeprefix(f"{self.place}: ").replace(f": '{self.file}'", "")
+
+    @property
+    def found(self) -> str:
+        """The first part of the bare reason: what was found, without the advice that follows it."""
+        return self.bare.partition("; ")[0]
+
+
+def stored_remedies(remedies: Iterable[Remedy]) -> str:
+    """Return the stored form of remedies: a line for each, with its key and its choices."""
+    return "\n".join(" ".join((one.key, *one.choices)) for one in remedies)
 
 
 def alike(rows: Iterable[Failure]) -> list[list[Failure]]:

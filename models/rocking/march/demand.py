@@ -50,7 +50,7 @@ def _lobes(
 ) -> None:
     """Find the largest lobes of abs(E(t0)), descending, and the last sample with a build-up above each level.
 
-    E is exact for piecewise linear ground acceleration and computed in one backward pass.
+    E is the integral of e^(-p (t - t0)) a_g(t) from t0 on, in one backward pass, exact for a piecewise linear a_g.
     """
     count = largest.shape[1]
     unseen = np.empty(ratios.shape[0], dtype=np.int64)

@@ -236,7 +236,7 @@ def change_elements(f, j, block, lane, restraints, direction):
 
 @njit(_nrt=False)
 def rest_levels(f, j, block, lane, restraints, at_rest):
-    """Set EXTRA of both corners of body j on the ground; return the contribution of sliding loads."""
+    """Set the extra restoring moment of both corners of body j at rest; return the part due to sliding loads."""
     place, side = sides(f, j)
     friction = most = 0.0
     for e in range(restraints.elements.shape[1]):

@@ -304,7 +304,7 @@ def _ranks(count: int, start: float) -> np.ndarray:
 
 
 def _level(log_x: Any, restitution: Any) -> Any:
-    """Return ln x corrected for restitution: at equal values, blocks overturn with about the same probability."""
+    """Return a level of strength, ln x corrected for C: blocks at one level overturn about equally often."""
     return log_x + SLOPE * (restitution - MIDDLE)
 
 

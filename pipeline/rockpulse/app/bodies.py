@@ -1,6 +1,7 @@
 """The section of the page on bodies: a row of inputs for each body, with a drawing to scale and its uplift PGA."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,7 @@ from nicegui import events, ui
 from rockpulse.app.fields import Fields, file_input, refused
 from rockpulse.app.project import body_error
 from rockpulse.app.window import Window
-from rockpulse.config.block_settings import (
-    BlockSettings,
-    PedestalSettings,
-)
+from rockpulse.config.block_settings import BlockSettings, PedestalSettings
 from rockpulse.config.configuration import section_of
 from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
@@ -21,11 +19,11 @@ from rockpulse.option import Section
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.body_drawings import Support, body_drawing
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.words import error_words, say
 
 #: Keys in the row of a body, and in its panel of further keys.
 FIRST = ("name", "width", "height")
-MORE = ("one_sided", "friction", "restitution", "mass", "density", "length", "azimuth", "facing", "confirm_size")
+MORE = ("one_sided", "friction", "restitution", "mass", "density", "length", "azimuth", "facing")
 #: Restraints and supports that a body can have, with the keys of one of them.
 PARTS: dict[str, tuple[type[Section], tuple[str, ...]]] = {
     "tie": (TieSettings, ("height", "stiffness", "gap", "yield_force", "ultimate")),
@@ -56,6 +54,8 @@ class BodyRow:
                     button.props(f'aria-label="{say("app.bodies.remove")}"')
                 self.numbers = ui.label().props('role="status"')
                 self.fault = ui.label().classes("fault").props('role="alert"')
+                self.confirm = ui.button(say("app.bodies.confirm"), on_click=self.page.handler(self._confirm))
+                self.confirm.props("outline no-caps dense")
                 self.panel = ui.expansion(say("app.bodies.more"), on_value_change=self.page.handler(self._open))
                 self.panel.props("dense")
         self.refresh()
@@ -74,34 +74,28 @@ class BodyRow:
                 with ui.element("div").classes("keys part"):
                     ui.label(say(f"app.part.{part}")).classes("name")
                     self._fields(part, cls, values, names)
-                    click = self.page.handler(self._dropping(part, values))
+                    click = self.page.handler(partial(self._drop, part, values))
                     button = ui.button(icon="delete", on_click=click).props("flat dense color=secondary")
                     button.props(f'aria-label="{say("app.bodies.remove_part")} {say(f"app.part.{part}")}"')
         with ui.row():
             for part in PARTS:
                 label = f"+ {say(f'app.part.{part}')}"
-                ui.button(label, on_click=self.page.handler(self._adding(part))).props("outline dense no-caps")
+                ui.button(label, on_click=self.page.handler(partial(self._add, part))).props("outline dense no-caps")
 
     def _fields(self, part: str, cls: type[Section], values: dict[str, Any], names: tuple[str, ...]) -> None:
         made = Fields(cls, values, self._changed)
         made.add(*names)
         self.fields.append((part, made))
 
-    def _adding(self, part: str) -> Any:
-        def add() -> None:
-            self.values.setdefault(part, []).append({})
-            self._again()
+    def _add(self, part: str) -> None:
+        self.values.setdefault(part, []).append({})
+        self._again()
 
-        return add
-
-    def _dropping(self, part: str, values: dict[str, Any]) -> Any:
-        def drop() -> None:
-            self.values[part] = [one for one in self.values[part] if one is not values]
-            if not self.values[part]:
-                del self.values[part]
-            self._again()
-
-        return drop
+    def _drop(self, part: str, values: dict[str, Any]) -> None:
+        self.values[part] = [one for one in self.values[part] if one is not values]
+        if not self.values[part]:
+            del self.values[part]
+        self._again()
 
     def _again(self) -> None:
         self.panel.clear()
@@ -110,23 +104,30 @@ class BodyRow:
             self._panel()
         self._changed()
 
+    def _confirm(self) -> None:
+        self.values["confirm_size"] = True
+        self._changed()
+
     def _changed(self) -> None:
+        if self.size != (self.values.get("width"), self.values.get("height")):
+            self.values.pop("confirm_size", None)  # it was given for another size
         with self.page.words():
             self.refresh()
         self.page.changed()
 
     def refresh(self) -> None:
         """Draw the body and show its numbers or, if its values are wrong, the error at the input that is wrong."""
-        error = body_error(self.values)
+        fault = body_error(self.values)
+        error = str(fault or "")
+        self.size = self.values.get("width"), self.values.get("height")
         heading = error.partition("]")[0].strip("[").rpartition(".")[2]
         name = str(self.values.get("name", ""))
         self.frame.props(f'aria-label="{escape(name) or say("app.bodies.new")}"')
         empty = not set(self.values) & {"width", "height"}
         shown = [one.show(error if part == heading and not empty else "") for part, one in self.fields]
-        said = error.partition("]] ")[2].removeprefix(f'"{name}": ')
+        said = error_words(error.partition("]] ")[2].removeprefix(f'"{name}": '))
         self.fault.text = "" if not error or any(shown) or empty else said[:1].upper() + said[1:]
-        if "confirm_size" in error:
-            self.panel.value = True  # it contains the check box that the error names
+        self.confirm.visible = bool(fault and fault.remedies)
         if error:
             self.numbers.text = say("app.bodies.incomplete") if empty else ""
             self.drawing.content = ""
@@ -174,27 +175,26 @@ class BodyPart:
 
     def _show_rows(self) -> None:
         self.rows.clear()
-        bodies = self.project.several("block")
-        with self.rows, self.page.words():
-            for values in bodies:
-                BodyRow(self.page, values).show(self.page.handler(self._removing(values)))
+        with self.page.words():
+            for values in self.project.several("block"):
+                self._show_row(values)
+
+    def _show_row(self, values: dict[str, Any]) -> None:
+        with self.rows:
+            BodyRow(self.page, values).show(self.page.handler(partial(self._remove, values)))
 
     def _add(self) -> None:
         names = {row.get("name") for row in self.project.several("block")}
         number = next(number for number in range(1, len(names) + 2) if say("app.bodies.name", n=number) not in names)
         values = {"name": say("app.bodies.name", n=number)}
         self.project.several("block").append(values)
-        with self.rows:
-            BodyRow(self.page, values).show(self.page.handler(self._removing(values)))
+        self._show_row(values)
         self.page.changed()
 
-    def _removing(self, values: dict[str, Any]) -> Any:
-        def remove() -> None:
-            self.project.document["block"] = [row for row in self.project.several("block") if row is not values]
-            self._show_rows()
-            self.page.changed()
-
-        return remove
+    def _remove(self, values: dict[str, Any]) -> None:
+        self.project.document["block"] = [row for row in self.project.several("block") if row is not values]
+        self._show_rows()
+        self.page.changed()
 
     def _paste(self) -> None:
         with self.rows, ui.dialog(value=True) as dialog, ui.card().classes("picture"):
@@ -227,7 +227,8 @@ class BodyPart:
 
     def show_error(self, error: str) -> None:
         """Show an error that concerns several bodies."""
-        self.fault.text = error if error.startswith("[[block]] name:") and "times" in error else ""
+        same = error.startswith("[[block]] name:") and "times" in error
+        self.fault.text = error_words(error.partition(": ")[2]) if same else ""
 
 
 def _headings(text: str) -> str:

@@ -7,25 +7,39 @@ from typing import Any
 
 from nicegui import ui
 
+from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.option import Section
-from rockpulse.views.shared.words import numerals, say
+from rockpulse.record.measures import MEASURES
+from rockpulse.views.shared.words import error_words, numerals, say
 
-#: Sends the chosen or dropped files one after the other, and reports the file that is sent and, at the end, the faults.
-SEND = """async (event) => { const input = event.target, faults = [];
-  for (const file of [...input.files]) { emit({sending: file.name, faults});
-    try { const answer = await fetch(`ADDRESS?name=${encodeURIComponent(file.name)}`, {method: "POST", body: file});
-      if (!answer.ok) faults.push(`${file.name}: ${await answer.text()}`); }
-    catch (fault) { faults.push(`${file.name}: ${fault}`); } }
-  input.value = ""; emit({sending: "", faults}); }"""
+#: Sends the chosen or dropped files, also those in folders, one after the other, and reports the file that is sent and,
+#: at the end, the faults.
+SEND = """async (event) => { event.preventDefault(); const faults = [], files = [];
+  const inside = async (entry) => { if (!entry || entry.name.startsWith(".")) return;
+    if (entry.isFile) files.push([entry.fullPath, await new Promise((found, fault) => entry.file(found, fault))]);
+    else for (const reader = entry.createReader(); ;) {
+      const some = await new Promise((found, fault) => reader.readEntries(found, fault)); if (!some.length) return;
+      for (const one of some) await inside(one); } };
+  if (event.dataTransfer) for (const entry of [...event.dataTransfer.items].map((one) => one.webkitGetAsEntry()))
+    await inside(entry).catch((fault) => faults.push(`${entry.name}: ${fault}`));
+  else files.push(...[...event.target.files].map((file) => [file.webkitRelativePath || file.name, file]));
+  for (const [name, file] of files.filter(([name]) => !/[/][.]/.test(name))) { emit({sending: file.name, faults});
+    try { const answer = await fetch(`ADDRESS?name=${encodeURIComponent(name)}`, {method: "POST", body: file});
+      if (!answer.ok) faults.push(`${name}: ${await answer.text()}`); }
+    catch (fault) { faults.push(`${name}: ${fault}`); } }
+  if (!event.dataTransfer) event.target.value = ""; emit({sending: "", faults}); }"""
 
 
-def file_input(label: str, address: str, handle: Callable[..., Any]) -> None:
-    """Show a file input, on which files can also be dropped; they are sent to `address` on the server."""
-    with ui.element("label").classes("drop"):
-        ui.label(label)
-        ui.element("input").props('type="file" multiple').on(
-            "change", handle, js_handler=SEND.replace("ADDRESS", address)
-        )
+def file_input(label: str, address: str, handle: Callable[..., Any], folder: str = "") -> None:
+    """Show a file input, and one of a folder if it has a label; chosen and dropped files are sent to `address`."""
+    send = SEND.replace("ADDRESS", address)
+    with ui.element("div").classes("drop").on("dragover", js_handler="(event) => event.preventDefault()") as field:
+        field.on("drop", handle, js_handler=send)
+        for text, kind in ((label, "multiple"), (folder, "webkitdirectory")):
+            if text:
+                with ui.element("label"):
+                    ui.label(text)
+                    ui.element("input").props(f'type="file" {kind}').on("change", handle, js_handler=send)
 
 
 def refused(faults: list[str]) -> None:
@@ -38,7 +52,7 @@ def value_of(text: str | None) -> Any:
     """Convert a typed text to a value: a number (with point or comma), a text, or None for an empty input."""
     typed = (text or "").strip()
     try:
-        return float(typed.replace(",", ".")) if typed else None
+        return int(typed) if typed.isdecimal() else float(typed.replace(",", ".")) if typed else None
     except ValueError:
         return typed
 
@@ -48,6 +62,13 @@ def text_of(value: Any) -> str:
     if isinstance(value, int | float):
         return numerals(f"{value:g}")
     return "" if value is None else str(value)
+
+
+def _shown(word: str) -> str:
+    """Return the name of a choice: the title of a measure, a unit as it is, or a word in the language of the page."""
+    if word in HAZARD_UNITS:
+        return word
+    return MEASURES[word].title if word in MEASURES else say(f"app.word.{word}")
 
 
 class Fields:
@@ -68,7 +89,7 @@ class Fields:
             if "bool" in str(item.type):
                 made: Any = ui.checkbox(label, value=bool(given), on_change=self._changing(name, lambda value: value))
             elif allowed.words and "float" not in str(item.type):
-                options = {word: say(f"app.word.{word}") for word in allowed.words}
+                options = {word: _shown(word) for word in allowed.words}
                 shown = item.default if given is None else given
                 made = ui.select(options, label=label, value=shown, on_change=self._changing(name, lambda value: value))
             else:
@@ -97,5 +118,5 @@ class Fields:
         at = next((word for word in reversed(words) if word in self.inputs), "")
         for name, made in self.inputs.items():
             if hasattr(made, "error"):
-                made.error = error.partition(f"{name}: ")[2] or error if name == at else None
+                made.error = error_words(error.partition(f"{name}: ")[2] or error) if name == at else None
         return bool(at) and hasattr(self.inputs[at], "error")

@@ -3,8 +3,8 @@
 import math
 import re
 import shutil
-from collections.abc import Iterator
-from dataclasses import fields
+from collections.abc import Collection, Iterator
+from dataclasses import fields, replace
 from filecmp import cmp
 from importlib.resources import files
 from pathlib import Path
@@ -13,10 +13,19 @@ from typing import Any
 
 from rockpulse.app.child import Command
 from rockpulse.config.body_table import read_bodies, unused_columns
-from rockpulse.config.configuration import Config, config_of, document_as_text, section_of, section_values
+from rockpulse.config.configuration import (
+    Config,
+    config_from_text,
+    config_of,
+    document_as_text,
+    section_of,
+    section_values,
+)
+from rockpulse.config.study_settings import HazardSettings, SelectionSettings
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
 from rockpulse.option import Section
+from rockpulse.readers.file_pairs import PairSettings
 from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
 from rockpulse.selection.events import event_table, events_by_id
@@ -24,11 +33,15 @@ from rockpulse.views.shared.files_used import failure_rows
 
 #: Names of the files of a project.
 CONFIG, RECORDS, RESULTS, TABLE = "site.toml", "records", "results.h5", "results.csv"
+HAZARD, FRAGILITY, RISK = "hazard.csv", "fragility.h5", "risk.csv"
+SELECTION, SPECTRA = "selection.csv", "selection.png"
 #: Commands that repeat what the page does.
 ASSESS = ("assess", "--config", CONFIG, "-o", RESULTS)
 #: First line of a configuration of the page; another one is copied before it is replaced, for its comments.
 HEAD = "# Written by rockpulse app, which keeps no comments."
-#: Characters of a file name that are kept, largest length [characters], and names that Windows reserves.
+#: Characters of a file name that are kept, largest length [characters], largest number of folders and file in a path,
+#: and names that Windows reserves.
+DEEPEST = 6
 _ODD, LONGEST = re.compile(r"[^\w .()+=@,~-]+"), 120
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\.|$)")
 
@@ -39,6 +52,12 @@ def safe_name(name: str) -> str:
     end = Path(last).suffix[:20]
     last = last if len(last) <= LONGEST else last[: LONGEST - len(end)] + end
     return f"_{last}" if _RESERVED.match(last) else last or "file"
+
+
+def safe_path(name: str) -> Path:
+    """Return a relative path of safe names from the last parts of another one, whose separator is ``/``."""
+    parts = [part for part in name.split("/") if part.strip(" .")][-DEEPEST:]
+    return Path(*map(safe_name, parts or [name]))
 
 
 def samples() -> list[Path]:
@@ -70,6 +89,7 @@ class Project:
         self.command = Command(self.folder)
         self.document: dict[str, Any] = {}
         self.error, self.written, self.assessed = "", "", 0
+        self._made: dict[str, tuple[int, str]] = {}  # files of results: when they were made, from which configuration
         self._reading = Lock()
         self._state: Any = None  # of the configuration and the files when the records were read
         self._records: tuple[list[Record], list[Failure]] = [], []
@@ -128,22 +148,21 @@ class Project:
     # Records
 
     def record_files(self) -> list[Path]:
-        """Return the paths of the files in the folder of records."""
-        folder = self.folder / RECORDS
-        return sorted(path for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
+        """Return the paths of the files in the folder of records and in its subfolders."""
+        return sorted(path for path in (self.folder / RECORDS).rglob("*") if path.is_file())
 
     def place_for(self, name: str) -> Path:
         """Return an unused path for a new record file; the folder of records is added to the configuration."""
-        folder = self.folder / RECORDS
-        folder.mkdir(exist_ok=True)
+        first = path = self.folder / RECORDS / safe_path(name)
+        path.parent.mkdir(parents=True, exist_ok=True)
         paths = self.section("records").setdefault("paths", [])
         if RECORDS not in paths:
             paths.append(RECORDS)
             self.save()
-        path, number = folder / safe_name(name), 1
+        number = 1
         while path.exists():
             number += 1
-            path = folder / f"{Path(safe_name(name)).stem}-{number}{Path(safe_name(name)).suffix}"
+            path = first.with_stem(f"{first.stem}-{number}")
         return path
 
     def keep_if_new(self, path: Path) -> None:
@@ -156,18 +175,39 @@ class Project:
         for path in samples():
             self.keep_if_new(Path(shutil.copyfile(path, self.place_for(path.name))))
 
-    def remove(self, path: Path) -> None:
-        """Delete a record file, and the unit and sampling interval given for it in the configuration."""
+    def name_of(self, source: str) -> str:
+        """Return the path of a file of records from the project folder, as the configuration has it."""
+        path = Path(source)
+        return (path.relative_to(self.folder) if path.is_relative_to(self.folder) else path).as_posix()
+
+    def remove(self, path: Path, ids: Collection[str] = ()) -> None:
+        """Delete a record file, and the keys that the configuration has for it and for channels with some ids."""
+        name, records = self.name_of(str(path)), self.section("records")
         path.unlink(missing_ok=True)
-        records = self.section("records")
-        records["file"] = [row for row in records.get("file", []) if row["match"] != path.name]
+        records["file"] = [row for row in records.get("file", []) if row["match"] != name]
+        records["pair"] = self.pairs_without(name)
+        records["confirm"] = [one for one in records.get("confirm", []) if one not in ids]
         self.save()
 
+    def pairs_without(self, *names: str) -> list[dict[str, Any]]:
+        """Return the pairs of the configuration that contain none of some files."""
+        paths = [str(self.folder / name) for name in names]
+        pairs = self.section("records").get("pair", [])
+        return [row for row in pairs if not any(map(PairSettings(**row).side, paths))]
+
     def remedy(self, file: str, key: str, value: Any) -> str:
-        """Set the unit (`units`) or interval (`dt`) of a file, or confirm a channel; return an error text or ""."""
+        """Apply a remedy to a file, and return why this is not possible.
+
+        The value is a unit (`units`), an interval (`dt`), the ids of channels (`confirm`), or the names of the files
+        towards north and east, or none of them (`pair`).
+        """
         records = self.section("records")
         if key == "confirm":
-            records["confirm"] = [*records.get("confirm", []), file]
+            records["confirm"] = [*records.get("confirm", []), *value]
+            return self.save()
+        if key == "pair":
+            pair = [dict(zip(("north", "east"), value, strict=True))] if value else []
+            records["pair"] = self.pairs_without(file, *value) + pair
             return self.save()
         rows = records.setdefault("file", [])
         row = next((row for row in rows if row["match"] == file), None)
@@ -190,7 +230,7 @@ class Project:
             stats = [(path, path.stat()) for folder in folders for path in sorted(folder.iterdir()) if path.exists()]
             state = given, [(path, found.st_size, found.st_mtime_ns) for path, found in stats]
             if self._state != state:
-                self._records = read_all(paths, given.units, None, given.dt, given.response, given.files)
+                self._records = read_all(paths, given.units, None, given.dt, given.response, given.files, given.pairs)
                 self._state = state
             return self._records
 
@@ -207,7 +247,7 @@ class Project:
             return []
         with open_results_file(path) as file:
             rows = failure_rows(file.tree("failures"))
-        return [row for row in rows if row.kind == "failed" and row.stage not in ("find", "read")]
+        return [row for row in rows if row.kind == "failed" and row.stage not in ("find", "read", "pair")]
 
     # Bodies
 
@@ -228,14 +268,46 @@ class Project:
         self.save()
         return unused_columns(name, unused)
 
+    # Site
+
+    def set_hazard(self, name: str, content: bytes) -> None:
+        """Keep a file of hazard curves, which replaces a power law; raise ConfigError if it cannot be used as it is."""
+        from rockpulse.studies.risk.hazard_files import hazard_of
+
+        write_files({self.folder / HAZARD: content})
+        self.document["hazard"] = {
+            key: value for key, value in self.section("hazard").items() if key not in ("k0", "k", "measure", "unit")
+        } | {"file": HAZARD}
+        self.save()
+        try:
+            hazard_of(self.config().hazard, self.folder)
+        except ConfigError as error:
+            raise ConfigError(str(error).replace(str(self.folder / HAZARD), name)) from None
+
     # Results
 
     @property
     def outdated(self) -> bool:
-        """Whether the configuration or a record file is newer than the results."""
-        results = self.folder / RESULTS
-        made = results.stat().st_mtime if results.is_file() else math.inf
-        return any(path.stat().st_mtime > made for path in (self.path, *self.record_files()) if path.exists())
+        """Whether there are results, and the configuration or a file of records has changed since."""
+        return (self.folder / RESULTS).is_file() and not self.is_current(RESULTS)
+
+    def is_current(self, name: str) -> bool:
+        """Return whether a file of results exists that was made from the records and the configuration as they are."""
+        from rockpulse.storage.hdf5.results_file import open_results_file
+
+        path = self.folder / name
+        made = path.stat().st_mtime_ns if path.is_file() else 0
+        if made and self._made.get(name, (0, ""))[0] != made:
+            with open_results_file(path) as file:
+                self._made[name] = made, str(file.attrs["configuration"])
+        changed = any(file.stat().st_mtime_ns > made for file in self.record_files())
+        return bool(made) and not changed and _basis(config_from_text(self._made[name][1])) == _basis(self.config())
+
+    def newer_than(self, made: Path) -> bool:
+        """Return whether the configuration, the hazard or a file of records is newer than a file made from them."""
+        when = made.stat().st_mtime if made.is_file() else math.inf
+        inputs = (self.path, self.folder / HAZARD, *self.record_files())
+        return any(path.stat().st_mtime > when for path in inputs if path.exists())
 
     def report(self, language: str, suffix: str = ".html") -> Path:
         """Return the path of the report in a language."""
@@ -244,7 +316,14 @@ class Project:
     def downloads(self) -> Iterator[str]:
         """Yield the names of the files that the page offers for download."""
         yield from (path.name for path in self.folder.glob("report-??.*") if path.suffix in (".html", ".pdf"))
-        yield from (name for name in (RESULTS, TABLE, CONFIG) if (self.folder / name).is_file())
+        made = (RESULTS, TABLE, CONFIG, FRAGILITY, RISK, SELECTION, SPECTRA)
+        yield from (name for name in made if (self.folder / name).is_file())
+
+
+def _basis(config: Config) -> Config:
+    """Return what an assessment and a fragility depend on; results contain the full paths of the records."""
+    records = replace(config.records, paths=tuple(Path(path).name for path in config.records.paths))
+    return replace(config, records=records, hazard=HazardSettings(), selection=SelectionSettings())
 
 
 def without_defaults(section: Section) -> dict[str, Any]:
@@ -253,12 +332,12 @@ def without_defaults(section: Section) -> dict[str, Any]:
     return {key: value for key, value in section_values(section).items() if value != defaults.get(key)}
 
 
-def body_error(values: dict[str, Any]) -> str:
-    """Return the error in the values of a body; empty if they are correct."""
+def body_error(values: dict[str, Any]) -> ConfigError | None:
+    """Return the error in the values of a body; None if they are correct."""
     from rockpulse.config.block_settings import BlockSettings
 
     try:
         section_of(BlockSettings, values).block()
     except ConfigError as error:
-        return str(error)
-    return ""
+        return error
+    return None

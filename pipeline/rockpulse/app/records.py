@@ -1,32 +1,44 @@
 """The section of the page on records: the records read, and the files not used, with reasons and remedies."""
 
+import math
+from collections import Counter
+from collections.abc import Callable, Collection
+from itertools import islice
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 from nicegui import events, run, ui
 
 from rockpulse.app.fields import file_input, refused, value_of
-from rockpulse.app.project import samples
+from rockpulse.app.project import RECORDS, samples
 from rockpulse.app.table import Table
 from rockpulse.app.window import Window
-from rockpulse.errors import Failure, last_part
-from rockpulse.readers import UNITS
+from rockpulse.config.configuration import Config
+from rockpulse.errors import NO_RECORD, Failure, Remedy, last_part
+from rockpulse.readers.kit.spacing import same_step
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.selection.directions import plan_motions
+from rockpulse.selection.duplicate_selection import without_duplicates
 from rockpulse.selection.events import words_of
 from rockpulse.views.shared.formatting import three_digits
-from rockpulse.views.shared.words import counted_words, in_dates, listed, say
+from rockpulse.views.shared.words import counted_words, in_dates, listed, result_text, say
 
 #: Columns of the table, and those of numbers.
-COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "file")
+COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "shape", "file")
 NUMBERS = ("pga", "pgv", "length")
 #: Cell of a station: a button that opens the picture of the record.
 STATION = """<q-td :props="props"><q-btn flat dense no-caps color="primary" :label="props.value"
  :aria-label="props.value + ' {picture}'" @click="$parent.$emit('picture', props.row.id)" /></q-td>"""
+#: Cell of a thumbnail: the vertical strokes of an accelerogram; the browser draws those on the page of the table.
+SHAPE = """<q-td :props="props"><svg class="shape" viewBox="0 0 80 24" aria-hidden="true"
+ @click="$parent.$emit('picture', props.row.id)"><path :d="props.value" /></svg></q-td>"""
+#: Number of strokes of a thumbnail, and largest number of files to choose a partner from.
+STROKES, PARTNERS = 40, 50
 #: Cell with the button that removes a file.
 REMOVE = """<q-td :props="props" auto-width><q-btn flat dense icon="delete" color="secondary"
  :aria-label="'{remove} ' + props.value" @click="$parent.$emit('remove', props.value)" /></q-td>"""
-#: Remedies: key of the configuration, and the option that a reason names for it.
-REMEDIES = {"units": "--units", "dt": "--dt", "confirm": "--confirm"}
 
 
 class RecordPart:
@@ -37,11 +49,14 @@ class RecordPart:
     def __init__(self, page: Window) -> None:
         self.page, self.project = page, page.project
         self.records: list[Record] = []
+        self.failures: list[Failure] = []  # of reading, and of the last assessment
+        self.single: dict[str, Record] = {}  # the horizontal channels that are alone in their files, by file
+        self.components = ""  # the directions for which the channels without a partner were found
 
     def show(self) -> None:
         """Build the section on the page, and read the records."""
         page = self.page
-        file_input(say("app.records.drop"), "/upload", page.handler(self._taken))
+        file_input(say("app.records.drop"), "/upload", page.handler(self._taken), say("app.records.folder"))
         self.unused = ui.label().classes("fault").props('role="alert"')
         if samples():
             ui.button(say("app.records.samples"), on_click=page.handler(self._samples)).props("outline no-caps")
@@ -52,7 +67,9 @@ class RecordPart:
         ui.timer(0.05, page.handler(self.read), once=True)
 
     def show_error(self, error: str) -> None:
-        """Do nothing: errors of records are shown beside their files."""
+        """Show which channels lack a partner if other directions are requested; errors are shown beside their files."""
+        if self.records and not error and self._components() != self.components:
+            self._show_left()
 
     async def _taken(self, event: events.GenericEventArguments) -> None:
         self.page.sending = bool(event.args["sending"])
@@ -71,10 +88,10 @@ class RecordPart:
         self.state.text = say("app.records.reading")
         found = await self.page.after(run.io_bound(self.project.read_records))
         self.records, failures = found or ([], [])
-        rejected = await self.page.after(run.io_bound(self.project.rejected)) or []
+        self.failures = [*failures, *(await self.page.after(run.io_bound(self.project.rejected)) or [])]
         with self.page.words():
             self._show_records()
-            self._show_left([*failures, *rejected])
+            self._show_left()
             self._show_files()
         self.page.shown_error()
         if self.records:
@@ -87,25 +104,17 @@ class RecordPart:
         self.table.clear()
         if not self.records:
             return
+        number = {"align": "right", ":format": f"value => value.toPrecision(3).replace('.', '{say('decimal')}')"}
         columns = [
-            {
-                "name": name,
-                "label": say(f"app.column.{name}"),
-                "field": name,
-                "sortable": True,
-                "align": "right" if name in NUMBERS else "left",
-                **(
-                    {":format": f"value => value.toPrecision(3).replace('.', '{say('decimal')}')"}
-                    if name in NUMBERS
-                    else {}
-                ),
-            }
+            {"name": name, "label": say(f"app.column.{name}"), "field": name, "sortable": name != "shape"}
+            | (number if name in NUMBERS else {"align": "left"})
             for name in COLUMNS
         ]
         with self.table:
             rows = [{"id": place, **_row(record)} for place, record in enumerate(self.records)]
             shown = Table(say("app.records.title"), columns, rows)
             shown.add_slot("body-cell-station", STATION.format(picture=say("app.records.picture")))
+            shown.add_slot("body-cell-shape", SHAPE)
             shown.on("picture", self.page.handler(self._picture))
             ui.label(say("app.records.click")).classes("soft")
 
@@ -117,53 +126,90 @@ class RecordPart:
             ui.button(say("app.close"), on_click=dialog.close).props("flat no-caps")
         drawn.content = await self.page.after(run.io_bound(_drawn, record))
 
-    def _show_left(self, failures: list[Failure]) -> None:
+    def _show_left(self) -> None:
+        self.components = self._components()
+        sources = Counter(record.source for record in self.records)
+        self.single = {
+            self.project.name_of(one.source): one
+            for one in self.records
+            if sources[one.source] == 1 and one.orientation != "vertical" and not one.together
+        }
+        lone = _alone(self.records, self.project.config(), self.failures)
+        boxes = {_box(source) for source in sources}
+        rows = [row for row in (*self.failures, *lone) if self._concerns(row, boxes)]
+        names = [*dict.fromkeys(last_part(row.file) for row in rows)]
+        self.unused.text = say("app.records.unused", files=listed(names)) if rows else ""
         self.left.clear()
-        given = {str(path) for path in self.project.record_files()}
-        left_out = [
-            row
-            for row in failures
-            if row.kind in ("failed", "duplicate") or row.reason.count("; ") or row.file in given
-        ]
-        names = [*dict.fromkeys(last_part(row.file) for row in left_out)]
-        self.unused.text = say("app.records.unused", files=listed(names)) if left_out else ""
-        if not left_out:
-            return
         with self.left:
-            ui.html(say("app.records.left", count=len(left_out)), tag="h3")
-            for row in left_out:
+            if rows:
+                ui.html(say("app.records.left", count=len(rows)), tag="h3")
+            for row in rows:
                 with ui.element("div").classes(f"left {row.kind}"):
                     self._left(row)
 
+    def _components(self) -> str:
+        return str(self.project.section("records").get("components", ""))
+
+    def _concerns(self, row: Failure, boxes: Collection[str]) -> bool:
+        """Return whether a failure is shown; `boxes` are the folders and archives with records.
+
+        Texts and spectra beside records are not shown, unless they are in the folder of records itself.
+        """
+        box = _box(row.file)
+        if row.kind != "skipped" or row.remedy or box == str(self.project.folder / RECORDS):
+            return True
+        return row.bare != NO_RECORD and box not in boxes
+
     def _left(self, row: Failure) -> None:
-        file, brief = last_part(row.place.rpartition(":")[0] or row.place), row.bare.partition("; ")[0]
         ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
-        ui.label(brief)
-        remedies = [key for key, option in REMEDIES.items() if option in row.reason]
-        match = last_part(row.file)
-        for key in remedies:
-            if key == "units":
-                choice = ui.select([*UNITS], label=say("app.key.units")).props("dense outlined").classes("key")
-                choice.on_value_change(self._remedy(match, key))
-            elif key == "dt":
-                typed = ui.input(f"{say('app.key.dt')} [s]").props("dense outlined inputmode=decimal").classes("key")
-                typed.on("change", self._remedy(match, key, typed))
-            else:
-                place = row.place or file
-                ui.button(say("app.records.confirm"), on_click=self._remedy(place, key)).props("outline no-caps dense")
-        if row.bare != brief:
+        ui.label(result_text(row.found).replace(f"{self.project.folder}/", ""))
+        for remedy in row.remedies:
+            self._remedy(row.file, remedy)
+        if row.bare != row.found:
             with ui.expansion(say("app.records.why")).props("dense"):
                 ui.label(row.bare).classes("pre")
 
-    def _remedy(self, match: str, key: str, typed: Any = None) -> Any:
-        async def set_value(event: Any) -> None:
-            value = value_of(typed.value) if typed is not None else getattr(event, "value", True)
-            if fault := self.project.remedy(match, key, value):
+    def _remedy(self, source: str, remedy: Remedy) -> None:
+        """Show the input of a remedy for a file or its channels."""
+        key, name = remedy.key, self.project.name_of(source)
+        paired = key == "pair" and self.project.pairs_without(name) != self.project.section("records").get("pair", [])
+        if key == "confirm" or paired:
+            click = self._applying(name, key, lambda: remedy.choices)  # no choice of a pair: the files are separated
+            label = say("app.records.apart") if paired else say("app.records.confirm")
+            ui.button(label, on_click=click).props("outline no-caps dense")
+            return
+        partners = self._partners(name) if key == "pair" else {}
+        label = say(f"app.key.{key}") + (" [s]" if key == "dt" else "")
+        apply = self._applying(name, key, lambda: partners.get(made.value) or value_of(made.value))
+        if key == "dt" and not remedy.choices:
+            made: Any = ui.input(label).props("inputmode=decimal").on("change", apply)
+        elif options := {other: last_part(other) for other in partners} or [*remedy.choices]:
+            made = ui.select(options, label=label, on_change=apply)
+        else:
+            return
+        made.props("dense outlined").classes("key")
+
+    def _partners(self, name: str) -> dict[str, list[str]]:
+        """Return the files that can be the other direction of a file, the nearest ones first, as north and east."""
+        if name not in self.single:
+            return {}
+        one, names = self.single[name], [*self.single]  # sorted by path
+        at = names.index(name)
+        found = {}
+        for _, other in sorted(enumerate(names), key=lambda item: abs(item[0] - at)):
+            record = self.single[other]
+            if record is not one and one.npts == record.npts and same_step((one.dt, record.dt)):
+                found[other] = [other, name] if _eastward(one, record) else [name, other]
+        return dict(islice(found.items(), PARTNERS))
+
+    def _applying(self, name: str, key: str, value: Callable[[], Any]) -> Any:
+        async def apply() -> None:
+            if fault := self.project.remedy(name, key, value()):
                 self.project.load()
                 raise ValueError(fault)
             await self.read()
 
-        return self.page.handler(set_value)
+        return self.page.handler(apply)
 
     def _show_files(self) -> None:
         self.files.clear()
@@ -171,12 +217,17 @@ class RecordPart:
         self.files.visible = bool(paths)
         columns = [{"name": name, "label": "", "field": "id", "align": "left"} for name in ("id", "remove")]
         with self.files:
-            shown = Table(say("app.records.files"), columns, [{"id": path.name} for path in paths]).props("hide-header")
+            rows = [{"id": path.relative_to(self.project.folder / RECORDS).as_posix()} for path in paths]
+            shown = Table(say("app.records.files"), columns, rows).props("hide-header")
             shown.add_slot("body-cell-remove", REMOVE.format(remove=say("app.records.remove")))
             shown.on("remove", self.page.handler(self._remove))
 
     async def _remove(self, event: events.GenericEventArguments) -> None:
-        self.project.remove(next(path for path in self.project.record_files() if path.name == event.args))
+        path = self.project.folder / RECORDS / event.args
+        if path in self.project.record_files():
+            inside = (str(path), f"{path}!")
+            ids = {one.id for one in self.records if one.source == inside[0] or one.source.startswith(inside[1])}
+            self.project.remove(path, ids)
         await self.read()
 
 
@@ -199,8 +250,38 @@ def _row(record: Record) -> dict[str, Any]:
         "pga": record.pga / STANDARD_GRAVITY,
         "pgv": pgv(record),
         "length": record.duration,
+        "shape": _shape(record),
         "file": last_part(record.source),
     }
+
+
+def _shape(record: Record) -> str:
+    """Return the path of a thumbnail: the range of the acceleration in each of equal parts of the record."""
+    begins = np.linspace(0, record.npts, STROKES, endpoint=False).astype(int)
+    scale = 11.0 / (record.pga or 1.0)
+    ends = (12.0 - scale * find.reduceat(record.acceleration, begins) for find in (np.maximum, np.minimum))
+    strokes = zip(*(np.rint(end).astype(int).tolist() for end in ends), strict=True)
+    return "".join(f"M{2 * place + 1} {top}V{bottom}" for place, (top, bottom) in enumerate(strokes))
+
+
+def _alone(records: list[Record], config: Config, failures: list[Failure]) -> list[Failure]:
+    """Return the failures of the channels without a partner, if pairs are to be rotated."""
+    if config.records.components == "horizontal":
+        return []
+    selected, _, _ = without_duplicates(records, config.records, failures)
+    return [row for row in plan_motions(selected, config)[1] if row.stage == "pair"]
+
+
+def _box(file: str) -> str:
+    """Return the archive or the folder of a file."""
+    archive, mark, _ = file.rpartition("!")
+    return archive if mark else str(Path(file).parent)
+
+
+def _eastward(one: Record, other: Record) -> bool:
+    """Return whether the first of two perpendicular channels is rather the one towards east, by the stated azimuths."""
+    angles = [math.radians(azimuth) for azimuth in (one.azimuth, other.azimuth + 90.0) if math.isfinite(azimuth)]
+    return bool(angles) and abs(math.sin(angles[0])) > abs(math.cos(angles[0]))
 
 
 def _drawn(record: Record) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rocking.body.limits import LARGEST_SIZE, radius_of_rectangle, size_problem
 from rockpulse.config.floor_settings import FloorSettings
 from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
-from rockpulse.errors import ConfigError
+from rockpulse.errors import ConfigError, Remedy
 from rockpulse.option import KeyType, Section, boolean, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -241,7 +241,9 @@ class BlockSettings(Section):
                 f"{self.where} alpha: expected an angle below pi/2 rad, found {self.alpha:g}; is it in degrees?"
             )
         if not self.confirm_size and (doubt := _doubt(self)):
-            raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
+            raise ConfigError(
+                f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]", Remedy("confirm_size")
+            )
 
     @property
     def initial_period(self) -> float:

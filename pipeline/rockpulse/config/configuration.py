@@ -118,7 +118,7 @@ class Config:
             object.__setattr__(self, "demands", (demand,))
         if self.uncertainty.azimuth and self.records.components != "sweep":
             raise ConfigError(
-                "[uncertainty] azimuth: true, the mean over the directions of a pair of channels, needs [records] "
+                "[uncertainty] azimuth = true (mean over the directions of a pair of channels) needs [records] "
                 f'components = "sweep", found "{self.records.components}"; change one of them'
             )
 

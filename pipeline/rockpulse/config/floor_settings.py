@@ -32,5 +32,5 @@ def floors_as_text(floors: Sequence[FloorSettings]) -> str:
 
 
 def floors_from_text(text: str) -> list[FloorSettings]:
-    """Read modes from the text of :func:`floors_as_text`."""
+    """Return the modes of a building from the text that :func:`floors_as_text` returns."""
     return [FloorSettings(**one) for one in json.loads(text)] if text else []

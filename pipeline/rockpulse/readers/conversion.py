@@ -267,7 +267,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         found = f"would not be read again ({fault}); no file was kept, write into another folder"
         raise RecordRefused(f"{path}: {found}") from fault
     if len(back) != len(records):
-        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} would be read; no file was kept")
+        raise RecordRefused(f"{path}: of {len(records)} written records {len(back)} were read back; no file was kept")
     for again in back:
         # A file of one record has no name for it.
         code = f"{again.network}.{again.station}.{again.location}.{again.channel}"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 
-from rockpulse.errors import ConfigError, Failure, RecordFormatError, some
+from rockpulse.errors import ConfigError, Failure, RecordFormatError, Remedy, some, stored_remedies
 from rockpulse.option import KeyType, Section, key
 from rockpulse.readers.kit.spacing import same_step
 from rockpulse.record.record import Record
@@ -21,6 +21,8 @@ _NAME = KeyType(
 #: Directions of the two files, clockwise from north [degrees], and largest difference of a stated direction.
 SIDES = {"north": 0.0, "east": 90.0}
 SAME_LINE = 5.0
+#: Remedy for a file without a partner, or with a wrong one.
+PAIR = Remedy("pair")
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,8 @@ class PairSettings(Section):
         if len(records) != 1:
             raise RecordFormatError(
                 f"{name}: expected one channel, as {self.where} calls the file {side}, found {len(records)}; remove "
-                "the entry, and state the directions in the headings"
+                "the entry, and state the directions in the headings",
+                PAIR,
             )
         (record,) = records
         stated = "" if record.orientation in ("unknown", "horizontal") else f"the orientation {record.orientation}"
@@ -84,7 +87,9 @@ class PairSettings(Section):
             off = abs(math.remainder(record.azimuth - SIDES[side], 180.0))
             stated = f"the direction {record.azimuth:g} degrees" if off > SAME_LINE else ""
         if stated:
-            raise RecordFormatError(f"{name}: the file states {stated}, {self.where} calls it {side}; correct one")
+            raise RecordFormatError(
+                f"{name}: the file states {stated}, {self.where} calls it {side}; correct one", PAIR
+            )
         record = replace(record, orientation="horizontal", together=f"{self.north} and {self.east}")
         if math.isfinite(record.azimuth):
             return [record]
@@ -112,7 +117,7 @@ def check_pairs(names: Sequence[str], pairs: Iterable[PairSettings]) -> None:
             found = [name for name in names if pair.side(name) == side]
             where = f'[[records.pair]] {side} = "{pair[side]}"'
             if not found:
-                advice = "correct the name, or give the folder of the file with the records"
+                advice = "correct the name, or add the folder of this file to the records of the command"
                 raise ConfigError(f"{where}: no such file among the files to read ({len(names)} in all); {advice}")
             if len(found) > 1:
                 several = f"{len(found)} files have this name: {some(found, 2)}"
@@ -133,7 +138,9 @@ def without_unlike(records: Sequence[Record]) -> tuple[list[Record], list[Failur
         if len(group) == 2 and (unlike := _difference(*group)):
             reasons |= {id(record): unlike for record in group}
     rows = [
-        Failure(one.source, "pair", f"{one.id}: {reasons[id(one)]}", "failed") for one in records if id(one) in reasons
+        Failure(one.source, "pair", f"{one.id}: {reasons[id(one)]}", "failed", stored_remedies([PAIR]))
+        for one in records
+        if id(one) in reasons
     ]
     return [record for record in records if id(record) not in reasons], rows
 

@@ -8,7 +8,15 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from rockpulse.errors import NO_RECORD, ConfigError, Failure, RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.errors import (
+    NO_RECORD,
+    ConfigError,
+    Failure,
+    RecordFormatError,
+    RecordRefused,
+    RockpulseError,
+    stored_remedies,
+)
 from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers import read as read_file
@@ -151,7 +159,8 @@ def read_all(
     failures : list of Failure
         Sorted by file. A file that may be a record but cannot be read is "failed". Velocities, displacements, spectra
         and other files are "failed" if the user named them and "skipped" otherwise. A record with the samples and the
-        interval of another file is a "duplicate", unless the directions of the two differ.
+        interval of another file is a "duplicate", unless the directions of the two differ. The settings with which a
+        file can be read are in `remedies`.
 
     Raises
     ------
@@ -324,4 +333,5 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
     skipped = isinstance(fault, OtherKind | TableOfResults) or (isinstance(fault, NotAcceleration) and not named)
-    return Failure(name, "read", reason, "skipped" if skipped else "failed")
+    remedy = stored_remedies(fault.remedies) if isinstance(fault, RockpulseError) else ""
+    return Failure(name, "read", reason, "skipped" if skipped else "failed", remedy)

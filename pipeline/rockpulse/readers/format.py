@@ -7,7 +7,7 @@ from dataclasses import MISSING, dataclass, replace
 from fnmatch import fnmatchcase
 from numbers import Real
 
-from rockpulse.errors import ConfigError, RecordFormatError, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, Remedy, UnitError
 from rockpulse.option import KeyType, Section, key, number, text
 from rockpulse.readers.file_pairs import PairSettings, path_spellings
 from rockpulse.readers.kit.channel import with_copy_warnings
@@ -128,10 +128,12 @@ class ReadOptions:
                 given = canonical_unit(str(units.units), "option units")
                 if UNITS.get(record.source_unit) != UNITS[given]:
                     conflict = f"the file states the unit {record.source_unit}, {units.where} says {given}"
-                    raise UnitError(f"{record.source}: {conflict}; {self.advice('units')}")
+                    stated = [Remedy("units", (record.source_unit,))] if record.source_unit in UNITS else []
+                    raise UnitError(f"{record.source}: {conflict}; {self.advice('units')}", *stated)
             if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
                 conflict = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
-                raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}")
+                remedy = Remedy("dt", (f"{record.dt:.9g}",))
+                raise RecordFormatError(f"{record.source}: {conflict}; {self.advice('dt')}", remedy)
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
         """Return the last FileSettings that give the property `key` and match the file `name` (any file if None)."""

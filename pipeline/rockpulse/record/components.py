@@ -2,7 +2,7 @@
 
 import re
 from bisect import bisect_left
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
@@ -10,7 +10,7 @@ from pathlib import PurePath
 import numpy as np
 
 from rocking.pictures import short_repr
-from rockpulse.errors import Failure, some
+from rockpulse.errors import Failure, Remedy, some, stored_remedies
 from rockpulse.record.record import Record
 from rockpulse.warning_text import WarningText
 
@@ -24,9 +24,9 @@ _UPWARDS = (
     "horizontal channels are"
 )
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
+_PAIR = Remedy("pair")
 _BOTH_IN_ONE = (
-    "state which two files are a pair ([[records.pair]]), or put both directions into one file with headings such as "
-    "'time [s],acc N [g],acc E [g]'"
+    f"{_PAIR.advice()}, or put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
 )
 #: Pattern of a SEED channel code; codes of one sensor differ only in the last letter, and the second is the kind of
 #: instrument.
@@ -156,12 +156,14 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
             partners[id(record)] = [one for one in together if one.source == record.source] or together
     pairs, failures = [], []
     taken: set[int] = set()
+    of_file = Counter(record.source for record in horizontal)
     for record in horizontal:
         found = partners[id(record)] if np.isfinite(record.azimuth) else []
         mutual = [partners[id(one)] for one in found] == [[record]]
         if not mutual:
             reason = f"{record.id}: {_no_pair(record, found, partners)}; {_INSTEAD}"
-            failures.append(Failure(record.source, "pair", reason, "failed"))
+            alone = record.format == "columns" and of_file[record.source] == 1
+            failures.append(Failure(record.source, "pair", reason, "failed", stored_remedies([_PAIR] * alone)))
         elif id(record) not in taken:
             pairs.append(Pair(record, *found))
             taken |= {id(record), *map(id, found)}
@@ -243,7 +245,7 @@ def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[R
         how = f"; {_BOTH_IN_ONE}" if record.format == "columns" else ""
         return f"its azimuth is unknown, so that it cannot be rotated{how}"
     if not found:
-        how = f" (files of columns state no station or time: {_BOTH_IN_ONE})" if record.format == "columns" else ""
+        how = f"; files of columns state no station or time: {_BOTH_IN_ONE}" if record.format == "columns" else ""
         return f"no second horizontal channel with a known azimuth was recorded together with it{how}"
     if len(found) == 1:
         rivals = [other.id for one in found for other in partners[id(one)] if other is not record]

@@ -211,7 +211,7 @@ class Journal:
             raise JournalError(
                 f"{self.path}: the journal was removed during the run, and the finished records with it; start again"
             )
-        rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind))] for row in done.failures]
+        rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind, row.remedy))] for row in done.failures]
         outcome = {"key": done.key, "fingerprint": done.fingerprint, "failures": rows}
         try:
             self._kept[done.key] = self._append(outcome, done.parts)
@@ -297,7 +297,7 @@ def _is_ours(head: Mapping[str, Any]) -> bool:
         all(isinstance(head.get(name), str) for name in names)
         and isinstance(head.get("appends", ""), str)
         and isinstance(rows, list)
-        and all(isinstance(row, list) and len(row) == 4 and all(isinstance(one, str) for one in row) for row in rows)
+        and all(isinstance(row, list) and len(row) == 5 and all(isinstance(one, str) for one in row) for row in rows)
     )
 
 

@@ -9,8 +9,9 @@ from itertools import count
 from typing import Any
 
 from rockpulse.config.configuration import Config
-from rockpulse.errors import Failure, RecordRefused, RockpulseError
+from rockpulse.errors import Failure, RecordRefused, Remedy, RockpulseError, stored_remedies
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G, odd_peak
+from rockpulse.readers.kit.text import GIVE_UNIT
 from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.defects import deciding
@@ -80,10 +81,10 @@ class VerticalRefused(RecordRefused):
 def plan_motions(
     records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
 ) -> tuple[list[PlannedMotion], list[Failure]]:
-    """Return the channels and pairs to be assessed by section [records], and a failure row for each other channel.
+    """Return the channels and pairs to be assessed as section [records] states, and failures of all other channels.
 
-    A single channel is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is an intensity
-    measure, each channel gets the other channel of its pair, if there is one.
+    A single channel is used if it is within :data:`FACING_WITHIN` of the requested azimuth. If a demand is a value of
+    an intensity measure, the other channel of its pair is kept with each channel: both have one scale factor.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -244,19 +245,21 @@ def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
     return [(name, next(seen[name])) for name in names]
 
 
-def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
-    """Return why a channel with a doubtful peak or defect is not used, and what to do; empty for other channels."""
+def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> RecordRefused | None:
+    """Return the error of a channel with a doubtful peak or defect that is not confirmed; None for other channels."""
     if id_matches(conditioned.id, confirm):
-        return ""
+        return None
     if conditioned.pga > LARGEST:
         found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
-        return f"{conditioned.id}: {found}. {_advice([conditioned])}"
+        return _too_strong(f"{conditioned.id}: {found}", [conditioned])
     if defects := deciding(conditioned):
-        return (
+        remedy = Remedy("confirm", (conditioned.id,))
+        return RecordRefused(
             f"{conditioned.id}: {'; '.join(defects)}. It is not used until it is confirmed: correct or leave out "
-            f"the file, or, if it is right, give {_options([conditioned])}"
+            f"the file, or, if it is right, give {remedy.advice()}",
+            remedy,
         )
-    return ""
+    return None
 
 
 def unconfirmed_channels(
@@ -271,9 +274,9 @@ def unconfirmed_channels(
         acting.append((f"{planned.name}: its vertical channel ", up))
     if motions[0].partner is not None:
         acting.append((f"{planned.name}: the other channel of its pair ", motions[0].partner))
-    doubted = {id(one): reason for _, one in acting if (reason := unconfirmed(one, confirm))}
+    doubted = {id(one): error for _, one in acting if (error := unconfirmed(one, confirm))}
     causes = [(whose, one) for whose, one in acting if id(one) in doubted]
-    rows = [Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed") for whose, one in causes]
+    rows = [_row(one, stage, doubted[id(one)], whose) for whose, one in causes]
     if causes:
         cause = causes[0][1]
         peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g" if cause.pga > LARGEST else "whose defect"
@@ -291,21 +294,22 @@ def unconfirmed_channels(
     open_to_doubt = [one for one in channels if not id_matches(one.id, confirm)]
     if planned.rotated and not rows and open_to_doubt and strongest.pga > LARGEST:
         peak = f"peak {strongest.pga / STANDARD_GRAVITY:.3g} g, turned to {strongest.azimuth:g} degrees"
-        rows = [Failure(strongest.source, stage, f"{planned.name}: {peak}. {_advice(open_to_doubt)}", "failed")]
+        rows = [_row(strongest, stage, _too_strong(f"{planned.name}: {peak}", open_to_doubt))]
     for row in rows:
         logger.error("%s", row.reason)
     return rows
 
 
-def _options(channels: Sequence[Record]) -> str:
-    options = " ".join(f"--confirm {one.id}" for one in channels)
-    names = ", ".join(f'"{one.id}"' for one in channels)
-    return f"{options}, or confirm = [{names}] under [records]"
+def _row(record: Record, stage: str, error: RockpulseError, whose: str = "") -> Failure:
+    return Failure(record.source, stage, f"{whose}{error}", "failed", stored_remedies(error.remedies))
 
 
-def _advice(channels: Sequence[Record]) -> str:
-    return (
-        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning is rejected unless it is confirmed: correct the "
-        "unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
-        f"{_options(channels)}"
+def _too_strong(found: str, channels: Sequence[Record]) -> RecordRefused:
+    remedy = Remedy("confirm", tuple(one.id for one in channels))
+    return RecordRefused(
+        f"{found}. A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning is rejected unless it is confirmed: "
+        "correct the unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
+        f"{remedy.advice()}",
+        GIVE_UNIT,
+        remedy,
     )

@@ -22,12 +22,17 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
     with served(tmp_path / "project") as page:
         window = Window(browser, page).open()
         assert "Enter a body first." in window.text("results")  # no bodies
-        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "columns.txt", "notes.txt")))
-        window.says("records", "5 channels, 5 earthquakes", "Not used (3)", "do not state their unit")
+        window.drop(*(agency / name for name in ("agency.zip", "damaged.zip", "notes.txt")))
+        window.says("records", "5 channels, 5 earthquakes", "Not used (2)")
+        window.drag(agency / "columns.txt")
+        window.says("records", "Not used (3)", "do not state their unit")
         window.says("records", "Not used: columns.txt, damaged.zip, notes.txt.")
         window.choose("records", "unit", "m/s2")
         window.says("records", "6 channels", "Not used (2)")
+        strokes = [one.get_attribute("d") for one in window.find("#records .shape path")]
+        assert [(one.count("M"), len(one) < 500) for one in strokes] == [(40, True)] * 6
         walls(window)
+        assert "confirm_size" not in (page.folder / "site.toml").read_text()  # the size was changed since
         window.choose("site", "given by", "PGA")
         window.type("site", "value", "0,3")
         window.press("results", "Assess")
@@ -52,6 +57,11 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
         window.open().says("records", "6 canali")
         assert window.field("bodies", "larghezza [m]", 0).get_attribute("value") == "0,3"
         assert window.field("site", "valore", 0).get_attribute("value") == "0.3"
+        window.says("records", "archivio zip danneggiato")
+        window.type("bodies", "larghezza [m]", "largo", 0)
+        window.says("bodies", "occorre un numero positivo di metri, è indicato 'largo'")
+        window.type("bodies", "larghezza [m]", "0,3", 0)
+        window.says("bodies", "PGA di sollevamento 0,125 g")
         assert browser.execute_script("return document.documentElement.lang") == "it"
         window.press("results", "PDF")
         window.wait(lambda: (page.folder / "report-it.pdf").is_file())
@@ -86,9 +96,27 @@ def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, 
         window.says("records", "2 channels")
         window.press("results", "Assess")
         window.says("records", "Not used", "strong.AT2")
+        assert "older than the records" not in window.text("results")
         window.press("records", "This channel is correct: use it")
         window.says("results", "older than the records")
-    assert 'confirm = ["strong.90"]' in (folder / "site.toml").read_text()
+
+        # Two files of a folder, whose directions are not stated, are a pair.
+        hall = tmp_path / "hall"
+        for name, motion in {"inside/a.csv": strong, "inside/b.csv": strong[::-1], ".hidden": TIME}.items():
+            (hall / name).parent.mkdir(exist_ok=True, parents=True)
+            rows = (f"{0.01 * n:.2f},{value / 6.0:.5f}\n" for n, value in enumerate(motion))
+            (hall / name).write_text("time [s],acc [g]\n" + "".join(rows))
+        window.choose_folder(hall)
+        window.says("records", "4 channels")
+        window.browser.execute_script("document.querySelectorAll('#site .q-item').forEach((one) => one.click())")
+        window.choose("site", "directions", "the strongest direction of each pair")
+        window.says("records", "Not used (5)", "its azimuth is unknown")
+        window.choose("records", "file of the other direction", "b.csv")
+        window.says("records", "Not used (3)")
+    written = (folder / "site.toml").read_text()
+    assert 'confirm = ["strong.90"]' in written
+    assert 'north = "records/hall/inside/a.csv"\neast = "records/hall/inside/b.csv"' in written
+    assert not (folder / "records" / "hall" / "hidden").exists()
 
 
 #: Clicks on the heading of a column, and returns the time until the browser has shown another order [ms].
@@ -122,6 +150,40 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
     print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
     assert min(shown) < 6.0  # on a busy machine
     assert sorted(ordered)[4] < 200.0
+
+
+#: Opens all panels of the page.
+OPENED = "document.querySelectorAll('.q-expansion-item__container > .q-item').forEach((one) => one.click())"
+
+
+def test_spectra_over_that_of_the_code_and_the_annual_frequency(browser, tmp_path):
+    folder = tmp_path / "project"
+    (folder / "records").mkdir(parents=True)
+    for name, content in records().items():
+        (folder / "records" / name).write_bytes(content)
+    check = "[check]\nag = 0.2\nf0 = 2.5\ntc_star = 0.3\n[selection]\nfactors = [0.1, 10]\nperiods = [0.7, 1.5]\n"
+    block = '[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n'
+    (folder / "site.toml").write_text(f'[records]\npaths = ["records"]\n[hazard]\nk0 = 0.01\nk = 2\n{check}{block}')
+    (tmp_path / "curve.csv").write_text("pga [g],rate\n0.1,0.01\n0.4,0.0005\n")
+    with served(folder) as page:
+        window = Window(browser, page).open()
+        window.says("records", "5 channels, 5 earthquakes")
+        opened = (
+            "document.querySelectorAll('#site .q-expansion-item__container > .q-item').forEach((one) => one.click())"
+        )
+        browser.execute_script(opened)
+        window.says("site", "Hazard curve: CSV")
+        window.find("#site input[type=file]")[0].send_keys(str(tmp_path / "curve.csv"))
+        window.says("site", "Remove: hazard.csv")
+        window.type("site", "number of records", "3")
+        window.press("site", "Draw the spectra of records over it")
+        window.wait(lambda: window.find("#site img"))
+        window.wait(lambda: browser.execute_script("return document.querySelector('#site img').naturalWidth > 500"))
+        window.press("results", "Compute fragility and annual frequency")
+        window.says("results", "return period", "wall")
+        assert window.console() == []
+    assert "records = 3" in (folder / "site.toml").read_text()
+    assert len((folder / "risk.csv").read_text().splitlines()) == 2
 
 
 def children(pid):
@@ -182,7 +244,17 @@ def test_a_second_window_follows_the_first(browser, tmp_path):
         browser.close()
         browser.switch_to.window(one)
         assert first.field("bodies", "width [m]").get_attribute("value") == "0.6"
-    assert "width = 0.6" in (tmp_path / "site.toml").read_text()
+        assert "width = 0.6" in (tmp_path / "site.toml").read_text()
+
+        # A tie is added and removed, and so is the body.
+        first.click("#bodies .q-expansion-item .q-item")
+        first.press("bodies", "+ tie")
+        first.says("bodies", "ultimate elongation", "must be given")
+        first.click('#bodies button[aria-label="Remove: tie"]')
+        first.wait(lambda: "ultimate elongation" not in first.text("bodies"))
+        first.click('#bodies button[aria-label="Remove this body"]')
+        first.wait(lambda: first.find(".body-row") == [])
+    assert "[[block]]" not in (tmp_path / "site.toml").read_text()
     assert "wall" in (tmp_path / "site.toml.bak").read_text()
 
 
@@ -202,8 +274,7 @@ def test_nothing_grave_is_found_by_axe(axe, browser, agency, tmp_path):
         window.drop(agency / "agency.zip", agency / "columns.txt")
         window.says("records", "5 channels", "Not used (1)")
         walls(window)
-        everything = "document.querySelectorAll('.q-expansion-item__container > .q-item').forEach((one) => one.click())"
-        browser.execute_script(everything)
+        browser.execute_script(OPENED)
         window.says("site", "behaviour factor q")
         browser.execute_script(axe)
         for width in (1280, 390):

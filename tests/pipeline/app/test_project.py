@@ -3,7 +3,7 @@
 import pytest
 
 import rockpulse as rp
-from rockpulse.app.project import HEAD, LONGEST, Project, body_error, safe_name
+from rockpulse.app.project import HEAD, LONGEST, Project, body_error, safe_name, safe_path
 from rockpulse.cli import main
 from rockpulse.errors import ConfigError
 
@@ -31,6 +31,22 @@ def test_without_the_extra_the_verb_says_what_to_install(monkeypatch, capsys, tm
 )
 def test_names_of_uploads_are_made_safe(given, kept):
     assert safe_name(given) == kept
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ("hall/a.AT2", "hall/a.AT2"),
+        ("/../../etc//passwd", "etc/passwd"),
+        ("con/.hidden/x.csv", "_con/hidden/x.csv"),
+        (r"hall/..\..\x.csv", "hall/x.csv"),
+        ("1/2/3/4/5/6/7/x.csv", "3/4/5/6/7/x.csv"),
+        ("..", "file"),
+        ("", "file"),
+    ],
+)
+def test_folders_of_uploads_are_kept_inside_that_of_the_records(given, kept):
+    assert safe_path(given).as_posix() == kept
 
 
 def test_a_long_name_keeps_its_end():
@@ -87,13 +103,33 @@ def test_a_file_is_kept_once_and_its_unit_is_removed_with_it(tmp_path):
         path = project.place_for("a/columns.txt")
         path.write_bytes(content)
         project.keep_if_new(path)
-    assert [path.name for path in project.record_files()] == ["columns-2.txt", "columns.txt"]
-    assert project.remedy("columns.txt", "units", "g") == ""
-    assert project.config().records.files[0].units == "g"
-    project.remove(tmp_path / "records" / "columns.txt")
-    assert project.config().records.files == ()
+    first, second = (project.name_of(str(path)) for path in project.record_files())
+    assert (first, second) == ("records/a/columns-2.txt", "records/a/columns.txt")
+    assert project.remedy(second, "units", "g") == ""
+    assert project.remedy(first, "pair", [first, second]) == ""
+    assert project.remedy(second, "pair", [second, first]) == ""
+    assert project.pairs_without("records/b/columns.txt") == [{"north": second, "east": first}]
+    assert project.remedy(second, "confirm", ["columns.90", "quake.90"]) == ""
+    records = project.config().records
+    assert (records.files[0].match, records.pairs) == (second, (rp.PairSettings(second, first),))
+    project.remove(tmp_path / second, {"columns.90"})
+    records = project.config().records
+    assert (records.files, records.pairs, records.confirm) == ((), (), ("quake.90",))
 
 
 def test_the_error_of_a_body_names_its_key():
-    assert body_error({"name": "wall", "width": 0.3, "height": 2.4}) == ""
-    assert body_error({"name": "wall", "width": "wide", "height": 2.4}).startswith('[[block]] "wall" width: expected')
+    assert body_error({"name": "wall", "width": 0.3, "height": 2.4}) is None
+    fault = body_error({"name": "wall", "width": "wide", "height": 2.4})
+    assert str(fault).startswith('[[block]] "wall" width: expected')
+    assert not fault.remedies
+    assert [one.key for one in body_error({"name": "wall", "width": 550, "height": 2.4}).remedies] == ["confirm_size"]
+
+
+def test_a_hazard_curve_is_kept_in_place_of_a_power_law(tmp_path):
+    project = Project(tmp_path)
+    project.section("hazard").update(k0=1e-3, k=2.5, years=100)
+    project.set_hazard("curve.csv", b"pga [g],rate\n0.1,0.01\n0.4,0.0005\n")
+    assert project.config().hazard == rp.HazardSettings(file="hazard.csv", years=100.0)
+    assert rp.load_hazard(tmp_path / "hazard.csv").rate(0.4 * 9.80665) == pytest.approx(0.0005)
+    with pytest.raises(ConfigError, match=r"^levels\.csv"):
+        project.set_hazard("levels.csv", b"level,rate\n")

@@ -5,7 +5,7 @@ import pytest
 from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers import read
+from rockpulse.readers import UNITS, read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.format import FileSettings
 from rockpulse.readers.source import NotAcceleration, TableOfResults
@@ -199,6 +199,32 @@ def test_the_hint_for_files_of_one_suffix_is_a_row_of_the_configuration(put):
         read(path, units="gal")
     chosen = FileSettings(match="*.dat", units="gal", dt=0.01)
     assert len(read_all(path, files=[chosen])[0]) == 1
+
+
+PLAIN = "".join(f"{value:.5f}\n" for value in VALUES)
+ROWS = "".join(" ".join(f"{value:.5f}" for value in row) + "\n" for row in VALUES.reshape(-1, 8))
+#: Remedies of one file after the other: unit, interval, and those that the file states.
+UNIT, STEP, GAL, HUNDREDTH = ("units", tuple(UNITS)), ("dt", ()), ("units", ("gal",)), ("dt", ("0.01",))
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "remedies"),
+    [
+        (PLAIN, {}, [[UNIT], [STEP]]),
+        (ROWS, {}, [[UNIT, STEP]]),
+        ("time [s],acc [gal]\n" + table(), {"units": "g"}, [[GAL]]),
+        ("acc\nunit: gal\n" + table(), {"units": "g", "dt": 0.02}, [[GAL], [HUNDREDTH]]),
+    ],
+)
+def test_a_file_is_read_with_the_remedies_of_its_failures(put, text, given, remedies):
+    path, settings = put(text), dict(given)
+    for expected in remedies:
+        files = [FileSettings(match="a.csv", **settings)] if settings else []
+        (row,) = read_all(path, files=files)[1]
+        assert [(one.key, one.choices) for one in row.remedies] == expected
+        for key, choices in expected:
+            settings[key] = float((*choices, 0.01)[0]) if key == "dt" else choices[0]
+    assert read_all(path, files=[FileSettings(match="a.csv", **settings)])[0]
 
 
 @pytest.mark.parametrize(("sign", "turned"), [(1.0, ""), (-1.0, " with the opposite sign")])

@@ -320,7 +320,7 @@ def test_samples_and_records_come_back_in_their_number(tmp_path, monkeypatch):
     monkeypatch.undo()
     rows = "".join(f"{0.01 * k:.2f},{k % 7},{k % 5}\n" for k in range(300)).encode()
     changed("csv", monkeypatch, lambda one, record: b"time,acc_E,acc_N\n" + rows)
-    with pytest.raises(RecordRefused, match="1 records were written, 2 would be read; no file was kept"):
+    with pytest.raises(RecordRefused, match="of 1 written records 2 were read back; no file was kept"):
         rp.write(EAST, tmp_path / "out.csv")
     assert names(tmp_path) == []
 

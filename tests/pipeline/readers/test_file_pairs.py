@@ -77,9 +77,9 @@ def test_files_of_other_length_or_interval_are_not_used(folder, samples, dt, exp
     write(folder / "b.txt", pulse(samples, 0.4), dt)
     records, failures = read(folder)
     assert [one.source[-5:] for one in records] == ["c.txt"]
-    assert [(row.file[-5:], row.stage, row.kind) for row in failures] == [
-        ("a.txt", "pair", "failed"),
-        ("b.txt", "pair", "failed"),
+    assert [(row.file[-5:], row.stage, row.remedy) for row in failures] == [
+        ("a.txt", "pair", "pair"),
+        ("b.txt", "pair", "pair"),
     ]
     assert re.search(expected, failures[0].reason)
 

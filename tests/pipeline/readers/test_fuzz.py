@@ -68,7 +68,7 @@ def say_nothing(file, options):
         (raise_key_error, "KeyError: 'NPTS'"),
         (divide, "RuntimeWarning: divide by zero"),
         (never_end, "more than 0.05 s"),
-        (say_nothing, "an error that does not name the file: RecordFormatError()"),
+        (say_nothing, "an error that does not name the file: RecordFormatError('')"),
         (lambda file, options: [], "no record and no error"),
     ],
 )

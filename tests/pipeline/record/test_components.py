@@ -181,6 +181,7 @@ def test_columns_without_a_partner_are_told_how_to_get_one(azimuth, words):
     _, (row,) = find_pairs([Record([0.0, 1.0], 0.01, id="x.1", azimuth=azimuth, format="columns")])
     assert words in row.reason
     assert "state which two files are a pair ([[records.pair]]), or put both directions into one file" in row.reason
+    assert [(one.key, one.choices) for one in row.remedies] == [("pair", ())]
 
 
 def test_files_without_times_pair_by_station_code_too(samples):

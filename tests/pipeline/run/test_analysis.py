@@ -11,8 +11,11 @@ import xarray as xr
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import ConditioningSettings, RecordSettings
 from rockpulse.errors import ConfigError, Failure, TooWeak
+from rockpulse.readers import UNITS
 from rockpulse.record.record import Record
 from rockpulse.run.analysis import Analysis, joined, run
+from rockpulse.storage.variables import failure_table
+from rockpulse.views.shared.files_used import failure_rows
 
 UNREAD = Failure("gone.txt", "find", "gone.txt: nothing there", "failed")
 
@@ -161,6 +164,9 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
     assert row[3].startswith(".A..HNE-HNN@20230206T000000: peak 5.77 g, turned to 45 degrees. A peak above 5 g")
     assert 'give --confirm a.E --confirm a.N, or confirm = ["a.E", "a.N"] under [records]' in row[3]
     assert "give --confirm a.N, or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
+    (left,) = run(Largest(Config(records=RecordSettings(**swept))), pair(40.0, 40.0)).attrs["failures"]
+    assert [(one.key, one.choices) for one in left.remedies] == [("units", tuple(UNITS)), ("confirm", ("a.E", "a.N"))]
+    assert failure_rows(xr.DataTree.from_dict({"/failures": failure_table([left])})) == [left]
     assert len(seen(pair(40.0, 39.0), **swept, confirm=("a.*",))[0]) == 3  # at 135 degrees nothing is left
     assert len(seen(pair(40.0, 10.0), **swept)[0]) == 4
 

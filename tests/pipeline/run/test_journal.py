@@ -243,7 +243,7 @@ def test_a_journal_that_was_cut_off_keeps_what_lies_before(target, whole):
 def test_frames_that_somebody_has_made_are_passed_over(target, whole):
     """With right checksums, but without what is asked of them."""
     run = {"run": "r", "started": "today"}
-    row = ["a", "read", "why", "failed"]
+    row = ["a", "read", "why", "failed", "units g"]
     others = (
         [],
         {},

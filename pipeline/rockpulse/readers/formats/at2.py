@@ -68,7 +68,7 @@ _LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number",
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Return the index of the last header line, with number of points and interval; None without such a line."""
+    """Return the index of the last header line, which states the number of points and the interval, or None."""
     above = ""
     for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
         if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
@@ -244,8 +244,9 @@ def _unit(file: kit.SourceFile, header: Sequence[str], station: str, given: str 
         raise kit.other_kind(name, kit.kind_of_name(file))
     if given is None:
         raise UnitError(
-            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
-            "the option units, such as units='g'"
+            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; to state the "
+            f"unit, {kit.GIVE_UNIT.advice(name)}",
+            kit.GIVE_UNIT,
         )
     return kit.canonical_unit(given, "option units")
 

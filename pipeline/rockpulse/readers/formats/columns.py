@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
+from rockpulse.errors import RecordFormatError, Remedy
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.integrals import with_slopes
@@ -41,7 +41,7 @@ _INTEGRAL = 0.95  # correlation above which a column is the integral of the prev
 _TOUCHING = re.compile(rb"(\.\d*+(?:[eEdD][+-]?\d++)?+)(?=[+-]\d*+\.\d)")
 _INSEPARABLE = re.compile(r"[\s\d.,;eEdD+-]*\.\d{3,}\.\d")
 #: Words in messages for the properties that a series wrapped into rows needs.
-_UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
+_TOO = {"units": "the unit too (option units, --units)", "dt": "the interval too (option dt, --dt)"}
 #: Names of the columns of a station in an example.
 _NAMES = ("acc_NS", "acc_EW", "acc_UD")
 
@@ -101,7 +101,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     where = f"{file.name}:{numbered.start + 1}"
     steps = {f"line {said.line}: {said.wording!r}": said.value for said in kit.stated_steps(lines[: layout.start])}
     declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
-    lacking = [_UNIT_TOO] * (options.units is None) + [_INTERVAL_TOO] * (declared is None)
+    lacking = [kit.GIVE_UNIT] * (options.units is None) + [kit.GIVE_INTERVAL] * (declared is None)
     prose = lines[:end]
     columns = _columns(file.name, lines[:stop], layout, headings, numbered, prose, lacking, lines[stop:])
     if columns.width > 1 and counts_rows(columns.table, columns.headings):
@@ -135,9 +135,9 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     headings = columns.headings or (ColumnHeading(""),) * columns.width
     units = column_units(file.name, headings, prose, options)
     facing = column_directions(file, headings, prose)
-    sources = {"time column": step, "first line": numbered.step, **steps}
-    sources |= {options.said_by("dt").removeprefix("the "): options.dt}
-    dt = agreed_step(file.name, sources, "correct the wrong one" if options.dt is None else options.advice("dt"))
+    given = options.said_by("dt").removeprefix("the ")
+    sources = {"time column": step, "first line": numbered.step, **steps, given: options.dt}
+    dt = agreed_step(file.name, sources, options.advice("dt") if options.dt else "correct the wrong one", given)
     notes: list[str] = [
         *columns.warnings,
         *kit.held_units(zip((heading.name for heading in headings), units, strict=True)),
@@ -217,7 +217,7 @@ def _columns(
     headings: tuple[ColumnHeading, ...],
     numbered: Numbered,
     prose: Sequence[str],
-    lacking: Sequence[str],
+    lacking: Sequence[Remedy],
     behind: Sequence[str],
 ) -> _Columns:
     """Return the table of the file; if one series is wrapped into its rows, return it as a single column."""
@@ -250,9 +250,8 @@ def _columns(
     table = read_table(name, rows, layout, first)
     if numbered.step is not None:
         kit.check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
-        if len(table) > numbered.count:
-            left = len(table) - numbered.count
-            warnings += (f"{left} rows beyond the {numbered.count} of the first line were left out",)
+        if (beyond := len(table) - numbered.count) > 0:
+            warnings += (f"{beyond} rows beyond the {numbered.count} of the first line were left out",)
         table = table[: numbered.count]
     elif said and (
         min(said) > len(table) or (any(map(kit.surely_counts, stated)) and not counts & {len(table), values})
@@ -300,21 +299,22 @@ def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
     return f"name the columns in the line above the numbers, such as '{line}'"
 
 
-def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> RecordFormatError:
+def _wrapped(where: str, width: int, found: str, lacking: Sequence[Remedy]) -> RecordFormatError:
+    series = "The values do not run on from row to row as those of one series do"
     if width <= _NO_STATION and "last row" not in found:
         series = f"Rows of up to {_NO_STATION} numbers are not read as one series: they may be channels of a station"
+        lacking = ()
     elif lacking:
-        series = f"Give {' and '.join(lacking)}: then one series is read if its values run on from row to row"
-    else:
-        series = "The values do not run on from row to row as those of one series do"
+        series = f"Give {' and '.join(_TOO[one.key] for one in lacking)}: then one series is read if its values run on"
     return RecordFormatError(
         f"{where}: expected a time column, headings, or one column, found {found}. They may be channels side by side "
         f"or one series in rows of {width}. {series}. Or write one value to a line, state the number of values in the "
-        f"header (NPTS = ...), or {_name_them(width, False)}"
+        f"header (NPTS = ...), or {_name_them(width, False)}",
+        *lacking,
     )
 
 
-def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:
+def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[Remedy]) -> None:
     """Raise an error if nothing states which quantity each column contains."""
     width = columns.width
     late = next((index for index in range(width) if climbs(columns.table[:, index])), None)

@@ -59,8 +59,8 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         raise kit.NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
     if options.units is None:
         raise UnitError(
-            f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "
-            f"{', '.join(kit.UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
+            f"{file.name}: a SAC header does not state the unit of acceleration; {kit.GIVE_UNIT.advice(file.name)}",
+            kit.GIVE_UNIT,
         )
     unit = kit.canonical_unit(options.units, "option units")
     inclination, azimuth = header.get("cmpinc"), header.get("cmpaz")

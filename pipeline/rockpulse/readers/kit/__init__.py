@@ -43,6 +43,8 @@ from rockpulse.readers.kit.spacing import ChannelSamples, declared_points, make_
 from rockpulse.readers.kit.text import (
     ACCELERATION_FILE,
     FILE_DAMAGED,
+    GIVE_INTERVAL,
+    GIVE_UNIT,
     LINE_DAMAGED,
     LONGEST_LINE,
     OWN_FILE,

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.errors import UnitError
+from rockpulse.errors import Remedy, UnitError
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.kit.checks import held_direction
 from rockpulse.readers.kit.direction import Direction, heading_direction, name_direction
 from rockpulse.readers.kit.headings import ColumnHeading
 from rockpulse.readers.kit.prose import other_units, positive_downwards, stated_direction, stated_peaks, stated_units
-from rockpulse.readers.kit.text import UNITS, canonical_unit, for_such_files, printed_number, spelled_unit
+from rockpulse.readers.kit.text import GIVE_UNIT, UNITS, canonical_unit, printed_number, spelled_unit
 from rockpulse.readers.source import SourceFile
 from rockpulse.warning_text import WarningText
 
@@ -73,9 +73,11 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
     named = [(unit, line) for unit, line in said if line.value]
     asked = None if options.units is None else canonical_unit(options.units, "option units")
 
-    def against(stated: str) -> str:
-        right = f"--units {stated}, or in " + for_such_files(name, f'units = "{stated}"')
-        return f"{options.said_by('units')} says {asked}; correct the wrong one; if the header is right, give {right}"
+    def against(found: str, stated: str) -> UnitError:
+        remedy = Remedy("units", (stated,))
+        right = f"--units {stated}, or in the configuration:\n" + remedy.lines(name, f'"{stated}"')
+        wrong = f"{options.said_by('units')} says {asked}; correct the wrong one; if the header is right, give {right}"
+        return UnitError(f"{found}, {wrong}", remedy)
 
     for heading in headings:
         where = f"{name}: column {heading.name!r}"
@@ -93,15 +95,11 @@ def column_units(name: str, headings: Sequence[ColumnHeading], prose: Sequence[s
             stated = named[0][0]
         if stated is None and asked is None:
             found = f"; line {said[0][1].line} of its header mentions {said[0][1].wording!r}" if said else ""
-            alone = for_such_files(name, 'units = "g"')
-            raise UnitError(
-                f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
-                f"{', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "
-                f"configuration, or read(path, units='g'); if only some files use this unit, set it for them in {alone}"
-            )
+            lacking = f"{name}: plain columns do not state their unit{found}; {GIVE_UNIT.advice(name)}"
+            raise UnitError(lacking, GIVE_UNIT)
         if stated and asked and UNITS[stated] != UNITS[asked]:
-            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {against(stated)}")
+            raise against(f"{name}: the column {heading.name!r} is headed {stated}", stated)
         if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
-            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {against(said[0][0])}")
+            raise against(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}", said[0][0])
         units.append(asked or stated or "")
     return units

@@ -141,7 +141,8 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
             gain, size = _gain(response, band)
     except Exception as fault:  # obspy and its C library may raise any error for an unusual response
         raise RecordFormatError(
-            f"{where}: obspy cannot evaluate the response: {fault}; get the StationXML again, or use its sensitivity"
+            f"{where}: obspy cannot evaluate the response: {fault}; download the StationXML again, "
+            'or set [records] response = "sensitivity"'
         ) from fault
     if not band[1] < band[2]:
         would = f"the pass band would begin at {band[1]:.3g} Hz and end at {band[2]:.3g} Hz"

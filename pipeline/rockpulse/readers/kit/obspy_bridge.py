@@ -216,7 +216,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
 
 
 def contradicts_channel(files: Files, network: str, station: str, channel: Any) -> bool:
-    """Return whether a StationXML contradicts a channel with the same codes and an overlapping epoch."""
+    """Return whether a StationXML describes the same channel (same codes, overlapping epoch) differently."""
     return any(
         _overlap(channel, other) and _gap(channel, other, full=False)
         for name, content in files

@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
+from rockpulse.errors import RecordFormatError, Remedy
 from rockpulse.readers.kit.checks import surplus
 from rockpulse.readers.kit.headings import ColumnHeading
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
+    GIVE_INTERVAL,
     UNITS,
     canonical_unit,
     check_count,
     fixed_width,
-    for_such_files,
     unexpected,
 )
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -284,20 +284,22 @@ def time_column_step(
         return declared if declared and abs(declared / mean - 1.0) < _SAME_CLOCK else mean, first
     column = f"column {headings[0].name!r}" if named else "first column, which increases like times"
     if falls or (declared is None and not rising):
-        at, advice = int(np.argmin(steps)), "repair the times"
+        at, advice, remedies = int(np.argmin(steps)), "repair the times", []
         if not falls:
+            remedies = [GIVE_INTERVAL]
             advice += ", or give the interval (option dt) if they are rounded to more than one interval"
         found = f"{first[at + 1]:g} after {first[at]:g}"
-        raise unexpected(f"{name}:{start + at + 2}", f"increasing times in the {column}", found, advice)
+        raise unexpected(f"{name}:{start + at + 2}", f"increasing times in the {column}", found, advice, *remedies)
     at = int(np.argmax(np.abs(steps - np.median(steps))))
     expected = f"equally spaced times in the {column}"
     advice = "rows are missing or the times are damaged: fill the gap or resample the record"
     if declared is not None:
         expected += f", at the declared interval of {declared:g} s"
-    if not declared:
+    remedies = [] if declared else [GIVE_INTERVAL]
+    if remedies:
         advice += ", or give the interval (option dt) if the times are rounded"
     found = f"a step of {steps[at]:g} s among steps of {np.median(steps):g} s"
-    raise unexpected(f"{name}:{start + at + 2}", expected, found, advice)
+    raise unexpected(f"{name}:{start + at + 2}", expected, found, advice, *remedies)
 
 
 def climbs(column: np.ndarray) -> bool:
@@ -305,21 +307,21 @@ def climbs(column: np.ndarray) -> bool:
     return bool(column.size >= _CLIMB and np.all(np.diff(column) > 0.0)) and even_step(column) is not None
 
 
-def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float:
-    """Return the interval [s] that all sources state; raise an error if they differ or state none."""
+def agreed_step(name: str, steps: dict[str, float | None], advice: str, given: str = "") -> float:
+    """Return the interval [s] that all sources state, of which `given` is the user; raise an error if they differ."""
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(
             f"{name}: expected a time column, a first line with the number of samples and the interval, or the option "
-            "dt for the sampling interval, found none; give it: --dt 0.01 on the command line, dt = 0.01 under "
-            "[records] of the configuration, or read(path, units='g', dt=0.01); if only some files have this interval, "
-            "set it for them in "
-            f"{for_such_files(name, 'dt = 0.01')}"
+            f"dt for the sampling interval, found none; {GIVE_INTERVAL.advice(name)}",
+            GIVE_INTERVAL,
         )
     for source, step in known.items():
         if not (np.isfinite(step) and step > 0.0):
             raise RecordFormatError(f"{name}: expected a positive sampling interval in s, found {step!r} ({source})")
     if not same_step(known.values()):
         listed = ", ".join(f"{step:g} s ({source})" for source, step in known.items())
-        raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; {advice}")
+        stated = tuple(dict.fromkeys(f"{step:.9g}" for source, step in known.items() if source != given))
+        remedies = [Remedy("dt", stated)] if given in known else []
+        raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; {advice}", *remedies)
     return next(iter(known.values()))

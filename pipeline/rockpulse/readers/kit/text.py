@@ -7,13 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError, Remedy, UnitError
 from rockpulse.readers.source import NotAcceleration, OtherKind
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Factor of each unit: acceleration in m/s2 = value in the file x factor.
 UNITS: dict[str, float] = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
 UNITS |= {"g": STANDARD_GRAVITY, "g/10": STANDARD_GRAVITY / 10.0}
+#: Remedies for a file that states no unit, or no sampling interval.
+GIVE_UNIT, GIVE_INTERVAL = Remedy("units", tuple(UNITS)), Remedy("dt")
 
 #: Longest header line that is read [characters]; only damaged lines are longer.
 LONGEST_LINE = 200
@@ -51,9 +53,11 @@ _QUANTITY = {spelling: quantity for quantity, spellings in _QUANTITIES.items() f
 _CREDIBLE_PGA_G = (1e-3, 3.0)
 
 
-def unexpected(where: str, expected: str, found: str, advice: str = HEADER_DAMAGED) -> RecordFormatError:
+def unexpected(
+    where: str, expected: str, found: str, advice: str = HEADER_DAMAGED, *remedies: Remedy
+) -> RecordFormatError:
     """Return the error that states what was expected and what was found at a place ``file:line``."""
-    return RecordFormatError(f"{where}: expected {expected}, found {found}; {advice}")
+    return RecordFormatError(f"{where}: expected {expected}, found {found}; {advice}", *remedies)
 
 
 def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELERATION_FILE) -> NotAcceleration:
@@ -209,13 +213,6 @@ def canonical_unit(text: str, where: str) -> str:
         found = f"unknown unit of acceleration {text[:40]!r}{of}{near}"
         raise UnitError(f"{where}: {found}; expected one of {', '.join(UNITS)}{advice}")
     return unit
-
-
-def for_such_files(name: str, setting: str) -> str:
-    """Return configuration lines with a `setting`, such as ``dt = 0.01``, for all files with the suffix of `name`."""
-    last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
-    pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
-    return f'the configuration:\n[[records.file]]\nmatch = "{pattern}"\n{setting}'
 
 
 def for_other_files(option: str) -> str:

@@ -125,7 +125,7 @@ def _checksum(variable: h5py.Dataset) -> str:
 
 
 def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
-    """Return, for every record of a results file, the names of its input files and their SHA-256, each as a text."""
+    """Return two strings for every record of a results file: names of its input files, and their SHA-256."""
     groups = [
         item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
     ]

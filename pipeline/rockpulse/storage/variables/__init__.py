@@ -120,6 +120,7 @@ FAILURE = along(
     stage=text("step at which the file or record was left out"),
     reason=text("reason, and what to do"),
     kind=text("failed, skipped, duplicate, depth, vertical or structural"),
+    remedy=text("keys of the configuration with which the data can be used, each with its choices"),
 )
 
 

@@ -49,7 +49,7 @@ def check(
         Configuration with [[block]] and [check]; by default from the results.
     code : str or sequence of str, optional
         Codes to check: "circolare_2009", "circolare_2019", "en_1998", "circolare_2019_records" (for results with a
-        demand) and "circolare_2019_frame" (C7.2.11, elements of framed buildings; only if named).
+        demand) and "circolare_2019_frame" (formula C7.2.11, elements of framed buildings; only if named).
 
     Returns
     -------

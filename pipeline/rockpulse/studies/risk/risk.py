@@ -104,7 +104,9 @@ def risk(
         known = given or hazard_of(settings, folder)
         return fragility_frequency(tree, known, limit_state, years, confidence, resamples, seed)
     if limit_state != OVERTURNING:
-        raise ConfigError(f"limit_state: bodies allow overturning only, found {limit_state!r}; leave it out")
+        raise ConfigError(
+            f"limit_state: with bodies only {OVERTURNING!r} is possible, found {limit_state!r}; leave limit_state out"
+        )
     table = bodies if isinstance(bodies, Inventory) else read_inventory(Path(bodies))
     count, level = len(table.names), 0.9 if confidence is None else confidence
     hazards = given or site_hazards_of(settings, table.sites, table.soil_factor, count, folder)

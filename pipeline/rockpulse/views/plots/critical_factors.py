@@ -123,7 +123,7 @@ def critical_scale(
 ) -> Axes:
     """Draw, for every record, the smallest scale factor at which a body overturns in each model.
 
-    If the nonlinear model was not searched for scale factors, its scale factor at P = 10 % is drawn. Every record has a
+    If no search was made with the nonlinear model, its scale factor at P = 10 % is drawn. Every record has a
     row; rows are sorted by the most complete model, with the smallest factor on top.
 
     Parameters

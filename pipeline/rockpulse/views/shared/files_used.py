@@ -109,7 +109,7 @@ def failure_rows(tree: xr.DataTree) -> list[Failure]:
     if "failures" not in tree.children:
         return []
     failures = tree["failures"].to_dataset()
-    columns = (failures[name].values.tolist() for name in ("file", "stage", "reason", "kind"))
+    columns = (failures[name].values.tolist() for name in ("file", "stage", "reason", "kind", "remedy"))
     return [_translated(Failure(*row)) for row in zip(*columns, strict=True)]
 
 
@@ -148,7 +148,7 @@ def reasons_of(rows: Iterable[Failure], most: int = _REASONS, longest: int = _LO
 
 def _reason(group: list[Failure], longest: int) -> str:
     """Return the common reason of a group of failures, without advice, followed by the names of the files."""
-    words = " ".join(group[0].bare.split()).partition("; ")[0]
+    words = " ".join(group[0].found.split())
     if len(words) > longest:
         words = f"{words[:longest].rpartition(' ')[0]} ..."
     names = ", ".join(last_part(row.file) for row in group[:_NAMED]) + (", ..." if len(group) > _NAMED else "")

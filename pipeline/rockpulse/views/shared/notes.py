@@ -52,7 +52,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     if missed := missed_step(answers):
         notes[0] += (
             f" Ranges of overturning scale factors narrower than the step of the search (up to {missed:.1%}) may lie "
-            f"below it, undetected: its second digit is not reliable ([search] {MODELS[answers.model].grid})."
+            f"below SF, undetected: the second digit of SF is not reliable ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(

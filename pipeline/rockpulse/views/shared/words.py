@@ -167,7 +167,17 @@ def result_text(text: str, code: str = "") -> str:
         return text
     first, _, inner = code.partition("/")
     words = table(language()).get(f"warnings.{first}")
-    for template, translation in ({TEMPLATES[first]: words} if words else section("phrases")).items():
+    return _filled(text, {TEMPLATES[first]: words} if words else section("phrases"), inner)
+
+
+def error_words(text: str) -> str:
+    """Return the error of a key of the configuration in plain words of the current language, if it has any."""
+    return _filled(text, section("app.error"))
+
+
+def _filled(text: str, templates: Mapping[str, str], inner: str = "") -> str:
+    """Return the words of the first template that a text is made from, with the fields of the text."""
+    for template, translation in templates.items():
         if found := _pattern(template).fullmatch(text):
             parts = {name: _part(name, part, inner) for name, part in found.groupdict().items()}
             return _Numerals().vformat(translation, (), parts)

@@ -130,7 +130,7 @@ def test_what_a_search_may_miss_is_said(searched, step, models, told):
     searched["search_step"] = xr.full_like(searched["safety_factor"], step)
     shown = searched if models is None else searched.assign_coords(model=("model", models))
     text = " ".join(verdict_table(shown).split())
-    words = " may lie below it, undetected: its second digit is not reliable "
+    words = " may lie below SF, undetected: the second digit of SF is not reliable "
     assert told.replace("|", words) in text if told else "undetected" not in text
 
 
