@@ -40,6 +40,7 @@ class Command:
         self.code: int | None = None
         self.lines: list[str] = []
         self.version = 0  # counts the changes of these values, for the pages that show them
+        self.turned = 0  # version with which the command has started or ended
         self._process: asyncio.subprocess.Process | None = None
 
     @property
@@ -66,7 +67,7 @@ class Command:
             stderr=asyncio.subprocess.STDOUT,
             env=os.environ | {CHILD: "1", "PYTHONUNBUFFERED": "1"},
         )
-        self.version += 1
+        self.turned = self.version = self.version + 1
         try:
             rest = ""
             while process.stdout is not None and (read := await process.stdout.read(4096)):
@@ -77,7 +78,7 @@ class Command:
             self.code = await process.wait()
         finally:
             self._process = None
-            self.version += 1
+            self.turned = self.version = self.version + 1
         return self.code
 
     def _take(self, line: str) -> None:

@@ -7,7 +7,9 @@ from typing import Any
 
 from nicegui import ui
 
+from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.option import Section
+from rockpulse.record.measures import MEASURES
 from rockpulse.views.shared.words import error_words, numerals, say, section
 
 #: Sends the chosen or dropped files, also those in folders, one after the other, and reports the file that is sent and,
@@ -58,7 +60,7 @@ def value_of(text: str | None) -> Any:
     """Convert a typed text to a value: a number (with point or comma), a text, or None for an empty input."""
     typed = (text or "").strip()
     try:
-        return float(typed.replace(",", ".")) if typed else None
+        return int(typed) if typed.isdecimal() else float(typed.replace(",", ".")) if typed else None
     except ValueError:
         return typed
 
@@ -68,6 +70,13 @@ def text_of(value: Any) -> str:
     if isinstance(value, int | float):
         return numerals(f"{value:g}")
     return "" if value is None else str(value)
+
+
+def _shown(word: str) -> str:
+    """Return the name of a choice: the title of a measure, a unit as it is, or a word in the language of the page."""
+    if word in HAZARD_UNITS:
+        return word
+    return MEASURES[word].title if word in MEASURES else say(f"app.word.{word}")
 
 
 class Fields:
@@ -88,7 +97,7 @@ class Fields:
             if "bool" in str(item.type):
                 made: Any = ui.checkbox(label, value=bool(given), on_change=self._changing(name, lambda value: value))
             elif allowed.words and "float" not in str(item.type):
-                options = {word: say(f"app.word.{word}") for word in allowed.words}
+                options = {word: _shown(word) for word in allowed.words}
                 shown = item.default if given is None else given
                 made = ui.select(options, label=label, value=shown, on_change=self._changing(name, lambda value: value))
             else:

@@ -4,7 +4,7 @@ import math
 import re
 import shutil
 from collections.abc import Collection, Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from filecmp import cmp
 from importlib.resources import files
 from pathlib import Path
@@ -13,7 +13,15 @@ from typing import Any
 
 from rockpulse.app.child import Command
 from rockpulse.config.body_table import read_bodies, unused_columns
-from rockpulse.config.configuration import Config, config_of, document_as_text, section_of, section_values
+from rockpulse.config.configuration import (
+    Config,
+    config_from_text,
+    config_of,
+    document_as_text,
+    section_of,
+    section_values,
+)
+from rockpulse.config.study_settings import HazardSettings, SelectionSettings
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
 from rockpulse.option import Section
@@ -25,6 +33,8 @@ from rockpulse.views.shared.files_used import failure_rows
 
 #: Names of the files of a project.
 CONFIG, RECORDS, RESULTS, TABLE = "site.toml", "records", "results.h5", "results.csv"
+HAZARD, FRAGILITY, RISK = "hazard.csv", "fragility.h5", "risk.csv"
+SELECTION, SPECTRA = "selection.csv", "selection.png"
 #: Commands that repeat what the page does.
 ASSESS = ("assess", "--config", CONFIG, "-o", RESULTS)
 #: First line of a configuration of the page; another one is copied before it is replaced, for its comments.
@@ -79,6 +89,7 @@ class Project:
         self.command = Command(self.folder)
         self.document: dict[str, Any] = {}
         self.error, self.written, self.assessed = "", "", 0
+        self._made: dict[str, tuple[int, str]] = {}  # files of results: when they were made, from which configuration
         self._reading = Lock()
         self._state: Any = None  # of the configuration and the files when the records were read
         self._records: tuple[list[Record], list[Failure]] = [], []
@@ -257,14 +268,46 @@ class Project:
         self.save()
         return unused_columns(name, unused)
 
+    # Site
+
+    def set_hazard(self, name: str, content: bytes) -> None:
+        """Keep a file of hazard curves, which replaces a power law; raise ConfigError if it cannot be used as it is."""
+        from rockpulse.studies.risk.hazard_files import hazard_of
+
+        write_files({self.folder / HAZARD: content})
+        self.document["hazard"] = {
+            key: value for key, value in self.section("hazard").items() if key not in ("k0", "k", "measure", "unit")
+        } | {"file": HAZARD}
+        self.save()
+        try:
+            hazard_of(self.config().hazard, self.folder)
+        except ConfigError as error:
+            raise ConfigError(str(error).replace(str(self.folder / HAZARD), name)) from None
+
     # Results
 
     @property
     def outdated(self) -> bool:
-        """Whether the configuration or a record file is newer than the results."""
-        results = self.folder / RESULTS
-        made = results.stat().st_mtime if results.is_file() else math.inf
-        return any(path.stat().st_mtime > made for path in (self.path, *self.record_files()) if path.exists())
+        """Whether there are results, and the configuration or a file of records has changed since."""
+        return (self.folder / RESULTS).is_file() and not self.is_current(RESULTS)
+
+    def is_current(self, name: str) -> bool:
+        """Return whether a file of results exists that was made from the records and the configuration as they are."""
+        from rockpulse.storage.hdf5.results_file import open_results_file
+
+        path = self.folder / name
+        made = path.stat().st_mtime_ns if path.is_file() else 0
+        if made and self._made.get(name, (0, ""))[0] != made:
+            with open_results_file(path) as file:
+                self._made[name] = made, str(file.attrs["configuration"])
+        changed = any(file.stat().st_mtime_ns > made for file in self.record_files())
+        return bool(made) and not changed and _basis(config_from_text(self._made[name][1])) == _basis(self.config())
+
+    def newer_than(self, made: Path) -> bool:
+        """Return whether the configuration, the hazard or a file of records is newer than a file made from them."""
+        when = made.stat().st_mtime if made.is_file() else math.inf
+        inputs = (self.path, self.folder / HAZARD, *self.record_files())
+        return any(path.stat().st_mtime > when for path in inputs if path.exists())
 
     def report(self, language: str, suffix: str = ".html") -> Path:
         """Return the path of the report in a language."""
@@ -273,7 +316,14 @@ class Project:
     def downloads(self) -> Iterator[str]:
         """Yield the names of the files that the page offers for download."""
         yield from (path.name for path in self.folder.glob("report-??.*") if path.suffix in (".html", ".pdf"))
-        yield from (name for name in (RESULTS, TABLE, CONFIG) if (self.folder / name).is_file())
+        made = (RESULTS, TABLE, CONFIG, FRAGILITY, RISK, SELECTION, SPECTRA)
+        yield from (name for name in made if (self.folder / name).is_file())
+
+
+def _basis(config: Config) -> Config:
+    """Return what an assessment and a fragility depend on; results contain the full paths of the records."""
+    records = replace(config.records, paths=tuple(Path(path).name for path in config.records.paths))
+    return replace(config, records=records, hazard=HazardSettings(), selection=SelectionSettings())
 
 
 def without_defaults(section: Section) -> dict[str, Any]:

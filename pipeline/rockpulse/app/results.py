@@ -1,12 +1,22 @@
 """The section of the page on results: the progress of the assessment, the report, and the files to download."""
 
+import csv
+import math
 from typing import Any
 
 from nicegui import ui
 
-from rockpulse.app.project import ASSESS, CONFIG, RESULTS, TABLE
+from rockpulse.app.fields import plain_error
+from rockpulse.app.progress import Progress
+from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RESULTS, RISK, TABLE
+from rockpulse.app.table import Table
 from rockpulse.app.window import Window
+from rockpulse.views.shared.formatting import share, three_digits
 from rockpulse.views.shared.words import say
+
+#: Columns of the table of annual frequencies, and numbers in the file from which they are made.
+COLUMNS = ("block", "frequency", "band", "period", "probability")
+NUMBERS = ("frequency", "frequency_low", "frequency_high", "probability")
 
 #: Makes the frame of the report as high as the report.
 FIT = """(event) => { const frame = event.target, page = frame.contentDocument;
@@ -23,22 +33,19 @@ class ResultPart:
 
     def __init__(self, page: Window) -> None:
         self.page, self.project, self.command = page, page.project, page.project.command
-        self._seen, self._assessed = -1, page.project.assessed
+        self._assessed = page.project.assessed
 
     def show(self) -> None:
         """Build the section on the page."""
         handler = self.page.handler
-        with ui.row():
-            self.start = ui.button(say("app.results.start"), on_click=handler(self.assess)).props("no-caps")
-            self.stop = ui.button(say("app.results.cancel"), on_click=handler(self.command.cancel))
-            self.stop.props("outline no-caps")
+        self.start = ui.button(say("app.results.start"), on_click=handler(self.assess)).props("no-caps")
         self.start.mark("assess")
         self.fault = ui.label().classes("fault").props('role="alert"')
-        self.bar = ui.linear_progress(0.0, show_value=False).props(f'aria-label="{say("app.results.progress")}"')
-        self.state = ui.label().props('role="status"')
+        self.progress = Progress(self.page, "assess", "report", "export", "fragility", "risk")
         self.note = ui.label(say("app.results.outdated")).classes("note").props('role="status"')
+        self.risk = ui.element("div").classes("wide")
         self.found = ui.element("div").classes("wide")
-        self._show_found()
+        self._look()
         ui.timer(0.5, self._look)
 
     async def assess(self) -> None:
@@ -51,21 +58,20 @@ class ResultPart:
             await self._write_report(".html")  # also if the window was closed
 
     async def _write_report(self, suffix: str) -> None:
-        language = self.page.language
-        name = self.project.report(language, suffix).name
-        await self._run("report", RESULTS, "-o", name, "--language", language, "--overwrite")
+        name = self.project.report(self.page.language, suffix).name
+        await self.page.run("report", RESULTS, "-o", name, "--language", self.page.language, "--overwrite")
 
-    async def _run(self, *arguments: str) -> None:
-        """Run a command until it ends; raise ValueError with its message if it fails."""
-        code = 0 if self.command.running else await self.page.after(self.command.run(arguments))
-        if code:
-            raise ValueError(self.command.reason)
+    async def _frequencies(self) -> None:
+        of_config = "--config", CONFIG, "--overwrite", "-o"
+        if not self.project.is_current(FRAGILITY):
+            await self.page.run("fragility", *of_config, FRAGILITY, "--resume")
+        await self.page.run("risk", FRAGILITY, *of_config, RISK)
 
     def _saving(self, kind: str) -> Any:
         async def save() -> None:
             if kind == TABLE:
                 comma = ("--decimal-comma",) if self.page.language == "it" else ()
-                await self._run("export", RESULTS, "-o", TABLE, "--overwrite", *comma)
+                await self.page.run("export", RESULTS, "-o", TABLE, "--overwrite", *comma)
             else:
                 await self._write_report(kind)
             ui.download(f"/files/{TABLE if kind == TABLE else self.project.report(self.page.language, kind).name}")
@@ -78,27 +84,13 @@ class ResultPart:
         if self.project.assessed != self._assessed:  # by any window
             self._assessed = self.project.assessed
             ui.timer(0.05, self.page.handler(self.page.parts[0].read), once=True)  # what the assessment has rejected
-        if self.command.version != self._seen:
-            self._seen = self.command.version
-            with self.page.words():
-                self._show_command()
-
-    def _show_command(self) -> None:
-        command = self.command
-        self.start.visible, self.stop.visible = not command.running, command.running and command.verb == "assess"
-        self.bar.visible = command.running
-        if command.running:
-            self.bar.value = command.done / command.total if command.total else 0.0
-            self.bar.props(
-                f"{'' if command.total else 'indeterminate'}", remove="" if not command.total else "indeterminate"
-            )
-            key = f"app.results.{command.verb}" if command.verb != "assess" or not command.total else "app.results.at"
-            self.state.text = say(key, done=command.done, total=command.total, left=command.left, doing=command.doing)
-            return
-        ended = {None: "", 0: "", 1: "app.results.some", 130: "app.results.cancelled"}
-        key = ended.get(command.code, "app.results.failed")
-        self.state.text = say(key, reason=command.reason) if key else ""
-        self._show_found()
+        if self.progress.look():
+            running = self.command.running
+            self.start.visible = not running
+            if not running and self.command.verb in ("", *self.progress.verbs):
+                with self.page.words():
+                    self._show_found()
+                    self._show_risk()
 
     def _show_found(self) -> None:
         """Show links to the files, the commands that repeat the run, and the report, once there are results."""
@@ -127,6 +119,30 @@ class ResultPart:
                 frame.on("load", js_handler=FIT)
                 frame.props(f'src="/files/{report.name}?{report.stat().st_mtime_ns}"')
 
+    def _show_risk(self) -> None:
+        """Show the annual frequencies of the bodies, and the button that computes them."""
+        self.risk.clear()
+        path = self.project.folder / RISK
+        with self.risk:
+            ui.html(say("app.risk.title"), tag="h3")
+            with ui.row().classes("files"):
+                make = ui.button(say("app.risk.start"), on_click=self.page.handler(self._frequencies))
+                make.props("outline no-caps")
+                if path.is_file():
+                    _link("CSV", RISK)
+            if not path.is_file() or self.project.newer_than(path):
+                return
+            with path.open(encoding="utf-8", newline="") as file:
+                rows = [*csv.DictReader(file)]
+            config = self.project.config()
+            given = {"years": three_digits(config.hazard.years), "confidence": share(config.fragility.confidence)}
+            labels = {name: say(f"app.risk.{name}", **given) for name in COLUMNS}
+            columns = [{"name": name, "label": labels[name], "field": name, "align": "left"} for name in COLUMNS]
+            Table(say("app.risk.title"), columns, [_frequency(row) for row in rows])
+            for row in rows:
+                if notes := ". ".join(filter(None, (row["statement"], row["warning"]))):
+                    ui.label(f"{row['block']}: {notes}").classes("soft")
+
     def show_error(self, error: str) -> None:
         """Enable the start button only if the configuration is valid and contains bodies and records."""
         lacking = "" if self.project.document.get("block") else say("app.results.no_body")
@@ -136,9 +152,19 @@ class ResultPart:
             and not self.project.document.get("records", {}).get("paths")
         ):
             lacking = say("app.results.no_record")
-        self.fault.text = say("app.results.wrong", error=error) if error else lacking
+        self.fault.text = say("app.results.wrong", error=plain_error(error)) if error else lacking
         self.start.set_enabled(not error and not lacking)
         self.note.visible = self.project.outdated
+        self.risk.visible = not error and bool({"file", "k0"} & {*self.project.section("hazard")})
+
+
+def _frequency(row: dict[str, str]) -> dict[str, str]:
+    """Return the cells of a body in the table of annual frequencies."""
+    number = {name: float(value) if value else math.nan for name, value in row.items() if name in NUMBERS}
+    period = 1.0 / number["frequency"] if number["frequency"] else math.nan
+    shown = {name: three_digits(value) for name, value in number.items()}
+    band = f"{shown['frequency_low']} - {shown['frequency_high']}"
+    return {**shown, "id": row["block"], "block": row["block"], "band": band, "period": f"{period:,.0f}"}
 
 
 def _link(words: str, name: str) -> None:

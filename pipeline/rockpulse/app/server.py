@@ -71,13 +71,16 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
             raise
         project.keep_if_new(path)
 
-    @app.post("/table")
-    async def table(request: Request, name: str) -> Response:
+    async def taken(request: Request, name: str) -> Response:
+        take = project.add_table if request.url.path == "/table" else project.set_hazard
         try:
-            project.add_table(name, await request.body())
+            take(name, await request.body())
         except ConfigError as error:
             return PlainTextResponse(str(error), 400)
         return Response()
+
+    for one in ("/table", "/hazard"):
+        app.post(one)(taken)
 
     async def attend() -> None:
         while not Server.instance.started:

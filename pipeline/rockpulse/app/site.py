@@ -2,12 +2,14 @@
 
 from typing import Any
 
-from nicegui import ui
+from nicegui import events, ui
 
-from rockpulse.app.fields import Fields, text_of
+from rockpulse.app.fields import Fields, file_input, plain_error, refused, text_of
+from rockpulse.app.progress import Progress
+from rockpulse.app.project import CONFIG, SELECTION, SPECTRA
 from rockpulse.app.window import Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
-from rockpulse.config.study_settings import CheckSettings, ReportSettings
+from rockpulse.config.study_settings import CheckSettings, HazardSettings, ReportSettings, SelectionSettings
 from rockpulse.record.measures import PGA, ROWS
 from rockpulse.views.shared.words import say
 
@@ -47,6 +49,13 @@ class SitePart:
             self._group(RecordSettings, section("records")).add("components", "azimuth", "include_vertical")
         with ui.expansion(say("app.site.check")).classes("wide").props("dense"), ui.element("div").classes("keys"):
             self._group(CheckSettings, section("check")).add(*CHECK)
+            self._group(SelectionSettings, section("selection")).add("records")
+            self._spectra()
+        with ui.expansion(say("app.site.hazard")).classes("wide").props("dense"):
+            ui.label(say("app.site.hazard_intro")).classes("soft")
+            file_input(say("app.site.hazard_file"), "/hazard", self.page.handler(self._hazard_taken))
+            self.hazard = ui.element("div").classes("keys")
+            self._show_hazard()
         with ui.expansion(say("app.site.report")).classes("wide").props("dense"), ui.element("div").classes("keys"):
             names = ("author", "client", "project")
             self._group(ReportSettings, section("report")).add(*names, texts=names)
@@ -55,6 +64,58 @@ class SitePart:
     def _group(self, cls: Any, values: dict[str, Any]) -> Fields:
         self.groups.append(Fields(cls, values, self.page.changed))
         return self.groups[-1]
+
+    def _spectra(self) -> None:
+        """Show the button that selects records for the spectrum of the check, and the picture of their spectra."""
+        self.draw = ui.button(say("app.site.spectra"), on_click=self.page.handler(self._select))
+        self.draw.props("outline no-caps")
+        self.progress = Progress(self.page, "select")
+        self.picture = ui.element("div").classes("picture")
+        self._look()
+        ui.timer(0.5, self._look)
+
+    async def _select(self) -> None:
+        of_language = "--overwrite", "--language", self.page.language
+        await self.page.run("select", "--config", CONFIG, "-o", SELECTION, *of_language)
+
+    def _look(self) -> None:
+        if self.progress.look():
+            self.draw.set_enabled(not self.progress.command.running)
+            with self.page.words():
+                self._show_picture()
+
+    def _show_picture(self) -> None:
+        self.picture.clear()
+        path = self.project.folder / SPECTRA
+        if path.is_file() and not self.project.newer_than(path):
+            with self.picture:
+                address = f"/files/{SPECTRA}?{path.stat().st_mtime_ns}"
+                ui.html(f'<img src="{address}" alt="{say("app.site.spectra_alt")}">', sanitize=False)
+                ui.link(say("app.site.selection"), f"/files/{SELECTION}")
+
+    def _hazard_taken(self, event: events.GenericEventArguments) -> None:
+        if not event.args["sending"]:
+            self._show_hazard()
+            self.page.shown_error()
+            refused(event.args["faults"])
+
+    def _show_hazard(self) -> None:
+        self.hazard.clear()
+        values = self.project.section("hazard")
+        with self.hazard:
+            if "file" in values:
+                remove = ui.button(
+                    f"{say('app.records.remove')}: {values['file']}", on_click=self.page.handler(self._drop)
+                )
+                remove.props("outline no-caps")
+            else:
+                self._group(HazardSettings, values).add("measure", "unit", "k0", "k")
+            self._group(HazardSettings, values).add("longitude", "latitude", "soil_factor", "years")
+
+    def _drop(self) -> None:
+        del self.project.section("hazard")["file"]
+        self._show_hazard()
+        self.page.changed()
 
     def _choose(self, kind: str) -> None:
         site, demands = self.project.section("site"), self.project.several("demand")
@@ -105,4 +166,4 @@ class SitePart:
         if not heading:
             for group in self.groups:
                 group.show("")
-        self.fault.text = "" if any(shown) else own
+        self.fault.text = "" if any(shown) else plain_error(own)

@@ -4,9 +4,12 @@ from typing import Any
 
 from nicegui import ui
 
+#: Number of rows on a page.
+PAGE = 10
+
 
 class Table(ui.table):
-    """A table in pages of ten rows.
+    """A table in pages.
 
     NiceGUI keeps the order and the page of a table on the server, and draws the whole window anew for each change of
     them. Here they are kept by the browser alone.
@@ -16,5 +19,6 @@ class Table(ui.table):
 
     def __init__(self, label: str, columns: list[dict[str, Any]], rows: list[dict[str, Any]]) -> None:
         super().__init__(columns=columns, rows=rows)
-        self.props("dense flat rows-per-page-options=[10,50,0]", remove="pagination hide-pagination").classes("list")
+        several = " hide-pagination" if len(rows) > PAGE else ""
+        self.props(f"dense flat rows-per-page-options=[{PAGE},50,0]", remove=f"pagination{several}").classes("list")
         self.props(f'aria-label="{label}"')

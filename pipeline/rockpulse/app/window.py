@@ -8,15 +8,17 @@ from typing import Any, TypeVar
 from nicegui import ui
 
 from rockpulse.app.project import Project
-from rockpulse.views.shared.words import writing
+from rockpulse.views.shared.words import say, writing
 
 T = TypeVar("T")
 #: Number of calls of :meth:`Window.follow` from a change in another window to the reload of the page.
 PAUSE = 4
+#: Commands that end with exit code 1 if only some of the records could be used.
+SOME = ("assess", "fragility", "select")
 
 
 class Closed(Exception):
-    """The window was closed or reloaded before its work ended; the new window shows the result."""
+    """Nothing more is to be shown: the window was closed or loaded again, or a command was cancelled."""
 
 
 class Window:
@@ -53,6 +55,20 @@ class Window:
         if self.client.is_deleted:
             raise Closed
         return found
+
+    async def run(self, *arguments: str) -> None:
+        """Run a command of rockpulse to its end.
+
+        Raises ValueError with its message if it fails or if another one is running, and Closed if it was cancelled.
+        """
+        command = self.project.command
+        if command.running:
+            raise ValueError(say("app.results.busy"))
+        code = await self.after(command.run(arguments))
+        if code == 130:
+            raise Closed
+        if code > (arguments[0] in SOME):
+            raise ValueError(command.reason)
 
     def changed(self) -> None:
         """Write the configuration after a change on the page, and show whether it is valid."""

@@ -21,6 +21,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.plots.selected_spectra import selected_spectra
     from rockpulse.views.plots.style import whole_figure
     from rockpulse.views.shared.files_used import failure_rows, files_used
+    from rockpulse.views.shared.words import writing
     from rockpulse.views.text.left_out import rows_not_used
     from rockpulse.views.text.selection import selection_overview, selection_table
 
@@ -28,7 +29,8 @@ def _run(args: argparse.Namespace) -> int:
     picture = check_file(table.with_suffix(".png"), args.overwrite, (".png",))
     bar = progress_bars(args.quiet)
     tree = select(paths, config, progress=lambda planned: bar(planned, desc="computing spectra", unit=" records"))
-    drawn = picture_bytes(whole_figure(selected_spectra(tree)), "png")
+    with writing(args.language):
+        drawn = picture_bytes(whole_figure(selected_spectra(tree)), "png")
     write_files({table: table_csv(selection_table(tree)), picture: drawn})
     failed = files_used(tree).line
     if args.quiet:
@@ -51,7 +53,10 @@ VERB = Verb(
     "picture of the spectra. Bounds and tolerance: section [selection] of the configuration.",
     options=(
         from_records("TABLE", "table to write (CSV); the picture beside it has the suffix .png", bodies=False),
-        {"-n --number N": ("number of records, or of pairs; default: [selection] records", {"type": parse_count})},
+        {
+            "-n --number N": ("number of records, or of pairs; default: [selection] records", {"type": parse_count}),
+            "--language LANGUAGE": ("language of the picture: en (default) or it", {"default": "en"}),
+        },
     ),
     run=_run,
     examples=("rockpulse select records/ --config site.toml -n 5 -o selection.csv",),

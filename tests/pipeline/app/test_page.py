@@ -96,6 +96,7 @@ def test_a_channel_that_the_assessment_rejects_is_confirmed_on_its_row(browser, 
         window.says("records", "2 channels")
         window.press("results", "Assess")
         window.says("records", "Not used", "strong.AT2")
+        assert "older than the records" not in window.text("results")
         window.press("records", "This channel is correct: use it")
         window.says("results", "older than the records")
 
@@ -149,6 +150,40 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
     print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
     assert min(shown) < 6.0  # on a busy machine
     assert sorted(ordered)[4] < 200.0
+
+
+#: Opens all panels of the page.
+OPENED = "document.querySelectorAll('.q-expansion-item__container > .q-item').forEach((one) => one.click())"
+
+
+def test_spectra_over_that_of_the_code_and_the_annual_frequency(browser, tmp_path):
+    folder = tmp_path / "project"
+    (folder / "records").mkdir(parents=True)
+    for name, content in records().items():
+        (folder / "records" / name).write_bytes(content)
+    check = "[check]\nag = 0.2\nf0 = 2.5\ntc_star = 0.3\n[selection]\nfactors = [0.1, 10]\nperiods = [0.7, 1.5]\n"
+    block = '[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n'
+    (folder / "site.toml").write_text(f'[records]\npaths = ["records"]\n[hazard]\nk0 = 0.01\nk = 2\n{check}{block}')
+    (tmp_path / "curve.csv").write_text("pga [g],rate\n0.1,0.01\n0.4,0.0005\n")
+    with served(folder) as page:
+        window = Window(browser, page).open()
+        window.says("records", "5 channels, 5 earthquakes")
+        opened = (
+            "document.querySelectorAll('#site .q-expansion-item__container > .q-item').forEach((one) => one.click())"
+        )
+        browser.execute_script(opened)
+        window.says("site", "Hazard curve: CSV")
+        window.find("#site input[type=file]")[0].send_keys(str(tmp_path / "curve.csv"))
+        window.says("site", "Remove: hazard.csv")
+        window.type("site", "number of records", "3")
+        window.press("site", "Draw the spectra of records over it")
+        window.wait(lambda: window.find("#site img"))
+        window.wait(lambda: browser.execute_script("return document.querySelector('#site img').naturalWidth > 500"))
+        window.press("results", "Compute fragility and annual frequency")
+        window.says("results", "return period", "wall")
+        assert window.console() == []
+    assert "records = 3" in (folder / "site.toml").read_text()
+    assert len((folder / "risk.csv").read_text().splitlines()) == 2
 
 
 def children(pid):
@@ -239,8 +274,7 @@ def test_nothing_grave_is_found_by_axe(axe, browser, agency, tmp_path):
         window.drop(agency / "agency.zip", agency / "columns.txt")
         window.says("records", "5 channels", "Not used (1)")
         walls(window)
-        everything = "document.querySelectorAll('.q-expansion-item__container > .q-item').forEach((one) => one.click())"
-        browser.execute_script(everything)
+        browser.execute_script(OPENED)
         window.says("site", "behaviour factor q")
         browser.execute_script(axe)
         for width in (1280, 390):

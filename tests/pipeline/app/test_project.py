@@ -123,3 +123,13 @@ def test_the_error_of_a_body_names_its_key():
     assert str(fault).startswith('[[block]] "wall" width: expected')
     assert not fault.remedies
     assert [one.key for one in body_error({"name": "wall", "width": 550, "height": 2.4}).remedies] == ["confirm_size"]
+
+
+def test_a_hazard_curve_is_kept_in_place_of_a_power_law(tmp_path):
+    project = Project(tmp_path)
+    project.section("hazard").update(k0=1e-3, k=2.5, years=100)
+    project.set_hazard("curve.csv", b"pga [g],rate\n0.1,0.01\n0.4,0.0005\n")
+    assert project.config().hazard == rp.HazardSettings(file="hazard.csv", years=100.0)
+    assert rp.load_hazard(tmp_path / "hazard.csv").rate(0.4 * 9.80665) == pytest.approx(0.0005)
+    with pytest.raises(ConfigError, match=r"^levels\.csv"):
+        project.set_hazard("levels.csv", b"level,rate\n")
