@@ -10,7 +10,7 @@ from nicegui import ui
 from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.option import Section
 from rockpulse.record.measures import MEASURES
-from rockpulse.views.shared.words import error_words, numerals, say
+from rockpulse.views.shared.words import error_words, numerals, say, section
 
 #: Sends the chosen or dropped files, also those in folders, one after the other, and reports the file that is sent and,
 #: at the end, the faults.
@@ -46,6 +46,14 @@ def refused(faults: list[str]) -> None:
     """Show the reasons why files were not accepted."""
     for fault in faults:
         ui.notify(fault, type="negative", multi_line=True, close_button=True, timeout=0)
+
+
+def plain_error(error: str) -> str:
+    """Return an error of the configuration in plain words of the current language, with the names of body and input."""
+    place, _, said = re.sub(r"^\[+[\w.]+\]+ ?", "", error).partition(": ")
+    key = place.rpartition(" ")[2]
+    named = place.removesuffix(key) + section("app.key").get(key, key)
+    return f"{named}: {error_words(said)}".removeprefix(": ")
 
 
 def value_of(text: str | None) -> Any:

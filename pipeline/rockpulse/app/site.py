@@ -4,7 +4,7 @@ from typing import Any
 
 from nicegui import events, ui
 
-from rockpulse.app.fields import Fields, file_input, refused, text_of
+from rockpulse.app.fields import Fields, file_input, plain_error, refused, text_of
 from rockpulse.app.progress import Progress
 from rockpulse.app.project import CONFIG, SELECTION, SPECTRA
 from rockpulse.app.window import Window
@@ -166,4 +166,4 @@ class SitePart:
         if not heading:
             for group in self.groups:
                 group.show("")
-        self.fault.text = "" if any(shown) else own
+        self.fault.text = "" if any(shown) else plain_error(own)
