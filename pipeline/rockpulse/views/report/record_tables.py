@@ -52,8 +52,7 @@ def earthquake_words(known: Known) -> str:
 def record_words(known: Known) -> str:
     """Return earthquake, station code and direction of a record as text; empty if the earthquake is unknown."""
     event, station = earthquake_words(known), known.value("station") or known.place
-    direction = known.direction.replace("-", "\N{NON-BREAKING HYPHEN}")
-    return ", ".join(filter(None, (event, station, direction))) if event else ""
+    return ", ".join(filter(None, (event, station, known.direction))) if event else ""
 
 
 def record_named(known: Known, name: str) -> str:
