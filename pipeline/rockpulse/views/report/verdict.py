@@ -285,5 +285,5 @@ def _governing(answers: Answers, record: int) -> Cell:
     name = record_cells(answers.summary)[record]
     known = Known(answers.summary, record=answers.records[record])
     whole = known.direction.replace("-", "\N{NON-BREAKING HYPHEN}")  # on one line of the table
-    label = record_named(known, name.text).replace(known.direction or " ", whole or " ")
+    label = record_named(known, name.text).replace(known.direction, whole)
     return unexplained(name)._replace(text=label, link=f"record-{record}")
