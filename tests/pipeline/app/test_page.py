@@ -34,6 +34,8 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
         walls(window)
         assert "confirm_size" not in (page.folder / "site.toml").read_text()  # the size was changed since
         window.choose("site", "given by", "PGA")
+        window.type("site", "value", "30")
+        window.says("site", "PGA of 30 g must be confirmed", "This value is correct")
         window.type("site", "value", "0,3")
         window.press("results", "Assess")
         window.wait(lambda: window.find("#results iframe"))
