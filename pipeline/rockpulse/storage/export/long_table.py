@@ -115,7 +115,7 @@ def long_table(
         for name in columns:
             if not any(_answers_to(column, name) for column in [*labels, *found]):
                 known = [column.name for column in found]
-                choices = f"it has {some(known, 5)} (all: docs/schema.md)"
+                choices = f"it has {some(known, 5)} (the manual lists all on the page of the schema)"
                 raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, choices)}")
         found = [column for column in found if any(_answers_to(column, name) for name in columns)]
     masks, selection = _masks(dataset, named, labels, selection)

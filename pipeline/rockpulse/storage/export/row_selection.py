@@ -211,6 +211,6 @@ def rows(
 def _variable(dataset: xr.Dataset, name: str) -> xr.Variable:
     if name not in dataset.variables:
         known = [str(other) for other in dataset.variables]
-        choices = f"there are {some(known, 5)} (all: docs/schema.md)"
+        choices = f"there are: {some(known, 5)} (the manual lists all on the page of the schema)"
         raise ResultsError(f"no variable {name!r} in these results{hint(name, known, choices)}")
     return dataset.variables[name]

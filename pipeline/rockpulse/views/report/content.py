@@ -277,7 +277,7 @@ def _of_block(answers: Answers, block: str, restitutions: list[float], given: Bl
 
 def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ...]]:
     """Return mass, density, ties, loads, thrusts, floor modes and pedestals of a body, each as lines of text."""
-    found: dict[str, tuple[str, ...]] = {"mass": () if math.isnan(one.real("mass")) else (one.number("mass", "kg"),)}
+    found: dict[str, tuple[str, ...]] = {"mass": () if math.isnan(one.real("mass")) else (_rounded(one.real("mass")),)}
     parts = {name: every for name, every in json.loads(one.text("restraints") or "{}").items() if name != "hinge"}
     parts |= {"floors": json.loads(one.text("floors") or "[]")}
     if given is not None:
@@ -286,6 +286,11 @@ def _weights(one: Known, given: BlockSettings | None) -> dict[str, tuple[str, ..
     for name, every in parts.items():
         found[name] = tuple(filter(None, (", ".join(_numbers(part)) for part in every)))
     return found
+
+
+def _rounded(mass: float) -> str:
+    """Return a mass [kg] with three significant digits as text, without an exponent."""
+    return f"{six_digits(float(f'{mass:.3g}'))} kg"
 
 
 def _numbers(part: dict[str, float | str | None]) -> list[str]:

@@ -27,8 +27,9 @@ _MEANING = {
     "PGA of the record scaled by it.",
 }
 
-#: Name of the variable of the smallest capacity/demand over the demands.
+#: Name of the variable of the smallest capacity/demand over the demands, and its meaning.
 CAPACITY = "capacity/demand"
+_OF_DEMAND = "capacity/demand: scale factor over the scale factor of the demand, smallest over the demands."
 #: Columns of a list of records, with facts stated by at least one file, and columns of a list of bodies.
 STRENGTH = (*(one.name for one in STORED), "main_impulse")
 RECORD = ("record", *STRENGTH, "magnitude", "epicentral_distance", "warnings")
@@ -94,6 +95,7 @@ def case_list(summary: xr.Dataset, selection: RowSelection) -> str:
         "Figures below the model: largest rotation over the critical angle (theta_max/alpha_c). Uplift ratio: PGA "
         "over the PGA that lifts the body. I/I_1c: main impulse over the single impulse that overturns the body.",
         *(_MEANING[factor] for factor in factors),
+        *([_OF_DEMAND] if CAPACITY in summary else []),
         *([say("note.beyond_critical")] if beyond else []),
         *([col.NONE_UP_TO.note] if col.NONE_UP_TO in marks else []),
         *col.doubt_notes(row[0] for row in table),

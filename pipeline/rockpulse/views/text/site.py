@@ -236,8 +236,9 @@ def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = three_digi
 def _warnings(site: xr.Dataset) -> str:
     groups: dict[str, list[str]] = {}
     for name, words in zip(site["record"].values.tolist(), site["warnings"].values.tolist(), strict=True):
-        if words:
-            groups.setdefault(words.splitlines()[0], []).append(name)
-    title = f"records with warnings: {sum(map(len, groups.values()))} (all are stored in /site, variable warnings)"
+        for line in words.splitlines():
+            groups.setdefault(line, []).append(name)
+    count = np.count_nonzero(site["warnings"].values != "")
+    title = f"records with warnings: {count} (all are stored in /site, variable warnings)"
     said = [paragraph(f"{words}: {listed(names, 3)}", "      ", "  ") for words, names in groups.items()]
     return "\n".join([title, *said[:LISTED]]) if groups else ""
