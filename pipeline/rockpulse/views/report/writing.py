@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import UTC, datetime
 from functools import cache, partial
 from importlib.resources import files
@@ -73,11 +73,15 @@ LETTERS = {
     "m/s2": "m/s²",
 }
 #: Names of the programs of usable browsers on PATH.
-BROWSERS = (
-    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
-    *("microsoft-edge", "msedge"),
-)
-
+BROWSERS = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "msedge",
+]
 #: Locations of browsers: on Windows below the program folders, on macOS among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
 WINDOWS = tuple(
@@ -105,6 +109,7 @@ def report(
     config: Config | str | Path | None = None,
     full: bool = False,
     code: str | Sequence[str] | None = None,
+    progress: Callable[[Sequence[int]], Iterable[int]] | None = None,
 ) -> Path:
     """Write the report of an assessment as one file: HTML without external resources, or PDF.
 
@@ -130,6 +135,8 @@ def report(
         Whether to add the configuration, the SHA-256 of the input files and of the files of results, and their folders.
     code : str or sequence of str, optional
         Codes of the check, as in :func:`rockpulse.check`; by default all that the results allow.
+    progress : callable, optional
+        Function that wraps the numbers of the pictures, as ``tqdm.tqdm`` does.
 
     Returns
     -------
@@ -153,7 +160,9 @@ def report(
     as_pdf = target.suffix.lower() == ".pdf"
     if as_pdf:
         browser()  # checked before any work
-    page = report_page(results, site, fragility, language, None if config is None else given_config(config), full, code)
+    page = report_page(
+        results, site, fragility, language, None if config is None else given_config(config), full, code, progress
+    )
     with FileSet() as parts:
         parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
         check_report_target(output, overwrite)  # another process may have written it in the meantime
@@ -193,6 +202,7 @@ def report_page(
     config: Config | None = None,
     full: bool = False,
     code: str | Sequence[str] | None = None,
+    progress: Callable[[Sequence[int]], Iterable[int]] | None = None,
 ) -> str:
     """Return the HTML page of the report as text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -234,7 +244,7 @@ def report_page(
             content=content,
             annexes=[one for one in ANNEXES if getattr(content, one, True)],
             worst_curve=next((name for name in worst if name in curves), curves[0] if curves else ""),
-            pictures=Pictures(tree, *beside, content.found),
+            pictures=Pictures(tree, *beside, content.found, progress),
             files=[
                 Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind], full)) for kind in given if kind in trees
             ],
