@@ -125,7 +125,7 @@ class BodyRow:
         self.frame.props(f'aria-label="{escape(name) or say("app.bodies.new")}"')
         empty = not set(self.values) & {"width", "height"}
         shown = [one.show(error if part == heading and not empty else "") for part, one in self.fields]
-        said = error_words(error.partition("]] ")[2].removeprefix(f'"{name}": '))
+        said = error_words(error.partition("]] ")[2].removeprefix(f'"{name}"').partition(": ")[2])
         self.fault.text = "" if not error or any(shown) or empty else said[:1].upper() + said[1:]
         self.confirm.visible = bool(fault and fault.remedies)
         if error:

@@ -10,7 +10,7 @@ from nicegui import ui
 from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.option import Section
 from rockpulse.record.measures import MEASURES
-from rockpulse.views.shared.words import error_words, numerals, say
+from rockpulse.views.shared.words import error_words, numerals, say, section
 
 #: Sends the chosen or dropped files, also those in folders, one after the other, and reports the file that is sent and,
 #: at the end, the faults.
@@ -46,6 +46,16 @@ def refused(faults: list[str]) -> None:
     """Show the reasons why files were not accepted."""
     for fault in faults:
         ui.notify(fault, type="negative", multi_line=True, close_button=True, timeout=0)
+
+
+def plain_error(error: str) -> str:
+    """Return an error of the configuration in plain words of the current language, with names of body and inputs."""
+    found = re.fullmatch(r'\[+[\w.]+\]+ ?(".*?" ?|)(.*?): (.*)', error, re.DOTALL)
+    if found is None:
+        return error_words(error)
+    labels = section("app.key")
+    named = found[1] + ", ".join(labels.get(key, key) for key in found[2].split(", "))
+    return f"{named.strip()}: {error_words(found[3])}".removeprefix(": ")
 
 
 def value_of(text: str | None) -> Any:

@@ -2,8 +2,9 @@
 
 from nicegui import ui
 
+from rockpulse.app.fields import plain_error
 from rockpulse.app.window import Window
-from rockpulse.views.shared.words import error_words, say
+from rockpulse.views.shared.words import say
 
 #: Texts for the exit codes of a command that has ended; another code means that it has failed.
 ENDED = {None: "", 0: "", 1: "app.results.some", 130: "app.results.cancelled"}
@@ -38,4 +39,4 @@ class Progress:
             self.state.text = say(key, done=command.done, total=command.total, left=command.left)
         else:
             key = ENDED.get(command.code, "app.results.failed") if command.verb in self.verbs else ""
-            self.state.text = say(key, reason=error_words(command.reason)) if key and not command.running else ""
+            self.state.text = say(key, reason=plain_error(command.reason)) if key and not command.running else ""

@@ -6,10 +6,11 @@ from typing import Any
 
 from nicegui import ui
 
+from rockpulse.app.fields import plain_error
 from rockpulse.app.progress import Progress
 from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RESULTS, RISK, TABLE
 from rockpulse.app.table import Table
-from rockpulse.app.window import Window, in_words
+from rockpulse.app.window import Window
 from rockpulse.views.shared.formatting import share, three_digits
 from rockpulse.views.shared.words import say
 
@@ -151,7 +152,7 @@ class ResultPart:
             and not self.project.document.get("records", {}).get("paths")
         ):
             lacking = say("app.results.no_record")
-        self.fault.text = say("app.results.wrong", error=in_words(error)) if error else lacking
+        self.fault.text = say("app.results.wrong", error=plain_error(error)) if error else lacking
         self.start.set_enabled(not error and not lacking)
         self.note.visible = self.project.outdated
         self.risk.visible = not error and bool({"file", "k0"} & {*self.project.section("hazard")})

@@ -4,10 +4,10 @@ from typing import Any
 
 from nicegui import events, ui
 
-from rockpulse.app.fields import Fields, file_input, refused, text_of
+from rockpulse.app.fields import Fields, file_input, plain_error, refused, text_of
 from rockpulse.app.progress import Progress
 from rockpulse.app.project import CONFIG, SELECTION, SPECTRA
-from rockpulse.app.window import Window, in_words
+from rockpulse.app.window import Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, HazardSettings, ReportSettings, SelectionSettings
 from rockpulse.record.measures import PGA, ROWS
@@ -178,4 +178,4 @@ class SitePart:
             sure.visible = of_demand and "confirm_value" in own
         heading = own.partition("]")[0]
         shown = [group.show(own if heading and group.cls.heading.startswith(heading) else "") for group in self.groups]
-        self.fault.text = "" if any(shown) or (of_demand and self.values) else in_words(own)
+        self.fault.text = "" if any(shown) or (of_demand and self.values) else plain_error(own)

@@ -1,6 +1,5 @@
 """One open window of the page: its language, its sections, and the handlers of its events."""
 
-import re
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
@@ -8,8 +7,9 @@ from typing import Any, TypeVar
 
 from nicegui import ui
 
+from rockpulse.app.fields import plain_error
 from rockpulse.app.project import Project
-from rockpulse.views.shared.words import error_words, say, section, writing
+from rockpulse.views.shared.words import say, writing
 
 T = TypeVar("T")
 #: Number of calls of :meth:`Window.follow` from a change in another window to the reload of the page.
@@ -20,15 +20,6 @@ SOME = ("assess", "fragility", "select")
 
 class Closed(Exception):
     """Nothing more is to be shown: the window was closed or loaded again, or a command was cancelled."""
-
-
-def in_words(error: str) -> str:
-    """Return an error of the configuration with the labels of its keys on the page, in plain words if it has any."""
-    where, _, what = error.partition(": ")
-    body, labels = re.search('"(.*)"', where), section("app.key")
-    named = [body[1]] if body else []
-    named += [labels[key] for key in re.findall(r"\w+", re.sub(r"\[.*\]|\".*\"", "", where)) if key in labels]
-    return f"{', '.join(named)}: {error_words(what)}" if named else error_words(what or where)
 
 
 class Window:
@@ -112,7 +103,7 @@ class Window:
                 except (ValueError, OSError) as error:
                     if self.client.is_deleted:
                         raise
-                    ui.notify(error_words(str(error)), type="negative", multi_line=True, close_button=True, timeout=0)
+                    ui.notify(plain_error(str(error)), type="negative", multi_line=True, close_button=True, timeout=0)
                 finally:
                     self._working -= 1
                     self._seen = self.project.written

@@ -255,7 +255,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> RecordRefused | 
     if defects := deciding(conditioned):
         remedy = Remedy("confirm", (conditioned.id,))
         return RecordRefused(
-            f"{conditioned.id}: {'; '.join(defects)}. It is not used until it is confirmed: correct or leave out "
+            f"{conditioned.id}: {'; '.join(defects)}; it is not used until it is confirmed: correct or leave out "
             f"the file, or, if it is right, give {remedy.advice()}",
             remedy,
         )
@@ -307,7 +307,7 @@ def _row(record: Record, stage: str, error: RockpulseError, whose: str = "") -> 
 def _too_strong(found: str, channels: Sequence[Record]) -> RecordRefused:
     remedy = Remedy("confirm", tuple(one.id for one in channels))
     return RecordRefused(
-        f"{found}. A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning is rejected unless it is confirmed: "
+        f"{found}; a peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning is rejected unless it is confirmed: "
         "correct the unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
         f"{remedy.advice()}",
         GIVE_UNIT,

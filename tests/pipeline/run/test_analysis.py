@@ -108,7 +108,7 @@ def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
     assert (file, stage, kind) == (odd.source, "measure", "failed")
     assert reason == (
         "XX.A..HNE@20230206T011732: peak 62.3 g if the unit is g; 0.0635 g if it is cm/s2 or "
-        "0.00635 g if it is mm/s2. A peak above 5 g after conditioning is rejected unless it is confirmed: "
+        "0.00635 g if it is mm/s2; a peak above 5 g after conditioning is rejected unless it is confirmed: "
         "correct the unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
         '--confirm XX.A..HNE@20230206T011732, or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
     )
@@ -161,7 +161,7 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
     swept = {"components": "sweep", "azimuth_step": 45.0}
     names, (row,) = seen(pair(40.0, 40.0), **swept)
     assert names == []
-    assert row[3].startswith(".A..HNE-HNN@20230206T000000: peak 5.77 g, turned to 45 degrees. A peak above 5 g")
+    assert row[3].startswith(".A..HNE-HNN@20230206T000000: peak 5.77 g, turned to 45 degrees; a peak above 5 g")
     assert 'give --confirm a.E --confirm a.N, or confirm = ["a.E", "a.N"] under [records]' in row[3]
     assert "give --confirm a.N, or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
     (left,) = run(Largest(Config(records=RecordSettings(**swept))), pair(40.0, 40.0)).attrs["failures"]

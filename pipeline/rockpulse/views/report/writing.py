@@ -73,15 +73,9 @@ LETTERS = {
     "m/s2": "m/s²",
 }
 #: Names of the programs of usable browsers on PATH.
-BROWSERS = [
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-    "microsoft-edge",
-    "msedge",
-]
+BROWSERS = (
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge", "msedge"),
+)
 #: Locations of browsers: on Windows below the program folders, on macOS among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
 WINDOWS = tuple(
@@ -401,7 +395,6 @@ def printed(page: str) -> bytes:
         except OSError as error:
             raise ResultsError(f"{program}: cannot be run ({error.strerror}); {INSTEAD}") from error
         if done.returncode or not target.is_file():
-            said = done.stderr.decode("utf-8", "replace").strip().splitlines()
-            last = f": {said[-1]}" if said else ""
+            last = "".join(f": {line}" for line in done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:])
             raise ResultsError(f"{program}: printed no PDF (exit code {done.returncode}){last}; {INSTEAD}")
         return target.read_bytes()
