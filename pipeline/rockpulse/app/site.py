@@ -125,6 +125,7 @@ class SitePart:
         demands.clear()
         if kind != "ag":
             site.pop("ag", None)
+        site.pop("pga", None)
         if kind in MEASURES:
             demands.append({"measure": kind, **({"period": 1.0} if ROWS[kind].periods else {})})
         self._show_demand(kind)
