@@ -3,7 +3,8 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Collection
-from itertools import islice
+from heapq import nsmallest
+from operator import ne
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,11 @@ STATION = """<q-td :props="props"><q-btn flat dense no-caps color="primary" :lab
 SHAPE = """<q-td :props="props"><svg class="shape" viewBox="0 0 80 24" aria-hidden="true"
  @click="$parent.$emit('picture', props.row.id)"><path :d="props.value" /></svg></q-td>"""
 #: Number of strokes of a thumbnail, and largest number of files to choose a partner from.
-STROKES, PARTNERS = 40, 50
+STROKES, PARTNERS = 40, 20
+#: Largest cosine of the angle between the directions of a pair.
+CROSSWISE = 0.2
+#: Number of files not used that are shown at first, as their inputs make the page slow.
+LEFT = 20
 #: Cell with the button that removes a file.
 REMOVE = """<q-td :props="props" auto-width><q-btn flat dense icon="delete" color="secondary"
  :aria-label="'{remove} ' + props.value" @click="$parent.$emit('remove', props.value)" /></q-td>"""
@@ -51,6 +56,7 @@ class RecordPart:
         self.records: list[Record] = []
         self.failures: list[Failure] = []  # of reading, and of the last assessment
         self.single: dict[str, Record] = {}  # the horizontal channels that are alone in their files, by file
+        self.most = LEFT  # the largest number of files not used that are shown
         self.components = ""  # the directions for which the channels without a partner were found
 
     def show(self) -> None:
@@ -148,9 +154,15 @@ class RecordPart:
         with self.left:
             if rows:
                 ui.html(say("app.records.left", count=len(rows)), tag="h3")
-            for row in rows:
+            for row in rows[: self.most]:
                 with ui.element("div").classes(f"left {row.kind}"):
                     self._left(row)
+            if len(rows) > self.most:
+                ui.button(say("app.records.all"), on_click=self.page.handler(self._show_all)).props("outline no-caps")
+
+    def _show_all(self) -> None:
+        self.most = len(self.failures) + len(self.records)
+        self._show_left()
 
     def _components(self) -> str:
         return str(self.project.section("records").get("components", ""))
@@ -195,17 +207,17 @@ class RecordPart:
         made.props("dense outlined").classes("key")
 
     def _partners(self, name: str) -> dict[str, list[str]]:
-        """Return the files that can be the other direction of a file, the nearest ones first, as north and east."""
+        """Return the files that can be the other direction of a file, similar names first, as north and east."""
         if name not in self.single:
             return {}
-        one, names = self.single[name], [*self.single]  # sorted by path
-        at = names.index(name)
-        found = {}
-        for _, other in sorted(enumerate(names), key=lambda item: abs(item[0] - at)):
-            record = self.single[other]
-            if record is not one and one.npts == record.npts and same_step((one.dt, record.dt)):
-                found[other] = [other, name] if _eastward(one, record) else [name, other]
-        return dict(islice(found.items(), PARTNERS))
+        one, last = self.single[name], last_part(name)
+        found = {
+            other: [other, name] if _eastward(one, record) else [name, other]
+            for other, record in self.single.items()
+            if record is not one and one.npts == record.npts and same_step((one.dt, record.dt))
+            if not abs(math.cos(math.radians(one.azimuth - record.azimuth))) > CROSSWISE  # true if one is unknown
+        }
+        return {other: found[other] for other in nsmallest(PARTNERS, found, key=lambda other: _unlike(last, other))}
 
     def _applying(self, name: str, key: str, value: Callable[[], Any]) -> Any:
         async def apply() -> None:
@@ -281,6 +293,12 @@ def _box(file: str) -> str:
     """Return the archive or the folder of a file."""
     archive, mark, _ = file.rpartition("!")
     return archive if mark else str(Path(file).parent)
+
+
+def _unlike(last: str, file: str) -> int:
+    """Return the number of characters in which the name of a file differs from another one."""
+    other = last_part(file)
+    return sum(map(ne, last, other)) + abs(len(last) - len(other))
 
 
 def _eastward(one: Record, other: Record) -> bool:

@@ -282,10 +282,10 @@ def _require_one_demand(config: Config) -> None:
     if of_site is None or not given or any(math.isclose(one.strength, of_site.strength, rel_tol=SAME) for one in given):
         return
     found, wanted = (f"{value / STANDARD_GRAVITY:.3g} g" for value in (given[0].strength, of_site.strength))
+    checks = "" if config.site.ag is None else ", or move ag and ground to [check] if only the checks need them"
     raise ConfigError(
         f"[[demand]] {given[0].name}: expected the PGA of [site], {wanted} ({of_site.name}), found {found}; remove the "
-        "wrong one, state the limit_state of the demand if it is another one, or move ag and ground to [check] if only "
-        "the checks need them"
+        f"wrong one, or state the limit_state of the demand if it is another one{checks}"
     )
 
 

@@ -139,7 +139,7 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
         title = f"{name}, {n % 12 + 1}/{n % 28 + 1}/{1950 + n % 60}, Bagnoli, {n}"
         (tmp_path / "records" / f"{n:03}.AT2").write_bytes(at2(motion, title=title))
     blocks = "".join(f'[[block]]\nname = "b{n}"\nwidth = {0.3 + 0.01 * n}\nheight = 2.4\n' for n in range(50))
-    (tmp_path / "site.toml").write_text(f'[records]\npaths = ["records"]\n{blocks}')
+    (tmp_path / "site.toml").write_text(f'[records]\npaths = ["records"]\ncomponents = "strongest"\n{blocks}')
     shown, ordered = [], []
     with served(tmp_path) as page:
         window = Window(browser, page)
@@ -148,7 +148,8 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
             window.open()
             window.wait(lambda: len(window.find("#records tbody tr")) >= 10)
             shown.append(perf_counter() - begin)
-            window.says("records", "200 channels, 200 earthquakes")
+            window.says("records", "200 channels, 200 earthquakes", "Not used (200)")
+            assert len(window.find("#records .left.failed")) == 20
             ordered += [browser.execute_async_script(SORTED, column) for column in ("PGA", "direction", "PGV")]
     print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
     assert min(shown) < 6.0  # on a busy machine

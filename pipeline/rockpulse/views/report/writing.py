@@ -302,7 +302,7 @@ def plain_words(words: str, folders: tuple[str, ...] = ()) -> str:
     if not option.search(words):
         return words
     words = re.sub(r" \([^()]*\)", lambda found: "" if option.search(found[0]) else found[0], words)
-    first, *further = re.split(r"(?<=;) |(?<=\.) (?=[A-Z])", words)
+    first, *further = re.split(r"(?<=;) |(?<=\.) (?=[A-ZÀ-Ý])", words)
     kept = " ".join([first, *(part for part in further if not option.search(part))])
     if kept.endswith(";"):
         kept = kept[:-1] + "." * words.endswith(".")
@@ -314,13 +314,13 @@ def _in_words(key: str) -> str:
 
 
 def _folders(tree: xr.DataTree, results: xr.DataTree | str | Path | None) -> tuple[str, ...]:
-    """Return the folders of the input files and of the results as the beginnings of paths, the longest first."""
+    """Return the folders of the input files and of the results as the beginnings of paths; the common one is first."""
     named = [Path(results).absolute()] if isinstance(results, str | Path) else []
     sources = [*tree["summary"].to_dataset()["source"].values.tolist(), *(row.file for row in failure_rows(tree))]
     named += [Path(name.partition("!")[0]) for source in sources for name in source.split(BETWEEN)]
     folders = {str(path.parent) for path in named if path.is_absolute()}
-    common = os.path.commonpath(folders) if folders else ""
-    if folders and len(Path(common).parts) > 2:
+    common = os.path.commonpath(folders) if len({Path(one).drive for one in folders}) == 1 else ""
+    if len(Path(common).parts) > 2:
         folders.add(common)
     return tuple(f"{folder}{os.sep}" for folder in sorted(folders, key=len) if len(Path(folder).parts) > 1)
 
