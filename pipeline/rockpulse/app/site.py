@@ -36,8 +36,8 @@ class SitePart:
             self._group(SiteSettings, section("site")).add("name", "description", texts=("name", "description"))
         ui.html(say("app.site.demand"), tag="h3")
         demands = self.project.several("demand")
-        if not demands and "pga" in section("site"):  # the same as a demand
-            demands.append({"measure": PGA, "value": section("site").pop("pga")})
+        if not demands and PGA in section("site"):  # the same as a demand
+            demands.append({"measure": PGA, "value": section("site").pop(PGA)})
         kind = "none" if not demands else demands[0].get("measure", PGA)
         kind = "ag" if not demands and "ag" in section("site") else kind
         options = {one: say(f"app.demand.{one}") for one in ("none", "ag", *MEASURES)}
@@ -125,7 +125,7 @@ class SitePart:
         demands.clear()
         if kind != "ag":
             site.pop("ag", None)
-        site.pop("pga", None)
+        site.pop(PGA, None)
         if kind in MEASURES:
             demands.append({"measure": kind, **({"period": 1.0} if ROWS[kind].periods else {})})
         self._show_demand(kind)
