@@ -6,7 +6,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations ste
 	hard_crossings) tests/models/impulses
 LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-kernels paper accuracy rule site check-histories experiments reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-pages test-kernels paper accuracy rule site check-histories experiments reference selftest-cases samples schema mutate mutants fuzz lint types doctest wheel versions docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -26,18 +26,23 @@ test:  ## the default tests (a minute and a half on two cores)
 test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow
 
-test-sweeps:  ## what takes seconds a test, runs a page of the manual (extra docs) or needs a browser (extra browser)
+# Trees of git that have passed are written to .ci, so that .ci/run need not test them again: $(call trees,FOLDERS).
+trees = git rev-parse $(addprefix HEAD:,$(1)) | xargs
+passed = if git diff --quiet HEAD -- $(2); then $(call trees,$(2)) > .ci/$(1); fi
+
+test-sweeps:  ## what takes seconds a test (and test-pages); .ci/run leaves it out for sources that have passed
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" --ignore tests/models
+	@$(call passed,sweeps,pipeline models tests data)
 
-# The sources of the kernels and of their tests, as git names them.
-KERNELS = $(shell git rev-parse HEAD:models/rocking HEAD:tests/models)
+test-pages:  ## the pages of the manual (extra docs), and the page of `rockpulse app` in a browser (extra browser)
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" tests/docs tests/pipeline/app \
+		tests/pipeline/views/report/test_browser_axe.py
 
-test-kernels:  ## the sweeps of the kernels, and their tests with the kernels as plain Python (3 minutes on two cores)
+test-kernels:  ## the sweeps of the kernels, and their tests with the kernels as plain Python; left out likewise
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" tests/models
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.
 	NUMBA_DISABLE_JIT=1 $(PYTHON) -m pytest -q -n 2 --dist worksteal -W ignore::RuntimeWarning $(KERNEL_TESTS) -k "not ($(LONG_IN_PYTHON))"
-	@# .ci/run leaves them out for the sources that have passed.
-	if git diff --quiet HEAD -- models/rocking tests/models; then echo $(KERNELS) > .ci/kernels; fi
+	@$(call passed,kernels,models/rocking tests/models)
 
 # Studies of our own questions (benchmarks/laboratory): tables and pictures go to build/. Files for which RECORDS stands
 # may need OPTIONS="--units g --events TABLE".

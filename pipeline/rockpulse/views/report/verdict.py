@@ -283,5 +283,7 @@ def ties(answers: Answers, found: Sequence[BodyVerdict]) -> Table | None:
 def _governing(answers: Answers, record: int) -> Cell:
     """Return a cell with the name of a record, given by its row in /summary, and a link to its section."""
     name = record_cells(answers.summary)[record]
-    label = record_named(Known(answers.summary, record=answers.records[record]), name.text)
+    known = Known(answers.summary, record=answers.records[record])
+    whole = known.direction.replace("-", "\N{NON-BREAKING HYPHEN}")  # on one line of the table
+    label = record_named(known, name.text).replace(known.direction, whole)
     return unexplained(name)._replace(text=label, link=f"record-{record}")

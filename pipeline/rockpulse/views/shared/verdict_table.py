@@ -80,7 +80,8 @@ def verdict_legend(answers: Answers, rows: Sequence[Finding]) -> list[str]:
     sliding = f" {say('legend.sliding')}" if any(map(_may_slide, rows)) else ""
     factor = f" {say(f'legend.{answers.factor}')}" if answers.has_factor else ""
     if not answers.demands:
-        return [say("legend.as_recorded") + factor + sliding, *_not_counted(rows)]
+        first = f" {say('legend.slides_first')}" if any(row.slides_first for row in rows) else ""
+        return [say("legend.as_recorded") + factor + sliding + first, *_not_counted(rows)]
     found = {row.status for row in rows}
     levels = {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
     words = [say(f"legend.{name}", **levels) for name in _MEANINGS if name in found]
