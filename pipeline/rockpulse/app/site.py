@@ -78,6 +78,8 @@ class SitePart:
         ui.timer(0.5, self._look)
 
     async def _select(self) -> None:
+        if self.project.error:  # the configuration in the file is an earlier one
+            raise ValueError(self.project.error)
         of_language = "--overwrite", "--language", self.page.language
         await self.page.run("select", "--config", CONFIG, "-o", SELECTION, *of_language)
 
