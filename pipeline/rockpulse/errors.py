@@ -24,7 +24,8 @@ class Remedy:
     Attributes
     ----------
     key : str
-        ``units`` or ``dt`` of a file, ``confirm`` of channels, ``pair`` of two files, ``confirm_size`` of a body.
+        ``units`` or ``dt`` of a file, ``confirm`` of channels, ``pair`` of two files, ``confirm_size`` of a body,
+        ``confirm_value`` of a demand.
     choices : tuple of str
         Units, intervals [s] or ids of channels without blanks; empty if any value is allowed.
 

@@ -49,11 +49,13 @@ def refused(faults: list[str]) -> None:
 
 
 def plain_error(error: str) -> str:
-    """Return an error of the configuration in plain words of the current language, with the names of body and input."""
-    place, _, said = re.sub(r"^\[+[\w.]+\]+ ?", "", error).partition(": ")
-    key = place.rpartition(" ")[2]
-    named = place.removesuffix(key) + section("app.key").get(key, key)
-    return f"{named}: {error_words(said)}".removeprefix(": ")
+    """Return an error of the configuration in plain words of the current language, with names of body and inputs."""
+    found = re.fullmatch(r'\[+[\w.]+\]+ ?(".*?" ?|)(.*?): (.*)', error, re.DOTALL)
+    if found is None:
+        return error_words(error)
+    labels = section("app.key")
+    named = found[1] + ", ".join(labels.get(key, key) for key in found[2].split(", "))
+    return f"{named.strip()}: {error_words(found[3])}".removeprefix(": ")
 
 
 def value_of(text: str | None) -> Any:

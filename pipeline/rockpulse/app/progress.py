@@ -2,6 +2,7 @@
 
 from nicegui import ui
 
+from rockpulse.app.fields import plain_error
 from rockpulse.app.window import Window
 from rockpulse.views.shared.words import say
 
@@ -38,4 +39,4 @@ class Progress:
             self.state.text = say(key, done=command.done, total=command.total, left=command.left)
         else:
             key = ENDED.get(command.code, "app.results.failed") if command.verb in self.verbs else ""
-            self.state.text = say(key, reason=command.reason) if key and not command.running else ""
+            self.state.text = say(key, reason=plain_error(command.reason)) if key and not command.running else ""

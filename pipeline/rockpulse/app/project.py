@@ -80,6 +80,8 @@ class Project:
         Text of the configuration when it was last read or written.
     assessed : int
         Number of assessments that have ended with results.
+    kept : tuple
+        Records and failures as they were read last.
     command : Command
         The command that is running, or that ran last.
     """
@@ -92,7 +94,7 @@ class Project:
         self._made: dict[str, tuple[int, str]] = {}  # files of results: when they were made, from which configuration
         self._reading = Lock()
         self._state: Any = None  # of the configuration and the files when the records were read
-        self._records: tuple[list[Record], list[Failure]] = [], []
+        self.kept: tuple[list[Record], list[Failure]] = [], []
         self.load()
 
     @property
@@ -230,9 +232,9 @@ class Project:
             stats = [(path, path.stat()) for folder in folders for path in sorted(folder.iterdir()) if path.exists()]
             state = given, [(path, found.st_size, found.st_mtime_ns) for path, found in stats]
             if self._state != state:
-                self._records = read_all(paths, given.units, None, given.dt, given.response, given.files, given.pairs)
+                self.kept = read_all(paths, given.units, None, given.dt, given.response, given.files, given.pairs)
                 self._state = state
-            return self._records
+            return self.kept
 
     def earthquakes(self, records: list[Record], failures: list[Failure]) -> int:
         """Return the number of earthquakes of the records; raise ConfigError if the table of earthquakes is wrong."""

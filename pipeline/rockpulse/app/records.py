@@ -70,6 +70,9 @@ class RecordPart:
         self.table = ui.element("div").classes("wide")
         self.left = ui.element("div").classes("wide")
         self.files = ui.expansion(say("app.records.files")).classes("wide").props("dense")
+        if self.project.kept[0]:  # shown before they are compared with the files
+            self.records = self.project.kept[0]
+            self._show_records()
         ui.timer(0.05, page.handler(self.read), once=True)
 
     def show_error(self, error: str) -> None:
@@ -91,12 +94,14 @@ class RecordPart:
 
     async def read(self) -> None:
         """Read all records again, and show them."""
-        self.state.text = say("app.records.reading")
+        self.state.text = self.state.text or say("app.records.reading")
         found = await self.page.after(run.io_bound(self.project.read_records))
+        same = bool(self.records) and found is not None and found[0] is self.records
         self.records, failures = found or ([], [])
         self.failures = [*failures, *(await self.page.after(run.io_bound(self.project.rejected)) or [])]
         with self.page.words():
-            self._show_records()
+            if not same:
+                self._show_records()
             self._show_left()
             self._show_files()
         self.page.shown_error()

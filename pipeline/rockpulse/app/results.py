@@ -8,7 +8,7 @@ from nicegui import ui
 
 from rockpulse.app.fields import plain_error
 from rockpulse.app.progress import Progress
-from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RESULTS, RISK, TABLE
+from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RESULTS, RISK, SELECTION, TABLE
 from rockpulse.app.table import Table
 from rockpulse.app.window import Window
 from rockpulse.views.shared.formatting import share, three_digits
@@ -111,9 +111,14 @@ class ResultPart:
                 _link("HDF5", RESULTS)
                 _link(CONFIG, CONFIG)
             with ui.expansion(say("app.results.commands")).classes("wide").props("dense"):
-                again = f"rockpulse {' '.join(ASSESS)}\nrockpulse report {RESULTS} -o {report.name}"
-                again += f" --language {self.page.language}"
-                ui.html(f"cd {self.project.folder}\n{again}", tag="pre").classes("pre").props('tabindex="0"')
+                again = [" ".join(ASSESS), f"report {RESULTS} -o {report.name} --language {self.page.language}"]
+                if (self.project.folder / SELECTION).is_file():
+                    again.append(f"select --config {CONFIG} -o {SELECTION}")
+                if (self.project.folder / RISK).is_file():
+                    again.append(f"fragility --config {CONFIG} -o {FRAGILITY}")
+                    again.append(f"risk {FRAGILITY} --config {CONFIG} -o {RISK}")
+                lines = "\n".join(f"rockpulse {one}" for one in again)
+                ui.html(f"cd {self.project.folder}\n{lines}", tag="pre").classes("pre").props('tabindex="0"')
             if report.is_file():
                 frame = ui.element("iframe").classes("report").props(f'title="{say("app.results.report")}"')
                 frame.on("load", js_handler=FIT)

@@ -11,7 +11,7 @@ from rockpulse.app.window import Window
 from rockpulse.config.settings import DemandSettings, RecordSettings, SiteSettings
 from rockpulse.config.study_settings import CheckSettings, HazardSettings, ReportSettings, SelectionSettings
 from rockpulse.record.measures import PGA, ROWS
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.words import error_words, say
 
 #: Kinds of demand: none, a_g S of the site, and measures with the units that a value may have.
 MEASURES = {"pga": ("g", "m/s2"), "pgv": ("m/s", "cm/s"), "sa": ("g", "m/s2")}
@@ -27,6 +27,7 @@ class SitePart:
     def __init__(self, page: Window) -> None:
         self.page, self.project = page, page.project
         self.groups: list[Fields] = []
+        self.values: list[tuple[ui.input, ui.button]] = []  # of the demands, each with the button that confirms it
 
     def show(self) -> None:
         """Build the section on the page."""
@@ -35,6 +36,8 @@ class SitePart:
             self._group(SiteSettings, section("site")).add("name", "description", texts=("name", "description"))
         ui.html(say("app.site.demand"), tag="h3")
         demands = self.project.several("demand")
+        if not demands and PGA in section("site"):  # the same as a demand
+            demands.append({"measure": PGA, "value": section("site").pop(PGA)})
         kind = "none" if not demands else demands[0].get("measure", PGA)
         kind = "ag" if not demands and "ag" in section("site") else kind
         options = {one: say(f"app.demand.{one}") for one in ("none", "ag", *MEASURES)}
@@ -75,6 +78,8 @@ class SitePart:
         ui.timer(0.5, self._look)
 
     async def _select(self) -> None:
+        if self.project.error:  # the configuration in the file is an earlier one
+            raise ValueError(self.project.error)
         of_language = "--overwrite", "--language", self.page.language
         await self.page.run("select", "--config", CONFIG, "-o", SELECTION, *of_language)
 
@@ -122,6 +127,7 @@ class SitePart:
         demands.clear()
         if kind != "ag":
             site.pop("ag", None)
+        site.pop(PGA, None)
         if kind in MEASURES:
             demands.append({"measure": kind, **({"period": 1.0} if ROWS[kind].periods else {})})
         self._show_demand(kind)
@@ -130,6 +136,7 @@ class SitePart:
 
     def _show_demand(self, kind: str) -> None:
         self.demand.clear()
+        self.values.clear()
         with self.demand:
             if kind == "ag":
                 self._group(SiteSettings, self.project.section("site")).add("ag", "ground")
@@ -148,22 +155,30 @@ class SitePart:
         chosen = ui.select([*units], label=say("app.site.unit"), value=unit if unit in units else (*units, "")[0])
         chosen.classes("key").props("dense outlined")
 
+        def confirm() -> None:
+            row["confirm_value"] = True
+            self.page.changed()
+
         def change() -> None:
+            row.pop("confirm_value", None)  # it was given for another value
             row["value"] = f"{(typed.value or '').replace(',', '.').strip()} {chosen.value}".strip()
             self.page.changed()
 
         typed.on_value_change(change)
         chosen.on_value_change(change)
         typed.mark(f"value{number}")
+        sure = ui.button(say("app.site.confirm"), on_click=self.page.handler(confirm)).props("outline no-caps dense")
+        self.values.append((typed.without_auto_validation(), sure))
         if measure and measure.periods:
             self._group(DemandSettings, row).add("period")
 
     def show_error(self, error: str) -> None:
         """Show an error in the values of the site at its input or, if no input is named, below the inputs."""
-        own = error if error and not error.startswith("[[block") else ""
+        own = "" if error.startswith("[[block") else error
+        of_demand = own.startswith("[[demand]]")
+        for typed, sure in self.values:
+            typed.error = error_words(own.partition(": ")[2]) if of_demand else None
+            sure.visible = of_demand and "confirm_value" in own
         heading = own.partition("]")[0]
-        shown = [group.show(own if group.cls.heading.startswith(heading) else "") for group in self.groups if heading]
-        if not heading:
-            for group in self.groups:
-                group.show("")
-        self.fault.text = "" if any(shown) else plain_error(own)
+        shown = [group.show(own if heading and group.cls.heading.startswith(heading) else "") for group in self.groups]
+        self.fault.text = "" if any(shown) or (of_demand and self.values) else plain_error(own)

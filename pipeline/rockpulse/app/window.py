@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from nicegui import ui
 
+from rockpulse.app.fields import plain_error
 from rockpulse.app.project import Project
 from rockpulse.views.shared.words import say, writing
 
@@ -102,7 +103,7 @@ class Window:
                 except (ValueError, OSError) as error:
                     if self.client.is_deleted:
                         raise
-                    ui.notify(str(error), type="negative", multi_line=True, close_button=True, timeout=0)
+                    ui.notify(plain_error(str(error)), type="negative", multi_line=True, close_button=True, timeout=0)
                 finally:
                     self._working -= 1
                     self._seen = self.project.written

@@ -3,7 +3,7 @@
 import argparse
 
 from rockpulse.commands.parser import Verb
-from rockpulse.commands.terminal import tell
+from rockpulse.commands.terminal import progress_bars, tell
 from rockpulse.config import CODES
 
 
@@ -11,7 +11,9 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.report.writing import report
 
     given = (args.results, args.output, args.site, args.fragility, args.overwrite)
-    path = report(*given, language=args.language, config=args.config, full=args.full, code=args.code or None)
+    options = {"language": args.language, "config": args.config, "full": args.full, "code": args.code or None}
+    bar = progress_bars(quiet=False)
+    path = report(*given, **options, progress=lambda planned: bar(planned, desc="drawing", unit=" pictures"))
     tell(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return 0
 

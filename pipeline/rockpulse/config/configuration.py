@@ -130,7 +130,7 @@ class Config:
         if self.site.ag is None:
             return None
         soil = soil_factor(self.check, self.site.ag, self.site.ground)
-        return settings.DemandSettings("a_g S", value=self.site.ag * soil * STANDARD_GRAVITY)
+        return settings.DemandSettings("a_g S", value=self.site.ag * soil * STANDARD_GRAVITY, confirm_value=True)
 
     @property
     def has_probability(self) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from rockpulse.errors import ConfigError
+from rockpulse.errors import ConfigError, Remedy
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, is_number, key, number, text, texts
 from rockpulse.readers.file_pairs import PairSettings
 from rockpulse.readers.format import FileSettings
@@ -245,7 +245,8 @@ class DemandSettings(Section):
 
     `value` is in the SI unit of the measure, or a text with its unit. The default of `name` is measure and value.
     `selection` replaces measure and value: a table with the columns record and factor, as :func:`rockpulse.select`
-    makes it; each record is scaled by its own factor.
+    makes it; each record is scaled by its own factor. `confirm_value` accepts a value above those of usual demands
+    (PGA 2 g, PGV 3 m/s, SI 5 m/s, Sa 6 g), which mostly has another unit.
 
     >>> rp.DemandSettings(measure="pgv", value="40 cm/s")
     DemandSettings(name='PGV 40 cm/s', measure='pgv', value=0.4)
@@ -258,6 +259,7 @@ class DemandSettings(Section):
     value: float | str | None = key(None, _VALUE)
     period: float | None = number(None, low=0.02, unit="s")
     selection: str | None = text(None)
+    confirm_value: bool = boolean(False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -281,11 +283,18 @@ class DemandSettings(Section):
             extra = f'period applies only to measure = {quoted(PERIODIC)}, found measure = "{self.measure}"; remove it'
             raise ConfigError(f"{self.where} {self.name}: {extra}")
         measure = ROWS[self.measure].at(self.period)
-        shown, in_si = f"{self.value:g}" if isinstance(self.value, float) else self.value, self.value
         if isinstance(self.value, str):
             shown, in_si = self._in_si(self.value)
-        elif measure.shown_unit:
-            shown += f" {measure.shown_unit}"
+        else:
+            shown, in_si = f"{self.value:g} {measure.shown_unit}".rstrip(), self.value
+        if not self.confirm_value and in_si > measure.usual:
+            _, unit, factor = measure.column
+            found, usual = f"{measure.title} of {in_si / factor:.3g} {unit}", f"{measure.usual / factor:g} {unit}"
+            raise ConfigError(
+                f"{self.where} value: {found} is accepted only if confirmed, as demands above {usual} are rare: check "
+                "the number and its unit, or give a [[demand]] with confirm_value = true",
+                Remedy("confirm_value"),
+            )
         object.__setattr__(self, "name", self.name or f"{measure.title} {shown}")
         object.__setattr__(self, "value", in_si)
 

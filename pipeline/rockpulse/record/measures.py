@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -64,6 +65,7 @@ class Measure:
     value: Callable[..., Any]
     detail: str = ""  # addition to the title in the long name
     uses: str = ""  # uses besides fragility, such as "demand hazard scaling"
+    usual: float = math.inf  # largest value of a usual demand, in SI
     of_bodies: bool = False
     proportional: bool = True  # whether it is proportional to the scale factor on the record
     periods: tuple[float, ...] = ()  # periods of the members of a family [s]; empty for one measure
@@ -123,6 +125,7 @@ _TABLE = (
         "m s^-2",
         "PGA",
         lambda on: on.record.pga,
+        usual=2.0 * STANDARD_GRAVITY,
         meaning="peak ground acceleration",
         stored=" after conditioning",
         uses="demand hazard scaling",
@@ -133,6 +136,7 @@ _TABLE = (
         "m s^-1",
         "PGV",
         lambda on: intensity.pgv(on.record),
+        usual=3.0,
         meaning="peak ground velocity",
         stored=" after conditioning, from rest at the first sample",
         uses="demand hazard scaling",
@@ -155,6 +159,7 @@ _TABLE = (
         "SI",
         lambda on: intensity.spectrum_intensity(on.record),
         detail=" (mean pseudo-velocity, 0.1 to 2.5 s)",
+        usual=5.0,
         meaning="Housner's intensity: mean pseudo-velocity, 0.1 to 2.5 s",
         uses="demand hazard",
     ),
@@ -165,6 +170,7 @@ _TABLE = (
         "Sa",
         lambda on, period: intensity.spectral_acceleration(on.record, period),
         detail=", 5 %",
+        usual=6.0 * STANDARD_GRAVITY,
         meaning="pseudo-acceleration at the period, 5 %",
         uses="demand hazard",
         periods=(0.5, 1.0, 2.0),

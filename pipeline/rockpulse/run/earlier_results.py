@@ -160,7 +160,7 @@ def _differences(old: Config, new: Config, verb: str) -> list[str]:
         found += [f'{heading} "{name}" is missing now' for name in earlier if name not in now]
         found += [f'{heading} "{name}" is not in the file' for name in now if name not in earlier]
         for name in earlier.keys() & now.keys():
-            found += _changed_keys(f'{heading} "{name}"', earlier[name], now[name], {"confirm_size"})
+            found += _changed_keys(f'{heading} "{name}"', earlier[name], now[name], {"confirm_size", "confirm_value"})
         if not found and [*earlier] != [*now]:
             found.append(f"{heading}: the order differs")
     return found

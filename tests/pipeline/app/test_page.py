@@ -34,6 +34,8 @@ def test_the_whole_way_from_a_zip_to_the_report(browser, agency, tmp_path, monke
         walls(window)
         assert "confirm_size" not in (page.folder / "site.toml").read_text()  # the size was changed since
         window.choose("site", "given by", "PGA")
+        window.type("site", "value", "30")
+        window.says("site", "PGA of 30 g must be confirmed", "This value is correct")
         window.type("site", "value", "0,3")
         window.press("results", "Assess")
         window.wait(lambda: window.find("#results iframe"))
@@ -150,7 +152,7 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
             assert len(window.find("#records .left.failed")) == 20
             ordered += [browser.execute_async_script(SORTED, column) for column in ("PGA", "direction", "PGV")]
     print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
-    assert min(shown) < 6.0  # on a busy machine
+    assert min(shown) < 4.0  # 1.3 s on two cores with nothing else to do
     assert sorted(ordered)[4] < 200.0
 
 
@@ -219,7 +221,7 @@ def test_a_run_is_cancelled_and_ends_with_the_server(browser, samples, tmp_path)
         window.wait(lambda: " of 9, remaining time" in window.text("results"))
         (child,) = children(page.process.pid)
         window.press("results", "Cancel")
-        window.says("results", "Cancelled.", "interrupted")
+        window.says("results", "Cancelled. Finished records are kept.")
         assert ends(child)
         assert not (folder / "results.h5").exists()
         window.press("results", "Assess")

@@ -6,8 +6,10 @@ from types import SimpleNamespace
 import pytest
 
 pytest.importorskip("nicegui", reason="no nicegui: pip install -e '.[app]'")
+from rockpulse.app.fields import plain_error
 from rockpulse.app.project import Project
 from rockpulse.app.window import Window
+from rockpulse.views.shared.words import writing
 
 
 @pytest.fixture
@@ -43,3 +45,31 @@ def test_a_fault_is_shown_or_raised_if_there_is_no_window(window):
     window.client.is_deleted = True
     with pytest.raises(OSError, match="full"):
         asyncio.run(window.handler(fail)())
+
+
+@pytest.mark.parametrize(
+    ("document", "words"),
+    [
+        ({"hazard": {"k0": 0.001}}, "k0, k: La legge di potenza k0 x^-k richiede k0 e k."),
+        ({"hazard": {"longitude": 12.0}}, "longitudine, latitudine: Indicare sia"),
+        ({"check": {"ag": 0.2, "f0": 2.5}}, "T_C*: da indicare per questo spettro"),
+        ({"check": {"ag": 0.2, "f0": 2.5, "spectrum": "en_1998_1"}}, "F_0: Questo spettro non lo prevede"),
+        ({"records": {"components": "azimuth"}}, "direzioni: Indicare l'azimut"),
+        ({"records": {"azimuth": 45.0}}, "azimut di oscillazione: Vale solo per registrazioni ruotate"),
+        ({"demand": [{"measure": "pga"}]}, "Indicare il valore della domanda."),
+        ({"demand": [{"measure": "pgv", "value": "fast cm/s"}]}, "valore: occorre un numero positivo"),
+        (
+            {"demand": [{"measure": "pga", "value": "35 m/s2"}]},
+            "valore: PGA di 3,57 g è da confermare, perché",
+        ),
+        (
+            {"block": [{"name": "w", "width": 550, "height": 4200}]},
+            '"w": 550 x 4200: sono millimetri? Dimensione',
+        ),
+    ],
+)
+def test_errors_have_the_words_of_the_page(tmp_path, document, words):
+    project = Project(tmp_path)
+    project.document = document
+    with writing("it"):
+        assert plain_error(project.save()).startswith(words)

@@ -1,6 +1,6 @@
 """The pictures of the report; a picture is drawn when a template needs it, and its SVG has unique ids."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -39,7 +39,12 @@ class Pictures:
     """Draws the pictures of a report; a record is given by its row in /summary, a body by its index along block."""
 
     def __init__(
-        self, tree: xr.DataTree, site: MatchedFile | None, fragility: MatchedFile | None, found: list[BodyVerdict]
+        self,
+        tree: xr.DataTree,
+        site: MatchedFile | None,
+        fragility: MatchedFile | None,
+        found: list[BodyVerdict],
+        progress: Callable[[Sequence[int]], Iterable[int]] | None = None,
     ) -> None:
         self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
@@ -51,6 +56,8 @@ class Pictures:
         self._found = found
         governing = {one.recorded.governing for one in found if one.recorded.governing >= 0}
         few = len(self._records) <= IN_FULL
+        planned = range(2 * len(self._blocks) + len(self._records))  # calls of `body`, `motion` and `in_full`
+        self._steps = iter(planned if progress is None else progress(planned))
         self._in_full = set(range(len(self._records))) if few else set(sorted(governing)[:IN_FULL])
 
     def strip(self, record: int) -> PageElement:
@@ -70,6 +77,7 @@ class Pictures:
 
     def in_full(self, record: int) -> PageElement | None:
         """Return the large accelerogram of a record with half-waves and impulses, or None if it is not drawn."""
+        next(self._steps, None)
         if self._stored is None or record not in self._in_full:
             return None
         from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
@@ -79,6 +87,7 @@ class Pictures:
 
     def body(self, block: int, name: str = "body") -> PageElement:
         """Return the picture of the scale factors at which the records overturn a body."""
+        next(self._steps, None)
         from rockpulse.views.plots.critical_factors import overturning_map
 
         if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
@@ -88,6 +97,7 @@ class Pictures:
 
     def motion(self, block: int) -> PageElement | None:
         """Return the rotation of a body under its worst record, in the model of the verdict; None if it is unknown."""
+        next(self._steps, None)
         own = [one for one in self._found if one.body.place == block and one.recorded.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 

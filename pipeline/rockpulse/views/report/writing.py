@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import UTC, datetime
 from functools import cache, partial
 from importlib.resources import files
@@ -74,10 +74,8 @@ LETTERS = {
 }
 #: Names of the programs of usable browsers on PATH.
 BROWSERS = (
-    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
-    *("microsoft-edge", "msedge"),
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge", "msedge"),
 )
-
 #: Locations of browsers: on Windows below the program folders, on macOS among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
 WINDOWS = tuple(
@@ -105,6 +103,7 @@ def report(
     config: Config | str | Path | None = None,
     full: bool = False,
     code: str | Sequence[str] | None = None,
+    progress: Callable[[Sequence[int]], Iterable[int]] | None = None,
 ) -> Path:
     """Write the report of an assessment as one file: HTML without external resources, or PDF.
 
@@ -130,6 +129,8 @@ def report(
         Whether to add the configuration, the SHA-256 of the input files and of the files of results, and their folders.
     code : str or sequence of str, optional
         Codes of the check, as in :func:`rockpulse.check`; by default all that the results allow.
+    progress : callable, optional
+        Function that wraps the numbers of the pictures, as ``tqdm.tqdm`` does.
 
     Returns
     -------
@@ -153,7 +154,9 @@ def report(
     as_pdf = target.suffix.lower() == ".pdf"
     if as_pdf:
         browser()  # checked before any work
-    page = report_page(results, site, fragility, language, None if config is None else given_config(config), full, code)
+    page = report_page(
+        results, site, fragility, language, None if config is None else given_config(config), full, code, progress
+    )
     with FileSet() as parts:
         parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
         check_report_target(output, overwrite)  # another process may have written it in the meantime
@@ -193,6 +196,7 @@ def report_page(
     config: Config | None = None,
     full: bool = False,
     code: str | Sequence[str] | None = None,
+    progress: Callable[[Sequence[int]], Iterable[int]] | None = None,
 ) -> str:
     """Return the HTML page of the report as text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -234,7 +238,7 @@ def report_page(
             content=content,
             annexes=[one for one in ANNEXES if getattr(content, one, True)],
             worst_curve=next((name for name in worst if name in curves), curves[0] if curves else ""),
-            pictures=Pictures(tree, *beside, content.found),
+            pictures=Pictures(tree, *beside, content.found, progress),
             files=[
                 Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind], full)) for kind in given if kind in trees
             ],
@@ -391,7 +395,6 @@ def printed(page: str) -> bytes:
         except OSError as error:
             raise ResultsError(f"{program}: cannot be run ({error.strerror}); {INSTEAD}") from error
         if done.returncode or not target.is_file():
-            said = done.stderr.decode("utf-8", "replace").strip().splitlines()
-            last = f": {said[-1]}" if said else ""
+            last = "".join(f": {line}" for line in done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:])
             raise ResultsError(f"{program}: printed no PDF (exit code {done.returncode}){last}; {INSTEAD}")
         return target.read_bytes()
