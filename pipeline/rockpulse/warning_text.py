@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
 
 #: Template for each code of a warning on a record or of a processing step.
@@ -164,6 +165,7 @@ def find(warnings: Iterable[str], code: str) -> WarningText | None:
     return next((one for one in warnings if isinstance(one, WarningText) and one.code == code), None)
 
 
+@lru_cache(maxsize=1024)
 def has_warning(codes: str, *wanted: str) -> bool:
     """Return whether stored codes contain a `wanted` code, alone or as a part of a nested code."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))

@@ -49,7 +49,12 @@ class Motions:
 
     def event_counts(self, kept: np.ndarray) -> np.ndarray:
         """Return, for each body, the number of earthquakes of the motions in the mask `kept` (motions, bodies)."""
-        return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
+        if not self.events:
+            return np.zeros(kept.shape[1], dtype=int)
+        names, first = np.unique(np.sort(self.events), return_index=True)
+        present = np.logical_or.reduceat(kept[np.argsort(self.events, kind="stable")], first, axis=0)
+        known = present[names != UNKNOWN].sum(axis=0)
+        return np.where(known > 0, known, present.any(axis=0))
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
         """Arrange values (records, ...) as (motions, directions, ...), with `missing` for directions not assessed."""

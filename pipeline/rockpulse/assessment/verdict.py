@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, auto
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -139,6 +140,10 @@ def standings(answers: Answers) -> np.ndarray:
     return found
 
 
+#: Verdicts that were found before: a view needs them several times.
+_FOUND: WeakKeyDictionary[Answers, list[BodyVerdict]] = WeakKeyDictionary()
+
+
 def reasons_unknown(answers: Answers) -> np.ndarray:
     """Return a code (records, bodies) for the reason why a result is missing or unreliable; empty if it is reliable."""
     found = np.full(answers["outcome"].shape, "", dtype=object)
@@ -152,12 +157,14 @@ def reasons_unknown(answers: Answers) -> np.ndarray:
 
 def verdicts(answers: Answers) -> list[BodyVerdict]:
     """Return the verdict on every body over all records of the results."""
-    recorded = _findings(answers, None)
-    of_demands = [_findings(answers, demand) for demand in answers.demands]
-    return [
-        BodyVerdict(body, recorded[lane], tuple(every[lane] for every in of_demands))
-        for lane, body in enumerate(answers.bodies)
-    ]
+    if answers not in _FOUND:
+        recorded = _findings(answers, None)
+        of_demands = [_findings(answers, demand) for demand in answers.demands]
+        _FOUND[answers] = [
+            BodyVerdict(body, recorded[lane], tuple(every[lane] for every in of_demands))
+            for lane, body in enumerate(answers.bodies)
+        ]
+    return list(_FOUND[answers])
 
 
 def _grade(share: Share, bound: bool) -> Grade:
