@@ -167,13 +167,7 @@ def _frequency(row: dict[str, str]) -> dict[str, str]:
     years = float(f"{1.0 / number['frequency']:.2g}") if number["frequency"] else math.nan
     shown = {name: three_digits(value) for name, value in number.items()}
     band = f"{shown['frequency_low']} - {shown['frequency_high']}"
-    return {
-        **shown,
-        "id": row["block"],
-        "block": row["block"],
-        "band": band,
-        "period": fixed(float(f"{period:.2g}"), 0),
-    }
+    return {**shown, "id": row["block"], "block": row["block"], "band": band, "period": fixed(years, 0)}
 
 
 def _link(words: str, name: str) -> None:
