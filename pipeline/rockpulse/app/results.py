@@ -11,8 +11,8 @@ from rockpulse.app.progress import Progress
 from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RECORDS, RESULTS, RISK, SELECTION, TABLE
 from rockpulse.app.table import Table
 from rockpulse.app.window import Window
-from rockpulse.views.shared.formatting import fixed, share, three_digits
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.formatting import between, fixed, share, three_digits
+from rockpulse.views.shared.words import result_text, say
 
 #: Columns of the table of annual frequencies, and numbers in the file from which they are made.
 COLUMNS = ("block", "frequency", "band", "period", "probability")
@@ -146,7 +146,7 @@ class ResultPart:
             columns = [{"name": name, "label": labels[name], "field": name, "align": "left"} for name in COLUMNS]
             Table(say("app.risk.title"), columns, [_frequency(row) for row in rows])
             for row in rows:
-                if notes := ". ".join(filter(None, (row["statement"], row["warning"]))):
+                if notes := ". ".join(risk_words(row[name]) for name in ("statement", "warning") if row[name]):
                     ui.label(f"{row['block']}: {notes}").classes("soft")
 
     def show_error(self, error: str) -> None:
@@ -161,12 +161,18 @@ class ResultPart:
         self.risk.visible = not error and bool({"file", "k0"} & {*self.project.section("hazard")})
 
 
+def risk_words(text: str) -> str:
+    """Translate a statement of the command risk, or each part of it, to the current language."""
+    whole = result_text(text)
+    return whole if whole != text else "; ".join(map(result_text, text.split("; ")))
+
+
 def _frequency(row: dict[str, str]) -> dict[str, str]:
     """Return the cells of a body in the table of annual frequencies."""
     number = {name: float(value) if value else math.nan for name, value in row.items() if name in NUMBERS}
     years = float(f"{1.0 / number['frequency']:.2g}") if number["frequency"] else math.nan
     shown = {name: three_digits(value) for name, value in number.items()}
-    band = f"{shown['frequency_low']} - {shown['frequency_high']}"
+    band = between(number["frequency_low"], number["frequency_high"])
     return {**shown, "id": row["block"], "block": row["block"], "band": band, "period": fixed(years, 0)}
 
 
