@@ -18,7 +18,8 @@ def keep_marches(folder: Path) -> None:
 
     @functools.wraps(march)
     def kept(motion, log_x, restitution, *, rotations, threads):
-        digest = hashlib.blake2b(repr((motion.rate, motion.wall, rotations)).encode())
+        asked = motion.rate, motion.wall, motion._firsts, rotations, threads  # also how the work is divided
+        digest = hashlib.blake2b(repr(asked).encode())
         for values in (*motion.pieces, log_x, restitution):
             digest.update(np.ascontiguousarray(values).data)
         file = folder / f"{digest.hexdigest()[:40]}.npy"

@@ -1,9 +1,8 @@
 """A project folder, which contains the configuration, records and results, as for the commands."""
 
-import math
 import re
 import shutil
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import fields, replace
 from filecmp import cmp
 from importlib.resources import files
@@ -22,7 +21,7 @@ from rockpulse.config.configuration import (
     section_values,
 )
 from rockpulse.config.study_settings import HazardSettings, SelectionSettings
-from rockpulse.errors import ConfigError, Failure
+from rockpulse.errors import ConfigError, Failure, RockpulseError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text, write_files
 from rockpulse.option import Section
 from rockpulse.readers.file_pairs import PairSettings
@@ -298,18 +297,27 @@ class Project:
         from rockpulse.storage.hdf5.results_file import open_results_file
 
         path = self.folder / name
-        made = path.stat().st_mtime_ns if path.is_file() else 0
-        if made and self._made.get(name, (0, ""))[0] != made:
-            with open_results_file(path) as file:
-                self._made[name] = made, str(file.attrs["configuration"])
-        changed = any(file.stat().st_mtime_ns > made for file in self.record_files())
-        return bool(made) and not changed and _basis(config_from_text(self._made[name][1])) == _basis(self.config())
+        if not path.is_file() or self._records_changed(path):
+            return False
+        made = path.stat().st_mtime_ns
+        try:
+            if self._made.get(name, (0, ""))[0] != made:
+                with open_results_file(path) as file:
+                    self._made[name] = made, str(file.attrs.get("configuration", ""))
+            given = config_from_text(self._made[name][1])
+        except RockpulseError:  # damaged, or from another version: the page offers to make it again
+            return False
+        return _basis(given) == _basis(self.config())
 
     def newer_than(self, made: Path) -> bool:
         """Return whether the configuration, the hazard or a file of records is newer than a file made from them."""
-        when = made.stat().st_mtime if made.is_file() else math.inf
-        inputs = (self.path, self.folder / HAZARD, *self.record_files())
-        return any(path.stat().st_mtime > when for path in inputs if path.exists())
+        inputs = (self.path, self.folder / HAZARD)
+        return made.is_file() and (_newer(inputs, made) or self._records_changed(made))
+
+    def _records_changed(self, made: Path) -> bool:
+        """Return whether a file of records was written, added or removed after a file was made from them."""
+        folder = self.folder / RECORDS
+        return _newer((folder, *folder.rglob("*")), made)  # a folder is as new as the last change of its list of files
 
     def report(self, language: str, suffix: str = ".html") -> Path:
         """Return the path of the report in a language."""
@@ -320,6 +328,11 @@ class Project:
         yield from (path.name for path in self.folder.glob("report-??.*") if path.suffix in (".html", ".pdf"))
         made = (RESULTS, TABLE, CONFIG, FRAGILITY, RISK, SELECTION, SPECTRA)
         yield from (name for name in made if (self.folder / name).is_file())
+
+
+def _newer(paths: Iterable[Path], made: Path) -> bool:
+    when = made.stat().st_mtime_ns
+    return any(path.stat().st_mtime_ns > when for path in paths if path.exists())
 
 
 def _basis(config: Config) -> Config:

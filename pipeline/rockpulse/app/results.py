@@ -8,11 +8,11 @@ from nicegui import ui
 
 from rockpulse.app.fields import plain_error
 from rockpulse.app.progress import Progress
-from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RESULTS, RISK, SELECTION, TABLE
+from rockpulse.app.project import ASSESS, CONFIG, FRAGILITY, RECORDS, RESULTS, RISK, SELECTION, TABLE
 from rockpulse.app.table import Table
 from rockpulse.app.window import Window
-from rockpulse.views.shared.formatting import share, three_digits
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.formatting import between, fixed, share, three_digits
+from rockpulse.views.shared.words import result_text, say
 
 #: Columns of the table of annual frequencies, and numbers in the file from which they are made.
 COLUMNS = ("block", "frequency", "band", "period", "probability")
@@ -33,7 +33,7 @@ class ResultPart:
 
     def __init__(self, page: Window) -> None:
         self.page, self.project, self.command = page, page.project, page.project.command
-        self._assessed = page.project.assessed
+        self._assessed, self._shown = page.project.assessed, False
 
     def show(self) -> None:
         """Build the section on the page."""
@@ -87,7 +87,8 @@ class ResultPart:
         if self.progress.look():
             running = self.command.running
             self.start.visible = not running
-            if not running and self.command.verb in ("", *self.progress.verbs):
+            if not running and (self.command.verb in self.progress.verbs or not self._shown):
+                self._shown = True
                 with self.page.words():
                     self._show_found()
                     self._show_risk()
@@ -145,17 +146,14 @@ class ResultPart:
             columns = [{"name": name, "label": labels[name], "field": name, "align": "left"} for name in COLUMNS]
             Table(say("app.risk.title"), columns, [_frequency(row) for row in rows])
             for row in rows:
-                if notes := ". ".join(filter(None, (row["statement"], row["warning"]))):
+                if notes := ". ".join(risk_words(row[name]) for name in ("statement", "warning") if row[name]):
                     ui.label(f"{row['block']}: {notes}").classes("soft")
 
     def show_error(self, error: str) -> None:
         """Enable the start button only if the configuration is valid and contains bodies and records."""
         lacking = "" if self.project.document.get("block") else say("app.results.no_body")
-        if (
-            not lacking
-            and not self.project.record_files()
-            and not self.project.document.get("records", {}).get("paths")
-        ):
+        paths = self.project.document.get("records", {}).get("paths", [])
+        if not lacking and paths in ([], [RECORDS]) and not self.project.record_files():
             lacking = say("app.results.no_record")
         self.fault.text = say("app.results.wrong", error=plain_error(error)) if error else lacking
         self.start.set_enabled(not error and not lacking)
@@ -163,13 +161,19 @@ class ResultPart:
         self.risk.visible = not error and bool({"file", "k0"} & {*self.project.section("hazard")})
 
 
+def risk_words(text: str) -> str:
+    """Translate a statement of the command risk, or each part of it, to the current language."""
+    whole = result_text(text)
+    return whole if whole != text else "; ".join(map(result_text, text.split("; ")))
+
+
 def _frequency(row: dict[str, str]) -> dict[str, str]:
     """Return the cells of a body in the table of annual frequencies."""
     number = {name: float(value) if value else math.nan for name, value in row.items() if name in NUMBERS}
-    period = 1.0 / number["frequency"] if number["frequency"] else math.nan
+    years = float(f"{1.0 / number['frequency']:.2g}") if number["frequency"] else math.nan
     shown = {name: three_digits(value) for name, value in number.items()}
-    band = f"{shown['frequency_low']} - {shown['frequency_high']}"
-    return {**shown, "id": row["block"], "block": row["block"], "band": band, "period": f"{period:,.0f}"}
+    band = between(number["frequency_low"], number["frequency_high"])
+    return {**shown, "id": row["block"], "block": row["block"], "band": band, "period": fixed(years, 0)}
 
 
 def _link(words: str, name: str) -> None:

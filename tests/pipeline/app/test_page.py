@@ -168,6 +168,7 @@ def test_spectra_over_that_of_the_code_and_the_annual_frequency(browser, tmp_pat
     check = "[check]\nag = 0.2\nf0 = 2.5\ntc_star = 0.3\n[selection]\nfactors = [0.1, 10]\nperiods = [0.7, 1.5]\n"
     block = '[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n'
     (folder / "site.toml").write_text(f'[records]\npaths = ["records"]\n[hazard]\nk0 = 0.01\nk = 2\n{check}{block}')
+    (folder / "results.h5").write_bytes(b"damaged")  # or from another version
     (tmp_path / "curve.csv").write_text("pga [g],rate\n0.1,0.01\n0.4,0.0005\n")
     with served(folder) as page:
         window = Window(browser, page).open()
@@ -183,6 +184,7 @@ def test_spectra_over_that_of_the_code_and_the_annual_frequency(browser, tmp_pat
         window.press("site", "Draw the spectra of records over it")
         window.wait(lambda: window.find("#site img"))
         window.wait(lambda: browser.execute_script("return document.querySelector('#site img').naturalWidth > 500"))
+        window.open()  # again, after another command than those of the results
         window.press("results", "Compute fragility and annual frequency")
         window.says("results", "return period", "wall")
         assert window.console() == []

@@ -1,6 +1,10 @@
 """The project folder: its configuration is the one of the command line."""
 
+import os
+import time
+
 import pytest
+from results_tree import results_tree
 
 import rockpulse as rp
 from rockpulse.app.project import HEAD, LONGEST, Project, body_error, safe_name, safe_path
@@ -133,3 +137,22 @@ def test_a_hazard_curve_is_kept_in_place_of_a_power_law(tmp_path):
     assert rp.load_hazard(tmp_path / "hazard.csv").rate(0.4 * 9.80665) == pytest.approx(0.0005)
     with pytest.raises(ConfigError, match=r"^levels\.csv"):
         project.set_hazard("levels.csv", b"level,rate\n")
+
+
+def test_results_are_current_until_a_record_is_removed_and_damaged_ones_never_are(tmp_path):
+    tree, results, records = results_tree(), tmp_path / "results.h5", tmp_path / "records"
+    (tmp_path / "site.toml").write_text(tree.attrs["configuration"])
+    project, before = Project(tmp_path), time.time() - 10.0
+    records.mkdir()
+    (records / "a.csv").write_text("1\n")
+    rp.save(tree, results)
+    for path in (records / "a.csv", records):
+        os.utime(path, (before, before))
+    assert not project.outdated
+    (records / "a.csv").unlink()
+    assert project.outdated
+    os.utime(records, (before, before))
+    assert not project.outdated
+    results.write_bytes(b"damaged")
+    assert project.outdated
+    assert project.rejected() == []

@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("nicegui", reason="no nicegui: pip install -e '.[app]'")
 from rockpulse.app.fields import plain_error
 from rockpulse.app.project import Project
+from rockpulse.app.results import risk_words
 from rockpulse.app.window import Window
 from rockpulse.views.shared.words import writing
 
@@ -73,3 +74,17 @@ def test_errors_have_the_words_of_the_page(tmp_path, document, words):
     project.document = document
     with writing("it"):
         assert plain_error(project.save()).startswith(words)
+
+
+def test_notes_on_frequencies_are_translated():
+    lost = "5% of the resamples give no curve, or no curve without one of their earthquakes"
+    with writing("it"):
+        narrow = risk_words("the band is too narrow: 5 earthquakes, 14 are needed")
+        both = risk_words(
+            f"the band is too narrow: 5 earthquakes, 14 are needed; {lost}: they are left out of the band"
+        )
+        ends = risk_words("12% of its frequency comes from levels above 0.4 g, where the hazard curve ends")
+    assert narrow == "l'intervallo è troppo stretto: i terremoti sono 5, ne servono 14"
+    assert both.startswith(f"{narrow}; il 5 % dei ricampionamenti non dà una curva")
+    assert both.endswith(": non contribuiscono all'intervallo")
+    assert ends.startswith("il 12 % della frequenza proviene da livelli maggiori di 0,4 g")

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rocking.body.block import Block
-from rocking.body.limits import RATES
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
 from rockpulse.assessment.spectra import ALPHAS, P, overturning_spectrum
@@ -42,8 +41,6 @@ from rockpulse.views.shared.words import say
 
 #: Largest number of records whose spectra are recomputed for a picture, which takes some seconds.
 MARCHED = 12
-#: Frequency parameters of these spectra [1/s]: half as many as in a file.
-MARCHED_RATES = np.geomspace(RATES[0], RATES[-1], 12)
 #: Options that accept several values.
 SEVERAL = ("model", "limit_state")
 #: Default pictures of results, by the kind of file.
