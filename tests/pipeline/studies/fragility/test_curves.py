@@ -287,7 +287,7 @@ def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
     ("call", "message"),
     [
         (lambda: fit_capacities([1.0, -2.0]), "positive, finite levels"),
-        (lambda: fit_capacities([1.0, np.inf]), "need limits"),
+        (lambda: fit_capacities([1.0, np.inf]), "require limits"),
         (lambda: fit_capacities([1.0, 2.0], ["a"]), "one level, kind, event and record per row"),
         (lambda: fit_capacities([1.0, 2.0], model="normal"), "expected one of lognormal, logistic"),
         (lambda: fit_capacities([1.0, 2.0], confidence=1.0), "between 0 and 1"),
