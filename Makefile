@@ -34,9 +34,9 @@ test-sweeps:  ## what takes seconds a test (and test-pages); .ci/run leaves it o
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" --ignore tests/models
 	@$(call passed,sweeps,pipeline models tests data)
 
-test-pages:  ## the pages of the manual (extra docs), and the page of `rockpulse app` in a browser (extra browser)
-	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" tests/docs tests/pipeline/app \
-		tests/pipeline/views/report/test_browser_axe.py
+test-pages:  ## pages of the manual (extra docs), the page of `rockpulse app` (extra browser), schema, layout, subjects
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" tests/docs tests/test_*.py \
+		tests/pipeline/app tests/pipeline/views/report/test_browser_axe.py
 
 test-kernels:  ## the sweeps of the kernels, and their tests with the kernels as plain Python; left out likewise
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow" tests/models

@@ -78,8 +78,6 @@ class SitePart:
         ui.timer(0.5, self._look)
 
     async def _select(self) -> None:
-        if fault := self.project.save():  # the file has the last valid configuration, not the one that is shown
-            raise ValueError(fault)
         if self.project.error:  # the configuration in the file is an earlier one
             raise ValueError(self.project.error)
         of_language = "--overwrite", "--language", self.page.language

@@ -152,11 +152,12 @@ def code_checks(
     """Return the code checks of the bodies, with the section [check] of `config`, or of the results if it has none.
 
     Returns None if no spectrum or no body is given, or the name of the spectrum file if this file does not exist.
+    Raises ConfigError if checks by a `code` are requested without them.
     """
     chosen = config_from_text(str(tree.attrs.get("configuration", "")))
     if config is not None and config.check.given:
         chosen = replace(chosen, check=config.check, folder=config.folder)
-    if not (chosen.check.given and chosen.bodies):
+    if code is None and not (chosen.check.given and chosen.bodies):
         return None
     file = chosen.check.file
     if file is not None and not (chosen.folder / file).exists():

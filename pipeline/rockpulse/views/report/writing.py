@@ -299,7 +299,7 @@ def plain_words(words: str, folders: tuple[str, ...] = ()) -> str:
     for folder in folders:
         words = words.replace(folder, "")
     option = _option()
-    if not option.search(words):
+    if " " not in words or not option.search(words):  # without a blank: a name that the user gave, such as of a file
         return words
     words = re.sub(r" \([^()]*\)", lambda found: "" if option.search(found[0]) else found[0], words)
     first, *further = re.split(r"(?<=;) |(?<=\.) (?=[A-ZÀ-Ý])", words)

@@ -97,6 +97,8 @@ def test_code_checks_of_the_configuration_are_on_the_page_in_the_order_of_the_ve
 
 def test_without_a_spectrum_there_are_no_code_checks_and_a_missing_table_is_named():
     assert code_checks(results_tree()) is None
+    with pytest.raises(ConfigError, match="no body to check"):
+        code_checks(results_tree(), code="circolare_2009")
     tree = checked_tree('spectrum = "table"\nfile = "nowhere.csv"')
     found = page_content(tree, checked=code_checks(tree)).check
     assert "the table nowhere.csv of the spectrum is not found" in found.warnings[0]

@@ -117,6 +117,7 @@ def test_words_of_the_configuration_and_folders_are_in_the_full_report_alone(kno
     words = Page(known).text
     assert not re.search(r"\[(records|conditioning|check|site|demand)\]|--[a-z]|\brockpulse [a-z]", words)
     assert plain_words("too wide (set confirm_size = true). Next; see [records] units.") == "too wide. Next."
+    assert plain_words("/data/x/pga_min.csv", ("/data/x/",)) == "pga_min.csv"
     assert plain_words("without yield_force; as /data/x/a.csv", ("/data/x/",)) == "without yield force; as a.csv"
 
 
