@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rocking.body.block import Block
+from rocking.body.limits import RATES
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
 from rockpulse.assessment.spectra import ALPHAS, P, overturning_spectrum
@@ -41,6 +42,8 @@ from rockpulse.views.shared.words import say
 
 #: Largest number of records whose spectra are recomputed for a picture, which takes some seconds.
 MARCHED = 12
+#: Frequency parameters of these spectra [1/s], half as many as in a file.
+MARCHED_RATES = np.geomspace(RATES[0], RATES[-1], 12)
 #: Options that accept several values.
 SEVERAL = ("model", "limit_state")
 #: Default pictures of results, by the kind of file.
@@ -134,7 +137,7 @@ def spectra_of_records(tree: xr.DataTree, restitution: float, records: Sequence[
     if not moving:
         raise ResultsError(f"{', '.join(names)}: the acceleration is zero throughout, so there is no spectrum")
     found = [
-        overturning_spectrum(motion, restitution=[nearest], uncertainty=uncertainty, rotations=False)
+        overturning_spectrum(motion, MARCHED_RATES, [nearest], uncertainty=uncertainty, rotations=False)
         for motion in moving
     ]
     return xr.concat(found, xr.Variable("record", [motion.id for motion in moving]), combine_attrs="drop_conflicts")

@@ -11,7 +11,7 @@ import rockpulse as rp
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
-from rockpulse.views.plots.drawing import DRAWERS, draw, has_spectra
+from rockpulse.views.plots.drawing import DRAWERS, MARCHED_RATES, draw, has_spectra
 from rockpulse.views.plots.ground_motion import stored_record
 from rockpulse.views.plots.picture_kinds import KINDS, OPTIONS, kind_list
 from rockpulse.views.plots.selection import one_name
@@ -40,7 +40,7 @@ def test_the_spectra_of_few_records_are_computed_if_the_file_does_not_hold_them(
     name = str(assessed["summary"]["record"].values[0])
     (ax,) = draw(assessed, "spectrum", record=name, restitution=0.9).axes
     curve = next(line for line in ax.lines if line.get_label() == "spectrum of the record")
-    expected = rp.overturning_spectrum(stored_record(assessed, name), restitution=[0.9])
+    expected = rp.overturning_spectrum(stored_record(assessed, name), MARCHED_RATES, [0.9])
     assert curve.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0])
     (both,) = draw(assessed, "spectrum", restitution=0.9).axes
     assert any(line.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0]) for line in both.lines)
