@@ -6,12 +6,14 @@ from http.cookies import CookieError, SimpleCookie
 from typing import Any, TypeAlias
 from urllib.parse import parse_qs
 
+from rockpulse.files import TABLE_LIMIT
+
 Scope: TypeAlias = MutableMapping[str, Any]
 Receive: TypeAlias = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send: TypeAlias = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 Application: TypeAlias = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-#: Largest upload [bytes].
+#: Largest upload of records [bytes].
 UPLOAD = 2 * 1024**3
 #: Only content of this server: nothing is loaded from, sent to or shown in another one.
 POLICY = (
@@ -44,7 +46,8 @@ class Guard:
             return await _answered(send, 303, {"location": "/", "set-cookie": cookie})
         if scope["method"] in ("POST", "PUT", "PATCH"):
             length = headers.get("content-length", "")
-            if not length.isdecimal() or int(length) > UPLOAD:
+            most = UPLOAD if scope["path"] == "/upload" else TABLE_LIMIT
+            if not length.isdecimal() or int(length) > most:
                 return await _refused(scope, send, 413 if length.isdecimal() else 411)
         fixed = dict(self._headers(headers["host"]))
 

@@ -61,7 +61,10 @@ def serve(folder: Path, port: int, show: bool, close_after: float, tell: Callabl
 
     @app.post("/upload")
     async def upload(request: Request, name: str) -> None:
-        path = project.place_for(name)
+        try:
+            path = project.place_for(name)
+        except (FileExistsError, NotADirectoryError) as error:
+            raise HTTPException(400, f"{error.filename}: a file has the name of this folder") from error
         try:
             with path.open("xb") as file:
                 async for part in request.stream():

@@ -74,7 +74,8 @@ def test_the_socket_needs_the_cookie(page):
 
 
 def test_uploads_are_bounded(page):
-    assert answer(page, "/", {"Content-Length": str(10**12)}, method="POST").status == 413
+    assert answer(page, "/upload?name=a", {"Content-Length": str(10**12)}, method="POST").status == 413
+    assert answer(page, "/table?name=a", {"Content-Length": str(10**8)}, method="POST").status == 413
     assert answer(page, "/", {"Transfer-Encoding": "chunked"}, method="POST").status == 411
 
 
