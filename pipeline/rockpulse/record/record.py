@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from fnmatch import fnmatchcase
+from functools import lru_cache
 from itertools import chain, count
 from typing import Any, Literal
 from unicodedata import normalize
@@ -178,7 +179,7 @@ class Record(Shown):
 
     def without_samples(self) -> "Record":
         """Return the same record with zeros, which need no memory, in place of its samples."""
-        return replace(self, acceleration=np.broadcast_to(0.0, self.npts), outline=outline_of(self))
+        return replace(self, acceleration=_broadcast(0.0, self.npts), outline=outline_of(self))
 
     def with_warning(self, warning: str) -> "Record":
         """Return the same record with one more warning."""
@@ -258,10 +259,16 @@ def outline_of(record: Record) -> tuple[float, ...]:
     return (record.npts, peak, *times.tolist())
 
 
+@lru_cache(maxsize=256)
+def _broadcast(value: float, size: int) -> np.ndarray:
+    """Return an array of `size` equal numbers in the memory of one; records of equal length share it."""
+    return np.broadcast_to(value, size)
+
+
 def _restored(kind: type[Record], values: list[Any]) -> Record:
     """Restore a pickled record; equal codes and units of many records share one string in memory."""
     if isinstance(values[0], tuple):
-        values[0] = np.broadcast_to(*values[0])
+        values[0] = _broadcast(*values[0])
     values[0].setflags(write=False)
     record = object.__new__(kind)
     for item, value in zip(fields(kind), values, strict=True):
