@@ -27,7 +27,7 @@ from rockpulse.warning_text import as_stored
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A fragility curve, or the reason why there is none; numbers that cannot be determined from the data are NaN."""
+    """A fragility curve, or the reason why it cannot be fitted; values that the data do not determine are NaN."""
 
     status: Status  # whether there is a curve, or why not
     band: Band  # whether there is a band, or why not

@@ -113,7 +113,7 @@ def motion_capacity(
 
     "measures" (1, k, m) are the intensity measures of the unscaled ground motion in the direction of each body, in the
     order of ``[fragility] measures``, and "qualities" (1, c) the properties in QUALITIES. An incremental analysis adds
-    "factors" (1, s, m), the first scale factor that reaches each limit state (inf if there is none), and "step" (1, m).
+    "factors" (1, s, m), the first scale factor that reaches each limit state (inf: not reached), and "step" (1, m).
     Other analyses add "factors" (1, r, m), "reached" (1, s, r, m) and "weight" (1, r), one for each row of the record
     in a `selection`. An incremental analysis ends at the limits of ``[fragility] factors``; stripes beyond these limits
     are unknown.

@@ -186,7 +186,7 @@ def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """Return the hazards of `count` bodies; where `sites` or `soil_factor` is None, the values of [hazard] are used."""
+    """Return the hazards of `count` bodies; without `sites` or `soil_factor`, the values of [hazard] apply."""
     for key, stated, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil != 1.0, soil_factor),

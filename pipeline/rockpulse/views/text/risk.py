@@ -32,7 +32,7 @@ def _chance(value: float) -> str:
 
 
 def _survival(value: float) -> str:
-    """Format a probability near 1 with so many decimals that it differs from 1."""
+    """Format a probability; a value below 1 has enough decimals not to be shown as 1."""
     if math.isnan(value):
         return ABSENT
     missing = 1.0 - value
