@@ -1,7 +1,9 @@
 """Write records as files and zip archives, and summarise what was read."""
 
 import zipfile
+from contextlib import nullcontext
 
+import pytest
 from record_writers import at2, pulse
 
 ONE = at2(pulse())
@@ -17,8 +19,13 @@ def kinds(failures) -> list[tuple[str, str]]:
     return [(failure.file.rpartition("/")[2], failure.kind) for failure in failures]
 
 
-def make_zip(path, **members):
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
+def raises_if(faulty, error, match):
+    """``pytest.raises`` if something is faulty; else a block that must not raise."""
+    return pytest.raises(error, match=match) if faulty else nullcontext()
+
+
+def make_zip(path, packing=zipfile.ZIP_DEFLATED, /, **members):
+    with zipfile.ZipFile(path, "w", packing) as target:
         for name, content in members.items():
             target.writestr(name.replace("__", "/").replace("_dot_", "."), content)
     return path
