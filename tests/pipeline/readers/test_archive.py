@@ -14,14 +14,7 @@ from rockpulse.readers.folders import read_all
 
 
 def test_an_archive_is_read_without_unpacking(tmp_path, monkeypatch):
-    files = {
-        "b.AT2": ONE,
-        "sub__a.AT2": TWO,
-        "sub__a.VT2": VELOCITY,
-        "README.md": b"x",
-        ".hidden": ONE,
-        "n.txt": b"text",
-    }
+    files = {"b.AT2": ONE, "sub__a.AT2": TWO, "sub__a.VT2": VELOCITY, "README.md": b"x", ".hidden": ONE, "n.txt": b"t"}
     path = make_zip(tmp_path / "all.zip", **files)
     before = sorted(tmp_path.rglob("*"))
     records, failures = read_all(path)
