@@ -86,11 +86,8 @@ def settled(
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
     kept = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
     named = distinct_ids(kept)
-    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [
-        *duplicates,
-        *integrals,
-        *unlike,
-    ]
+    pieces_of = [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)]
+    return pieces_of, [*duplicates, *integrals, *unlike]
 
 
 def _place(record: Record) -> tuple[str, str]:
