@@ -43,7 +43,7 @@ def test_the_token_of_the_address_becomes_a_cookie(page):
     assert answer(page, "/?token=guess", cookie=False).status == 403
     entered = answer(page, f"/?token={page.token}", cookie=False)
     assert (entered.status, entered.getheader("location")) == (303, "/")
-    assert {"HttpOnly", "SameSite=Strict"} <= set(entered.getheader("set-cookie").split("; "))
+    assert {"HttpOnly", "SameSite=strict"} <= set(entered.getheader("set-cookie").split("; "))
     inside = answer(page)
     assert inside.status == 200
     assert "default-src 'self'" in inside.getheader("content-security-policy")

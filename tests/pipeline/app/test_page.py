@@ -149,10 +149,12 @@ def test_200_records_and_50_bodies_are_shown_and_sorted_at_once(browser, tmp_pat
             window.wait(lambda: len(window.find("#records tbody tr")) >= 10)
             shown.append(perf_counter() - begin)
             window.says("records", "200 channels, 200 earthquakes", "Not used (200)")
-            assert len(window.find("#records .left.failed")) == 20
+            assert len(window.find("#records .left.failed")) == 10
             ordered += [browser.execute_async_script(SORTED, column) for column in ("PGA", "direction", "PGV")]
     print(f"first table after {[round(one, 2) for one in shown]} s, sorting {[round(one) for one in ordered]} ms")
-    assert min(shown) < 4.0  # 1.3 s on two cores with nothing else to do
+    # On a quiet machine with two cores the first window needs less than 2 s, a later one 0.5 s; CI may be slower.
+    assert shown[0] < 5.0
+    assert min(shown) < 2.0
     assert sorted(ordered)[4] < 200.0
 
 
