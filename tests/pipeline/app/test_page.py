@@ -236,7 +236,8 @@ def test_a_run_is_cancelled_and_ends_with_the_server(browser, samples, tmp_path)
 
 
 def test_a_second_window_follows_the_first(browser, tmp_path):
-    (tmp_path / "site.toml").write_text('[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n')
+    block = '[[block]]\nname = "wall"\nwidth = 0.3\nheight = 2.4\n'
+    (tmp_path / "site.toml").write_text(f'[site]\npga = "0.35 g"\n{block}')
     with served(tmp_path) as page:
         first = Window(browser, page).open()
         one = browser.current_window_handle
@@ -262,7 +263,10 @@ def test_a_second_window_follows_the_first(browser, tmp_path):
         first.wait(lambda: "ultimate elongation" not in first.text("bodies"))
         first.click('#bodies button[aria-label="Remove this body"]')
         first.wait(lambda: first.find(".body-row") == [])
-    assert "[[block]]" not in (tmp_path / "site.toml").read_text()
+        assert first.field("site", "value").get_attribute("value") == "0.35"
+    written = (tmp_path / "site.toml").read_text()
+    assert "[[block]]" not in written
+    assert 'pga = "0.35 g"' in written  # as it was given
     assert "wall" in (tmp_path / "site.toml.bak").read_text()
 
 
