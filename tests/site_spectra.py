@@ -10,7 +10,7 @@ from rockpulse import CalibrationSettings
 from rockpulse.models import Block
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.studies.site.calibration import SiteCalibration
-from rockpulse.studies.site.site_records import facts_of_record
+from rockpulse.studies.site.spectrum_design import facts_of_record
 
 #: Slendernesses 10 and 4.5, and one that no spectrum stands for.
 BLOCKS = {"wall": Block(0.3, 3.0), "pier": Block(0.8, 3.6), "chest": Block(1.6, 3.6, restitution=0.8)}

@@ -21,10 +21,9 @@ from rockpulse.run.analysis import Part, joined
 from rockpulse.selection.tables import SelectedRecords
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
-from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
+from rockpulse.studies.fragility.curves import Curve, fit_curve, missing, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
 from rockpulse.studies.fragility.motion_capacity import NOT_KNOWN, empty_capacity
-from rockpulse.studies.fragility.statements import missing
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
