@@ -26,9 +26,10 @@ from rockpulse.files import column_numbers
 from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.storage.variables.risk import FREE_FRAGILITY, INVENTORY, RiskStatus
-from rockpulse.studies.risk.frequency import hazard_conditions, several_events
+from rockpulse.studies.risk.frequency import hazard_conditions
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
+from rockpulse.warning_text import counted
 
 #: Largest number of record-body pairs that are computed at once.
 AT_ONCE = 30_000
@@ -311,7 +312,7 @@ def inventory_frequency(
         hazard=hazard.words,
         hazard_conditions=hazard_conditions(hazard.warnings, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
-        f"{several_events(events.shape[0])}, earthquakes equally weighted",
+        f"{counted(events.shape[0], 'event')}, earthquakes equally weighted",
         measure=hazard.measure,
         unit=hazard.unit,
         unit_in_si=hazard.unit_in_si,
@@ -350,7 +351,9 @@ def _of_bodies(
 
     weights = events.mean(axis=0)
     whole = above(np.full((1, 1), -np.inf))
-    least, most = hazards.log_ends()
+    with np.errstate(divide="ignore"):
+        ends = np.log([hazards.hazards[number].covered for number in hazards.of_body.tolist()])
+    least, most = ends[:, :1], ends[:, 1:]
     near, far = (curves.own[np.newaxis] + math.log(factor) for factor in factors)
     of_events = whole @ events.T
     frequency = np.mean(of_events, axis=1)

@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -49,48 +48,23 @@ def measured_value(name: str, record: Record, config: Config) -> float:
     return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
 
 
-def scale_factor(record: Record, config: Config) -> float:
-    """Return the factor [-] that scales a record to the configured target; RecordRefused if the measure is zero."""
-    settings = config.calibration
-    if settings.scale_to == "none" or settings.target is None:
-        return 1.0
-    measure = measured_value(settings.scale_to, record, config)
-    if not (math.isfinite(measure) and measure > 0.0):
-        raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}, so it cannot be scaled to a target")
-    return settings.target / measure
-
-
-def scaled(record: Record, factor: float) -> Record:
-    """Return a record multiplied by a positive factor [-], with a line in its processing history."""
-    if factor == 1.0:
-        return record
-    return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
-
-
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """Return the record scaled to the target, and its scale factor [-]; raise RecordRefused if this is impossible."""
-    conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
-    if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
-        low, high = USUAL_FACTORS
-        conditioned = conditioned.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
-    if scale_to != "none" and MEASURES[scale_to].drifts and drifts(conditioned):
-        conditioned = conditioned.with_warning(WarningText("scaled_to_drift"))
-    return scaled(conditioned, factor), factor
-
-
-def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, Any]:
-    """Return the values that a site file stores for one scaled record, by variable."""
-    return {
-        "record": record.id,
-        "source": record.source,
-        "source_sha256": record.source_sha256,
-        "warnings": "\n".join(record.warnings),
-        "processing": "\n".join(record.processing),
-        "scale_factor": factor,
-        **{one.name: measured_value(one.name, record, config) for one in STORED_LEVELS},
-        "largest_impulse": measured_value(IMPULSE, record, config),
-        **facts_of(SimpleNamespace(record=record)),
-    }
+    """Return the record scaled to the target, and its scale factor [-]; raise RecordRefused if its measure is zero."""
+    record, settings, factor = motion.record, config.calibration, 1.0
+    if settings.scale_to != "none" and settings.target is not None:
+        measure = measured_value(settings.scale_to, record, config)
+        if not (math.isfinite(measure) and measure > 0.0):
+            name = settings.scale_to
+            raise RecordRefused(f"{record.id}: its {name} is {measure:g}, so it cannot be scaled to a target")
+        factor = settings.target / measure
+    low, high = USUAL_FACTORS
+    if not low <= factor <= high:
+        record = record.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
+    if settings.scale_to != "none" and MEASURES[settings.scale_to].drifts and drifts(record):
+        record = record.with_warning(WarningText("scaled_to_drift"))
+    if factor != 1.0:
+        record = replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
+    return record, factor
 
 
 def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
@@ -101,12 +75,6 @@ def unusual_factors_warning(factors: np.ndarray) -> list[WarningText]:
         return []
     ends = {"low": low, "high": high, "least": float(factors.min()), "most": float(factors.max())}
     return [WarningText("scaled_far_in_all", count=odd, total=factors.size, **ends)]
-
-
-def empty_facts() -> dict[str, np.ndarray]:
-    """Return the arrays of :func:`facts_of_record` and "event" without rows."""
-    facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
-    return {"record": np.zeros(0, dtype=str), **facts}
 
 
 #: Smallest number of earthquakes for a design spectrum.
@@ -126,11 +94,20 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
         if record.pga == 0.0:
             raise RecordRefused(f"{record.id}: all samples are zero, so that there is no overturning spectrum")
         scene = extract(record, config)
+        record = scene.record
         lanes = LANES[config.calibration.spectrum](record, waves=scene.waves, rotations=False)
         own = scene.sequence
         shape = [math.nan] * 3 if own is None else [own.secondary / own.main, own.interval, own.main_count]
         found = {
-            **facts_of_record(scene.record, factor, config),
+            "record": record.id,
+            "source": record.source,
+            "source_sha256": record.source_sha256,
+            "warnings": "\n".join(record.warnings),
+            "processing": "\n".join(record.processing),
+            "scale_factor": factor,
+            **{one.name: measured_value(one.name, record, config) for one in STORED_LEVELS},
+            "largest_impulse": measured_value(IMPULSE, record, config),
+            **facts_of(scene),
             "spectrum": OverturningSpectrum(lanes).spectrum(RESTITUTIONS),
             **dict(zip(SHAPE.values(), np.array(shape, dtype=float).tolist(), strict=True)),
         }
@@ -139,11 +116,10 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
 
 def empty_spectrum_record() -> Part:
     """Return the arrays of :func:`site_spectrum_record` and "event" without rows."""
-    return {
-        **empty_facts(),
-        "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
-        **dict.fromkeys(SHAPE.values(), np.zeros(0)),
-    }
+    facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
+    shape = dict.fromkeys(SHAPE.values(), np.zeros(0))
+    spectrum = np.zeros((0, RATES.size, RESTITUTIONS.size))
+    return {"record": np.zeros(0, dtype=str), **facts, "spectrum": spectrum, **shape}
 
 
 def fewest_events(quantile: float) -> int:

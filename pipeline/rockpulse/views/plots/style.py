@@ -24,7 +24,7 @@ from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 from rockpulse.foreign_text import escaped
 from rockpulse.model_table import MODELS
 from rockpulse.views.shared.formatting import six_digits
-from rockpulse.views.shared.words import counted_words, in_numerals, language, say, translated
+from rockpulse.views.shared.words import in_numerals, language, say, translated
 
 #: Resolution of a PNG [dots per inch].
 RESOLUTION = 200
@@ -347,8 +347,3 @@ def wrapped(words: str, width: int) -> str:
         letter = chr(_PRIVATE + place)
         text = re.sub(f"{letter}(\n?{letter})*", piece.replace("\\", r"\\"), text)
     return text
-
-
-def record_counts(records: int, events: int) -> str:
-    """Return the numbers of records and earthquakes as text."""
-    return say("records_of", records=counted_words(records, "record"), earthquakes=counted_words(events, "earthquake"))
