@@ -11,7 +11,6 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, Remedy
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.integrals import with_slopes
 from rockpulse.readers.kit.column_statements import column_directions, column_units, same_directions, stated_peak
 from rockpulse.readers.kit.direction import BRACKET, is_direction, name_suffix
 from rockpulse.readers.kit.headings import ColumnHeading, column_headings
@@ -28,7 +27,7 @@ from rockpulse.readers.kit.number_table import (
     row_width,
 )
 from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
-from rockpulse.readers.kit.stamps import without_stamps
+from rockpulse.readers.parts import with_slopes
 from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # number of rows that are checked to recognise a table
@@ -176,7 +175,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
 
 def _lines(content: bytes) -> tuple[Sequence[str], datetime | None]:
     """Return the lines, with touching numbers separated and times as seconds, and the UTC time of the first row."""
-    return without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
+    return kit.without_stamps(kit.text_lines(_TOUCHING.sub(rb"\1 ", content)))
 
 
 def _check_above(name: str, lines: Sequence[str], layout: Layout) -> None:
