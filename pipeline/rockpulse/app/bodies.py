@@ -213,7 +213,7 @@ class BodyPart:
         unused = self.project.add_table("pasted.csv", headed.encode())
         self._added(dialog)
         if unused:
-            ui.notify(unused)
+            ui.notify(error_words(unused))
 
     def _file(self, event: events.GenericEventArguments, dialog: Any) -> None:
         if not event.args["sending"]:
