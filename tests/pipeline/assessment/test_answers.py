@@ -134,8 +134,8 @@ def test_factors_are_taken_over_what_brings_a_record_to_each_demand():
     times = {"demand_value": 3.0, "demand_factor": 3.0, "capacity_ratio": 1.0 / 3.0}
     found = answers(two_demands(summary_of([3.0, INF], demand=2.0, to_demand=[2.0, 0.5]), times))
     assert [one.value for one in found.demands.values()] == [2.0, 6.0]
-    assert found.to_demand("ULS").tolist() == [[2.0], [0.5]]
-    assert found.to_demand("SLC").tolist() == [[6.0], [1.5]]
+    assert found.of_demand("demand_factor", "ULS").tolist() == [[2.0], [0.5]]
+    assert found.of_demand("demand_factor", "SLC").tolist() == [[6.0], [1.5]]
     assert found.ratios().tolist() == [[3.0], [INF]]
     assert found.ratios("SLC").tolist() == [[0.5], [INF]]  # the capacity_ratio of the results
     assert found.proven().tolist() == [[3.0], [10.0]]
