@@ -126,13 +126,6 @@ def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
     assert main(["inspect", str(target), "--record", "design sequence 0.5", "--block", "pier"]) == 0
 
 
-@pytest.mark.parametrize("extra", [["records"], ["--dt", "0.01"]])
-def test_a_sequence_and_records_together_are_refused(done, config, tmp_path, capsys, extra):
-    arguments = ["assess", *extra, "--sequence", str(done), "--config", str(config), "-o", str(tmp_path / "r.h5")]
-    assert main(arguments) == 2
-    assert "--sequence replaces the records" in capsys.readouterr().err
-
-
 @pytest.mark.sweep
 def test_files_of_another_kind_are_refused(assessed, motions, config, tmp_path, capsys):
     results, text = assessed[0], tmp_path / "notes.txt"
@@ -141,10 +134,6 @@ def test_files_of_another_kind_are_refused(assessed, motions, config, tmp_path, 
         rp.load_design(results)
     with pytest.raises(ResultsError, match="not a rockpulse results file"):
         rp.load_design(text)
-    for wrong in (results, text, tmp_path / "none.h5"):
-        arguments = ["assess", "--sequence", str(wrong), "--config", str(config), "-o", str(tmp_path / "again.h5")]
-        assert main(arguments) == 2
-        assert str(wrong) in capsys.readouterr().err
     # A results file is never replaced by a site file, nor the other way round.
     arguments = ["calibrate", str(motions), "--config", str(config), "-o", str(results), "--overwrite"]
     assert main(arguments) == 2

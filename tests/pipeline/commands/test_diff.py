@@ -60,20 +60,3 @@ def test_one_screen_or_all_of_it(files, tmp_path, capsys):
     assert shown == 6
     assert whole.count("  /summary/") == shown + more
     assert "--full" not in whole
-
-
-@pytest.mark.sweep
-def test_an_unknown_variable_to_ignore_is_exit_code_two(files, capsys):
-    assert main(["diff", *files, "--ignore", "nonsense"]) == 2
-    assert "no variable 'nonsense'" in capsys.readouterr().err
-
-
-@pytest.mark.sweep
-def test_exit_code_two_for_what_is_no_results_file(files, tmp_path, capsys):
-    (tmp_path / "notes.txt").write_text("no results")
-    assert main(["diff", files[0], str(tmp_path / "notes.txt")]) == 2
-    assert "not a rockpulse results file" in capsys.readouterr().err
-    assert main(["diff", files[0], str(tmp_path / "none.h5")]) == 2
-    with pytest.raises(SystemExit) as end:
-        main(["diff", *files, "--rtol", "-1"])
-    assert end.value.code == 2

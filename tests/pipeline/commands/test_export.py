@@ -48,23 +48,6 @@ def test_other_groups_and_rows(results, tmp_path, capsys):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--descending"], "--descending: needs --sort"),
-        (["--group", "nothing"], "no group 'nothing'"),
-        (["--rows", ""], "expected at least one dimension"),
-        (["--columns", ","], "expected at least one column"),
-        (["--group", "failures", "--record", "weak.1"], "no record to filter by"),
-    ],
-)
-def test_wrong_options_are_exit_code_two_and_write_nothing(results, tmp_path, capsys, options, said):
-    assert main(["export", results, "-o", str(tmp_path / "t.csv"), *options]) == 2
-    assert said in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.sweep
 def test_the_readme_has_the_demands_and_the_decimal_comma_is_an_option(tmp_path):
     tree = results_tree()
     summary = tree["summary"].to_dataset()

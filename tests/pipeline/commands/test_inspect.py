@@ -54,22 +54,6 @@ def test_record_block_and_failures_together(results, capsys):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("option", ["--record", "--block"])
-def test_an_unknown_name_is_exit_code_two_with_the_known_ones(results, capsys, option):
-    assert main(["inspect", results, option, "nobody"]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert "there are:\n  " in captured.err
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize(("kind", "words"), [("site", "not enough earthquakes (5;"), ("fragility", "stele")])
-def test_every_kind_of_file_is_shown(golden, kind, words, capsys):
-    assert main(["inspect", str(getattr(golden, kind))]) == 0
-    assert words in capsys.readouterr().out
-
-
-@pytest.mark.sweep
 def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     assert (
         main(["inspect", results, "--outcome", "overturns", "--model", "resonance", "--sort", "pga", "--limit", "3"])
@@ -86,13 +70,6 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     out = capsys.readouterr().out
     assert out.startswith("3 bodies, largest slenderness first")
     assert out.endswith("skipped (find) notes.txt: no record\n")
-
-
-@pytest.mark.sweep
-def test_worst_does_not_go_with_another_order_or_list(results, capsys):
-    for beside in (["--sort", "pga"], ["--limit", "3"], ["--records"], ["--blocks"]):
-        assert main(["inspect", results, "--worst", "2", *beside]) == 2
-        assert f"cannot be combined with {beside[0]}; use --sort" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("gone", ["pga", pytest.param("record", marks=pytest.mark.sweep)])

@@ -91,24 +91,6 @@ def test_a_picture_that_exists_is_kept(results, tmp_path, capsys):
     assert target.read_text() == "mine"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["accelerogram", "-o", "x.bmp"], "expected a name that ends in .svg, .png, .pdf"),
-        (["accelerograms", "-o", "x.svg"], 'did you mean "accelerogram"'),
-        (["fragility", "-o", "x.svg"], "expected a file of 'rockpulse fragility'"),
-        (["accelerogram", "--record", "CI.CCC..90@20190706T031937", "-o", "x.svg"], "the nearest: CI.CCC..360@"),
-        (["accelerogram", "--block", "pinnacle", "-o", "x.svg"], "has no option block; its options: record"),
-        (["rocking-spectrum", "--restitution", "much", "-o", "x.svg"], "expected a number from 0 to 1"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused(results, tmp_path, monkeypatch, capsys, arguments, words):
-    monkeypatch.chdir(tmp_path)
-    assert main(["plot", str(results), *arguments]) == 2
-    assert words in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_the_kinds_are_listed_with_the_file_each_needs(capsys):
     with pytest.raises(SystemExit) as end:
         main(["plot", "--list"])

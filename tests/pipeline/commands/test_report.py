@@ -19,8 +19,3 @@ def test_it_writes_the_page_and_says_where(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv(CHILD, "1")  # started by the page, which shows the bar
     assert main(["report", str(results), "-o", str(report), "--overwrite"]) == 0
     assert "drawing: 100%" in capsys.readouterr().err
-
-
-def test_another_kind_of_file_is_refused(tmp_path, capsys):
-    assert main(["report", str(tmp_path / "results.h5"), "-o", str(tmp_path / "report.txt")]) == 2
-    assert "report.txt: expected a name that ends in .html or .pdf" in capsys.readouterr().err
