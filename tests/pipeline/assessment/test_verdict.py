@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import answers, motions, probable, summary_of, verdict
+from report_cases import answers, motions, probable, summary_of, turned, verdict
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers
@@ -190,15 +190,6 @@ def test_the_record_of_the_smallest_factor_governs():
     assert verdict(summary_of([INF] * 4, outcomes=outcomes)).deciding.governing == 2
     found = verdict(probable([0.0] * 2, at_demand=[0.1] * 2, factor_10=[1.0, 0.8], demand=3.0, to_demand=[2.0, 1.0]))
     assert (found.deciding.governing, found.recorded.governing, found.deciding.margin.smallest) == (0, 1, 0.5)
-
-
-def turned(rotations, **options):
-    """A summary at a demand whose records turn the nominal body so far, over alpha_c; inf: they overturn it."""
-    rotations = np.array(rotations, dtype=float)
-    outcome = np.select([np.isinf(rotations), np.isnan(rotations)], [Outcome.OVERTURNS, Outcome.UNRESOLVED], 1)
-    own = {"demand_rotation_ratio": rotations, "demand_outcome": outcome}
-    summary = probable([0.0] * rotations.size, at_demand=[0.0] * rotations.size, demand=1.0, **options)
-    return summary.assign({name: ((*OF[:2], "demand"), values[:, None, None]) for name, values in own.items()})
 
 
 def test_rotations_at_the_demand_with_overturned_ones_counted_as_such():

@@ -3,22 +3,20 @@
 import re
 
 import pytest
-from results_tree import results_bytes, results_tree
+from results_tree import results_tree
 
 from rockpulse.cli import main
 from rockpulse.storage.hdf5.results_file import save
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory):
+def files(results, tmp_path_factory):
     """Results, and the same with a PGA that is larger by a millionth."""
-    folder = tmp_path_factory.mktemp("results")
-    first, second = folder / "a.h5", folder / "b.h5"
-    first.write_bytes(results_bytes())
+    second = tmp_path_factory.mktemp("larger") / "b.h5"
     tree = results_tree()
     tree["summary"]["pga"].values[1] *= 1.0 + 1e-6
     save(tree, second)
-    return str(first), str(second)
+    return results, str(second)
 
 
 def test_exit_code_zero_where_the_results_are_the_same(files, capsys):

@@ -3,17 +3,10 @@
 import pandas as pd
 import pytest
 import xarray as xr
-from results_tree import RECORDS, demanding, results_bytes, results_tree
+from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.cli import main
 from rockpulse.storage.hdf5.results_file import save
-
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory):
-    path = tmp_path_factory.mktemp("results") / "results.h5"
-    path.write_bytes(results_bytes())
-    return str(path)
 
 
 def test_a_table_and_its_readme(results, tmp_path, capsys):

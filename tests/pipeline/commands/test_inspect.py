@@ -5,20 +5,14 @@ import shutil
 import h5py
 import pytest
 import xarray as xr
-from results_tree import RECORDS, results_bytes, results_tree
+from results_tree import RECORDS, results_tree
 
 from rockpulse.cli import main
 from rockpulse.run.journal import Journal
 from rockpulse.run.tasks import Done
 from rockpulse.storage.hdf5.results_file import save
 
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory, loaded_once):
-    """The tree in a file."""
-    path = tmp_path_factory.mktemp("results") / "results.h5"
-    path.write_bytes(results_bytes())
-    return str(path)
+pytestmark = pytest.mark.usefixtures("loaded_once")
 
 
 @pytest.mark.sweep
