@@ -113,9 +113,11 @@ def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
     assert "secondary impulse I_s" in capsys.readouterr().out  # one record: in detail
 
 
-def test_files_that_are_shown_whole_take_no_filters(golden, capsys):
-    assert main(["inspect", str(golden.site), "--records", "--worst", "3"]) == 2
-    assert "--records, --worst: only for results of 'rockpulse assess'; this is a site file" in capsys.readouterr().err
+@pytest.mark.parametrize("kind", ["site", "fragility"])
+def test_files_that_are_shown_whole_take_no_filters(golden, kind, capsys):
+    assert main(["inspect", str(getattr(golden, kind)), "--records", "--worst", "3"]) == 2
+    said = f"--records, --worst: only for results of 'rockpulse assess'; this is a {kind} file"
+    assert said in capsys.readouterr().err
 
 
 def test_an_unfinished_run_is_shown_with_its_progress(tmp_path, capsys):
