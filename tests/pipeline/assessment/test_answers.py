@@ -81,6 +81,8 @@ def test_bounds_and_what_is_open():
     (margin,) = answers(summary_of([0.4, NAN, 2.0, 3.0], resolved=[0, 1, 1, 1]), of).margins()
     assert (margin.smallest, margin.open, margin.median, margin.partial) == (0.4, True, 2.0, 1)
     assert margin.bounds == (True, False)
+    (margin,) = answers(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair")).margins()
+    assert (margin.smallest, margin.open, margin.median) == (0.4, False, pytest.approx(1.2))
     (margin,) = answers(summary_of([2.0, 2.0, 9.0], resolved=[0, 1, 0])).margins()
     assert margin.bounds == (False, True)  # of 2 or more, 2, and 9 or more
     (margin,) = answers(summary_of([2.0, 5.0, 9.0], resolved=[1, 0, 1])).margins()

@@ -265,6 +265,7 @@ def test_an_upper_bound_type_input_shows_no_more_than_that_a_body_may_overturn()
         ([INF, 4.0, 4.0, 4.0, 4.0], None, Grade.ROCKS),
         ([2.0, 2.0, 4.0, 4.0, 4.0], [0, 1, 1, 1, 1], Grade.ROCKS),
         ([1.9, 1.8, 1.7, 4.0, 4.0], None, Grade.OVERTURNS),
+        ([NAN] * 5, None, Grade.NOT_KNOWN),
         ([3.0, 4.0], None, Grade.NO_VERDICT),
     ],
 )
