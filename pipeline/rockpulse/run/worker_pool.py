@@ -102,12 +102,13 @@ class WorkerPool:
             self.executor.shutdown(cancel_futures=True)
 
     def run(
-        self, function: Callable[[Item], Result], items: Iterable[Item]
+        self, function: Callable[[Item], Result], items: Iterable[Item], count: int | None = None
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
         """Yield each item with the result of a picklable function, in the order in which they are finished.
 
-        A few items per worker, or on a cluster a few groups of items, are submitted in advance. An item whose worker
-        died is repeated once, alone and after all others; if its worker dies again, the result is :class:`WorkerLost`.
+        `count` is the number of items if they are no sequence. A few items per worker, or on a cluster a few groups of
+        items, are submitted in advance. An item whose worker died is repeated once, alone and after all others; if its
+        worker dies again, the result is :class:`WorkerLost`.
         Raises the error of the function with the worker's traceback in its notes, and ConnectionError if the cluster is
         lost.
         """
@@ -115,7 +116,7 @@ class WorkerPool:
             yield from ((item, function(item)) for item in items)
             return
         waiting, again, once = iter(items), list[Item](), Once(function)
-        unsent, size = (len(items) if isinstance(items, Sequence) else LARGEST_GROUP**2), 1
+        unsent, size = len(items) if isinstance(items, Sequence) else count or LARGEST_GROUP**2, 1
         running: dict[Future[tuple[float, list[Result]]], list[Item]] = {}
         try:
             while True:
