@@ -22,13 +22,14 @@ from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted, no_bar
 from rockpulse.run.survey import Located, gather_survey, survey_file
-from rockpulse.run.tasks import PackedTask, carry_out, digest_of, packed_tasks, read_options, taken_from, warm_up
+from rockpulse.run.tasks import PackedTask, TakenFrom, carry_out, digest_of, packed_tasks, read_options, warm_up
 from rockpulse.run.worker_pool import WorkerLost, WorkerPool
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 logger = logging.getLogger("rockpulse")
 PathLike = str | os.PathLike[str]
 Paths = PathLike | Iterable[PathLike]
+Surveyed = tuple[list[Located], list[Failure], int]
 #: Smallest number of files or records per process; for fewer, threads of this process share the bodies of each.
 ITEMS_PER_WORKER = 8
 
@@ -227,19 +228,14 @@ class _Batch:
         warm_up(self.analysis)  # compile here once instead of in every worker
         return resources.enter_context(WorkerPool.local(int(workers)))
 
-    def surveyed(
-        self, pool: WorkerPool, found: list[Found], failures: Sequence[Failure]
-    ) -> tuple[list[Located], list[Failure], int]:
-        """Return the channels (no samples), the failures, and the number of files that a resumed run reads again.
-
-        The list of files is emptied step by step, which saves memory.
-        """
+    def surveyed(self, pool: WorkerPool, found: list[Found], failures: Sequence[Failure]) -> Surveyed:
+        """Empty `found`; return channels (no samples), failures, and the number of files that a resumed run reads."""
         look = partial(survey_file, options=read_options(self.analysis.config))
-        located, rows, unread, count = list[Located](), list(failures), 0, len(found)
+        located, rows, unread = list[Located](), list(failures), 0
         self.stop_at(rows)
-        logger.info("reading %d files", count)
-        with self.bar(total=count, initial=0, desc="reading", unit=" files") as bar:
-            for one, survey in pool.run(look, taken_from(found), count):
+        logger.info("reading %d files", len(found))
+        with self.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
+            for one, survey in pool.run(look, TakenFrom(found)):
                 if isinstance(survey, WorkerLost):
                     rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
                     unread += 1

@@ -112,7 +112,7 @@ def packed_tasks(planned: list[PlannedMotion], channels: list[Located], config: 
     places = {one.record.id: one.parts for one in channels}
     channels.clear()
     packed: list[PackedTask] = []
-    for one in _tasks(taken_from(planned), places, config, verb):
+    for one in _tasks(TakenFrom(planned), places, config, verb):
         content = pickle.dumps((one.planned, one.places), 5)
         pattern = packed[0].pattern if packed else content
         press = zlib.compressobj(1, zdict=pattern)
@@ -120,11 +120,20 @@ def packed_tasks(planned: list[PlannedMotion], channels: list[Located], config: 
     return packed
 
 
-def taken_from(items: list[Item]) -> Iterator[Item]:
-    """Yield the elements of a list in their order, and remove each element from the list."""
-    items.reverse()
-    while items:
-        yield items.pop()
+class TakenFrom(Iterator[Item]):
+    """Iterates over the elements of a list in their order, and removes each element from the list."""
+
+    def __init__(self, items: list[Item]) -> None:
+        self._left = items
+        items.reverse()
+
+    def __next__(self) -> Item:
+        if not self._left:
+            raise StopIteration
+        return self._left.pop()
+
+    def __length_hint__(self) -> int:
+        return len(self._left)
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:

@@ -4,11 +4,12 @@ import logging
 import pickle
 import re
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import islice
+from operator import length_hint
 from typing import Any, Self, TypeVar
 
 from rocking.lanes import available_cores
@@ -102,13 +103,12 @@ class WorkerPool:
             self.executor.shutdown(cancel_futures=True)
 
     def run(
-        self, function: Callable[[Item], Result], items: Iterable[Item], count: int | None = None
+        self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
         """Yield each item with the result of a picklable function, in the order in which they are finished.
 
-        `count` is the number of items if they are no sequence. A few items per worker, or on a cluster a few groups of
-        items, are submitted in advance. An item whose worker died is repeated once, alone and after all others; if its
-        worker dies again, the result is :class:`WorkerLost`.
+        A few items per worker, or on a cluster a few groups of items, are submitted in advance. An item whose worker
+        died is repeated once, alone and after all others; if its worker dies again, the result is :class:`WorkerLost`.
         Raises the error of the function with the worker's traceback in its notes, and ConnectionError if the cluster is
         lost.
         """
@@ -116,7 +116,7 @@ class WorkerPool:
             yield from ((item, function(item)) for item in items)
             return
         waiting, again, once = iter(items), list[Item](), Once(function)
-        unsent, size = len(items) if isinstance(items, Sequence) else count or LARGEST_GROUP**2, 1
+        unsent, size = length_hint(items, LARGEST_GROUP**2), 1
         running: dict[Future[tuple[float, list[Result]]], list[Item]] = {}
         try:
             while True:
