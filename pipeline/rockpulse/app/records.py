@@ -23,9 +23,10 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.selection.directions import plan_motions
 from rockpulse.selection.duplicate_selection import without_duplicates
+from rockpulse.views.shared.files_used import translated_row
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.record_facts import facts_of
-from rockpulse.views.shared.words import counted_words, in_dates, listed, result_text, say
+from rockpulse.views.shared.words import counted_words, in_dates, listed, say
 
 #: Columns of the table, and those of numbers.
 COLUMNS = ("station", "earthquake", "direction", "pga", "pgv", "length", "shape", "file")
@@ -172,10 +173,10 @@ class RecordPart:
         return row.bare != NO_RECORD and box not in boxes
 
     def _show_unused(self, rows: list[Failure]) -> None:
-        for row in rows:
+        for row in map(translated_row, rows):
             with ui.element("div").classes(f"left {row.kind}"):
                 ui.label(f"{last_part(row.file)} ({say(f'left_out.{row.kind}')})").classes("name")
-                ui.label(result_text(row.found).replace(f"{self.project.folder}/", ""))
+                ui.label(row.found.replace(f"{self.project.folder}/", ""))
                 for remedy in row.remedies:
                     self._show_remedy(row.file, remedy)
                 if row.bare != row.found:
